@@ -1,0 +1,1 @@
+"""Drawing sheets made from the dimension declarations that stand beside the solids."""

@@ -1,0 +1,1 @@
+"""Physical effects, the model composed of them, integrators and the thesis's experiments."""

@@ -1,0 +1,27 @@
+"""The one error a user's mistake raises."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+class InputError(ValueError):
+    """A mistake in what the user gave: the message is one line naming place, value and what is allowed."""
+
+
+def nearest(name: str, allowed: Iterable[str]) -> str:
+    """Ending of an error message that names the nearest valid name, or all of them when none is near.
+
+    Args:
+        name: what the user wrote.
+        allowed: the valid names.
+
+    Returns:
+        ``"; did you mean 'x'?"`` or ``"; allowed: a, b, c"``.
+    """
+    names = sorted(allowed)
+    close = get_close_matches(name, names, n=1, cutoff=0.6)
+    if close:
+        return f"; did you mean '{close[0]}'?"
+    return f"; allowed: {', '.join(names)}"

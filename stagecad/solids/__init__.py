@@ -1,0 +1,1 @@
+"""Solids of the stage, one file per part; with `drawings` the only place that imports cadquery."""

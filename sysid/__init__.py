@@ -1,0 +1,1 @@
+"""Model meets measurement: records, comparison, diagnosis, and the ladder of effects."""
