@@ -1,0 +1,42 @@
+# Each target makes its own environment in .venv, and installs what is missing.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+
+.DEFAULT_GOAL := demo
+.PHONY: demo test test-slow bench lint system clean
+
+demo: $(READY) system
+	$(BIN)/stagecad make --out build
+	@echo
+	@echo "Open build/report.html in a browser."
+
+test: $(READY) system lint
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -m "not slow"
+
+test-slow: $(READY) system
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
+
+bench: $(READY) system
+	for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/pyright
+	$(BIN)/lint-imports
+
+$(READY): pyproject.toml
+	$(PYTHON) -c "import sys; sys.exit(0 if (3, 11) <= sys.version_info[:2] < (3, 14) else 'Python 3.11 to 3.13 is needed; set PYTHON=/path/to/it')"
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	touch $@
+
+# Libraries that the CAD kernel loads and that no Python package brings along.
+system: $(READY)
+	@$(BIN)/python .ci/system_libraries.py
+
+clean:
+	rm -rf build .pytest_cache .ruff_cache

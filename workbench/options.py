@@ -1,0 +1,133 @@
+"""What every command shares: the common options, and where its output goes."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stagecad.parameters.atomic import atomic_write_text
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from stagecad.parameters.design import Design
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run of a command: the options every command has, and its two streams.
+
+    With `--json` the document alone goes to standard output, and all that is meant for a person to standard error.
+    """
+
+    params: Path | None
+    overrides: tuple[str, ...]
+    out: Path
+    json_target: str | None
+
+    @functools.cached_property
+    def design(self) -> Design:
+        """The design of `--params` (default: stage.toml here, else the packaged thesis design) with `--set` applied."""
+        from stagecad.parameters.design import load_design
+
+        path = self.params
+        if path is None and Path("stage.toml").is_file():
+            path = Path("stage.toml")
+        return load_design(path, self.overrides)
+
+    @functools.cached_property
+    def console(self) -> Console:
+        """Where text for a person goes: standard output, or standard error beside a JSON document."""
+        from rich.console import Console
+
+        # Where no terminal says how wide it is, tables are laid out for a wide page rather than cut.
+        plain = sys.stderr if self.json_target is not None else sys.stdout
+        return Console(file=plain, soft_wrap=False, highlight=False, width=None if plain.isatty() else 140)
+
+    def say(self, text: str) -> None:
+        """Print a line for a person."""
+        click.echo(text, err=self.json_target is not None)
+
+    def note(self, text: str) -> None:
+        """Print a remark to standard error."""
+        click.echo(text, err=True)
+
+    def emit(self, document: object) -> None:
+        """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
+        if self.json_target is None:
+            return
+        text = json.dumps(finite(document), indent=1, allow_nan=False) + "\n"
+        if self.json_target != "-":
+            atomic_write_text(self.json_target, text)
+        click.echo(text, nl=False)
+
+    def progress(self) -> Progress:
+        """A progress bar on standard error, drawn on a terminal only, for what takes longer than a second."""
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        console = Console(file=sys.stderr)
+        return Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.completed:.0f}/{task.total:.0f}"),
+            TimeElapsedColumn(),
+            console=console,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+
+
+def finite(value: Any) -> Any:
+    """`value` with numbers that JSON cannot hold (infinite, not a number) as null, and numpy scalars as plain ones."""
+    if isinstance(value, dict):
+        return {str(key): finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    if hasattr(value, "tolist"):
+        return finite(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options of every command; the function receives them as its first argument, a `Run`."""
+
+    @click.option(
+        "--params",
+        type=click.Path(path_type=Path),
+        help="Parameter file (default: stage.toml here, else the packaged thesis design).",
+    )
+    @click.option(
+        "--set", "overrides", multiple=True, metavar="KEY=VALUE", help="Override a parameter; may be repeated."
+    )
+    @click.option(
+        "--out",
+        type=click.Path(path_type=Path, file_okay=False),
+        default=Path("build"),
+        show_default=True,
+        help="Folder to write to.",
+    )
+    @click.option(
+        "--json",
+        "json_target",
+        metavar="[FILE.json]",
+        help="Print one JSON document (and write it to FILE.json when given).",
+    )
+    @functools.wraps(function)
+    def wrapper(
+        params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
+    ) -> Any:
+        return function(Run(params, overrides, out, json_target), **rest)
+
+    return wrapper
