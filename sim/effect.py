@@ -54,6 +54,7 @@ class Axis(NamedTuple):
     contact_age: Any  # s, how long the contact that holds now has been held (zero while it slips freely)
     reversal_distance: Any  # m, distance since the last change of direction
     travelled: Any  # m, distance since the first row of the record
+    direction: Any = 1.0  # sign of the velocity; at rest, that of the last motion
 
 
 @dataclass(frozen=True)
@@ -83,8 +84,9 @@ class Parameter:
         meaning: one line.
         source: where default and bounds come from.
         role: `amplitude` (zero means the effect is absent, and the force is linear in it), `shape` (searched over
-            `scan`, since it has no gradient where the effect is absent), `level` (base size such as a Coulomb force),
-            or `reference` (held at a value, a mean of the record: never fitted).
+            `scan`, since it has no gradient where the effect is absent), `phase` (an angle that goes with an amplitude:
+            tried at 0 and pi/2, which spans every phase), `level` (base size such as a Coulomb force), or `reference`
+            (held at a value, a mean of the record: never fitted).
         scan: the range searched for a `shape` parameter.
         fixed: held at its value unless the experiment frees it.
     """
@@ -96,13 +98,16 @@ class Parameter:
     high: float
     meaning: str
     source: str
-    role: Literal["amplitude", "shape", "level", "reference"] = "amplitude"
+    role: Literal["amplitude", "shape", "phase", "level", "reference"] = "amplitude"
     scan: Scan | None = None
     fixed: bool = False
 
 
 Law = Callable[[Axis, Any], Any]
 """`law(axis, p) -> value`: `p` has the effect's parameters as attributes; the value has the shape of the axis."""
+
+MemoryLaw = Callable[[Axis, Any], Axis]
+"""`law(axis, p) -> axis`: the axis as the friction sees it, along a whole record."""
 
 SignalLaw = Callable[[Any, float, Any], Any]
 """`law(signal, step, p) -> signal`: a causal operator on a uniformly sampled signal of shape (n,), `step` in s."""
@@ -126,6 +131,7 @@ class Effect:
         slopes: exact partial derivatives for implicit integration: `{"force.velocity": law, "level.velocity": law,
             "force.position": law, ...}`; one left out is zero.
         signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
+        memory: changes the motion that level and core see along a record (a lag in the friction, a play in the drive).
         core: for an effect that turns the level into a force, the core (`sim.cores`).
         acts_on: where it acts.
         variants: other laws under the same name (`stribeck:free_exponent`).
@@ -143,6 +149,7 @@ class Effect:
     force: Law | None = None
     slopes: Mapping[str, Law] = field(default_factory=dict)
     signal: SignalLaw | None = None
+    memory: MemoryLaw | None = None
     core: Any = None
     acts_on: Literal["friction", "axis", "drive", "piezo", "sensor", "memory", "structure"] = "axis"
     needs: tuple[Literal["load", "temperature", "rotary"], ...] = ()
