@@ -1,0 +1,65 @@
+"""Static friction that rises with the time of contact."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.effect import Axis, Effect, Parameter, Scan
+
+
+def _age(axis: Axis, p: Any) -> Any:
+    from sim.record_kernels import contact_age
+
+    return contact_age(axis.time, axis.position, p.memory_length)
+
+
+def _logarithmic(axis: Axis, p: Any) -> Any:
+    return p.force * np.log1p(_age(axis, p) / p.cut_off)
+
+
+def _kato(axis: Axis, p: Any) -> Any:
+    return p.force * -np.expm1(-p.rate * _age(axis, p) ** p.exponent)
+
+
+_MEMORY_LENGTH = Parameter(
+    "memory_length", "m", 1e-5, 1e-9, 1e3, "sliding distance that renews the contacts",
+    "1-100 um in metals: Dieterich 1979", role="shape", scan=Scan("position", 1e-4, 0.1, 8),
+)
+
+_LOGARITHMIC = Effect(
+    name="dwell_strengthening",
+    meaning="static friction rises with the logarithm of the time of contact",
+    equation="level + force * ln(1 + age / cut_off);  age' = 1 - |v| age / memory_length",
+    shows="break-away after a rest is higher, the more so the longer the rest; it fades over a short slide",
+    source="Dieterich, J. Geophys. Res. 84 (1979) 2161; Ruina, J. Geophys. Res. 88 (1983) 10359",
+    acts_on="friction",
+    coordinates=("contact_age", "velocity"),
+    parameters=(
+        Parameter("force", "N", 0.05, 0.0, 1e9, "rise of the level per e-fold of contact time", "ageing strengthens"),
+        Parameter("cut_off", "s", 0.05, 1e-6, 1e4, "contact time from which the rise is logarithmic",
+                  "bounded by the record's length", role="shape", scan=Scan("time", 5e-4, 0.1, 5)),
+        _MEMORY_LENGTH,
+    ),
+    level=_logarithmic,
+)
+
+_KATO = replace(
+    _LOGARITHMIC,
+    name="dwell_strengthening:kato",
+    meaning="static friction rises with the time of contact towards a ceiling (Kato)",
+    equation="level + force * (1 - exp(-rate * age^exponent));  age' = 1 - |v| age / memory_length",
+    source="Kato, Sato, Matsubayashi, J. Lubrication Technology 94 (1972) 34: rate 0.04-1.66, exponent 0.36-0.67",
+    parameters=(
+        Parameter("force", "N", 0.1, 0.0, 1e9, "ceiling above the level of a fresh contact", "ageing strengthens"),
+        Parameter("rate", "1", 1.66, 1e-3, 1e3, "gamma of Kato's law, in s^-exponent", "Kato 1972: 1.66 on ways",
+                  role="shape", scan=Scan("one", 0.3, 8.0, 4)),
+        Parameter("exponent", "1", 0.65, 0.2, 1.0, "m of Kato's law", "Kato 1972: 0.65", role="reference"),
+        _MEMORY_LENGTH,
+    ),
+    level=_kato,
+)
+
+EFFECT = replace(_LOGARITHMIC, variants=(_KATO,))

@@ -1,0 +1,34 @@
+"""A resonance between the drive, the moving body and what is measured."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.effect import Effect, Parameter, Scan
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    from sim.record_kernels import resonance
+
+    return resonance(np.ascontiguousarray(signal), step, p.frequency, p.damping)
+
+
+EFFECT = Effect(
+    name="flexible_mode",
+    meaning="a resonance of the structure between the drive and what is measured",
+    equation="y'' + 2 damping w y' + w^2 y = w^2 u,  w = 2 pi frequency; on an axis, a part of the mass rides on it",
+    shows="ringing at one frequency after every fast change",
+    source="Rankers, Machine Dynamics in Mechatronic Systems (1997)",
+    acts_on="structure",
+    coordinates=("frequency", "acceleration"),
+    parameters=(
+        Parameter("frequency", "Hz", 100.0, 1e-3, 1e6, "natural frequency", "below half the sampling frequency",
+                  role="shape", scan=Scan("sample", 0.004, 0.4, 24)),
+        Parameter("damping", "1", 0.05, 1e-3, 0.9, "damping ratio", "bolted structures: 0.01-0.1", role="shape"),
+        Parameter("mass_ratio", "1", 0.1, 0.0, 0.95, "part of the moving mass that rides on the mode (on an axis)",
+                  "a part of the whole"),
+    ),
+    signal=_signal,
+)

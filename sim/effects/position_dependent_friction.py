@@ -1,0 +1,51 @@
+"""A friction level that varies along the travel."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.effect import Axis, Effect, Parameter, Scan
+
+
+def _factor(axis: Axis, p: Any) -> Any:
+    return 1.0 + p.amplitude * np.sin(2.0 * np.pi * axis.position / p.pitch + p.phase)
+
+
+def _gradient_factor(axis: Axis, p: Any) -> Any:
+    return 1.0 + p.gradient * axis.position
+
+
+_SINE = Effect(
+    name="position_dependent_friction",
+    meaning="the friction level varies along the travel: lapping marks, waviness, uneven preload",
+    equation="level * (1 + amplitude * sin(2 pi x / pitch + phase))",
+    shows="the residual follows position with the sign of the velocity: mirrored between the two directions",
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083, sec. 2.3",
+    acts_on="friction",
+    coordinates=("position",),
+    parameters=(
+        Parameter("amplitude", "1", 0.1, 0.0, 0.95, "relative variation of the level", "level stays positive"),
+        Parameter(
+            "pitch", "m", 5e-3, 1e-9, 1e3, "length of one wave", "a pitch beyond the travel is a slope in disguise",
+            role="shape", scan=Scan("position", 0.02, 1.5, 60),
+        ),
+        Parameter("phase", "rad", 0.0, -50.0, 50.0, "angle at x = 0", "full circle", role="phase"),
+    ),
+    factor=_factor,
+)
+
+_GRADIENT = replace(
+    _SINE,
+    name="position_dependent_friction:gradient",
+    meaning="the friction level grows evenly along the travel",
+    equation="level * (1 + gradient * x)",
+    parameters=(
+        Parameter("gradient", "1/m", 1.0, -1e6, 1e6, "relative change of the level per length", "either sign"),
+    ),
+    factor=_gradient_factor,
+)
+
+EFFECT = replace(_SINE, variants=(_GRADIENT,))

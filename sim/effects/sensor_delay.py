@@ -1,0 +1,30 @@
+"""A sensor reports the measured quantity after a delay."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.effect import Effect, Parameter, Scan
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    index = np.arange(signal.size)
+    return np.interp(index - p.delay / step, index, signal)
+
+
+EFFECT = Effect(
+    name="sensor_delay",
+    meaning="a sensor reports the measured quantity after a delay",
+    equation="y(t) = u(t - delay)",
+    shows="the residual grows with the rate of change of the signal, alike at all frequencies",
+    source="pure transport delay, e.g. Ljung, System Identification (1999), sec. 4.2",
+    acts_on="sensor",
+    coordinates=("frequency", "input"),
+    parameters=(
+        Parameter("delay", "s", 1e-3, 0.0, 100.0, "time by which the signal comes late", "sampling and transport",
+                  role="shape", scan=Scan("sample", 0.3, 100.0, 8)),
+    ),
+    signal=_signal,
+)

@@ -1,0 +1,134 @@
+"""Loops over a record that numpy cannot express: operators with memory, compiled once and cached on disk.
+
+Imported only inside the laws that need them, since importing numba takes longer than most commands should.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True)
+def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np.ndarray:
+    """Response of y' = (u - y)/T to `signal` (n,), linear between samples (exact for such an input); y(0) = u(0)."""
+    n = signal.size
+    out = np.empty(n)
+    if time_constant <= 1e-6 * step:
+        out[:] = signal
+        return out
+    ratio = step / time_constant
+    decay = np.exp(-ratio)
+    # Exact update for an input that is linear over the step (first-order hold).
+    ramp = (1.0 - decay) / ratio
+    out[0] = signal[0]
+    for i in range(1, n):
+        out[i] = decay * out[i - 1] + (ramp - decay) * signal[i - 1] + (1.0 - ramp) * signal[i]
+    return out
+
+
+@njit(cache=True)
+def resonance(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
+    """Response of y'' + 2 d w y' + w^2 y = w^2 u, w = 2 pi frequency, exact for an input linear between samples.
+
+    Started at rest on the first sample.
+    """
+    n = signal.size
+    out = np.empty(n)
+    w = 2.0 * np.pi * frequency
+    wd = w * np.sqrt(1.0 - damping * damping)
+    e = np.exp(-damping * w * step)
+    c, s = np.cos(wd * step), np.sin(wd * step)
+    # Transition of (error, rate of error) about the particular solution u - 2 d / w * u'.
+    a11, a12 = e * (c + damping * w / wd * s), e * s / wd
+    a21, a22 = -e * w * w / wd * s, e * (c - damping * w / wd * s)
+    y, rate = signal[0], 0.0
+    out[0] = y
+    for i in range(1, n):
+        slope = (signal[i] - signal[i - 1]) / step
+        lag = 2.0 * damping / w * slope
+        error = y - (signal[i - 1] - lag)
+        error_rate = rate - slope
+        y = signal[i] - lag + a11 * error + a12 * error_rate
+        rate = slope + a21 * error + a22 * error_rate
+        out[i] = y
+    return out
+
+
+@njit(cache=True)
+def play(signal: np.ndarray, half_width: float) -> np.ndarray:
+    """Play (backlash) operator: the output rests while the input moves within `half_width` of it, and is pushed else."""
+    out = np.empty(signal.size)
+    y = signal[0]
+    for i in range(signal.size):
+        if signal[i] - y > half_width:
+            y = signal[i] - half_width
+        elif y - signal[i] > half_width:
+            y = signal[i] + half_width
+        out[i] = y
+    return out
+
+
+@njit(cache=True)
+def stop(position: np.ndarray, stretch: float) -> np.ndarray:
+    """Stop operator over +-`stretch`, as a fraction in [-1, 1]: an ideal elastic-plastic bristle driven by `position`."""
+    out = np.empty(position.size)
+    z = 0.0
+    out[0] = 0.0
+    for i in range(1, position.size):
+        z += (position[i] - position[i - 1]) / stretch
+        z = min(1.0, max(-1.0, z))
+        out[i] = z
+    return out
+
+
+@njit(cache=True)
+def maxwell_slip(position: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weighted sum of stop operators: a generalised Prandtl-Ishlinskii friction law, as a fraction of the level."""
+    elements = stretches.size
+    out = np.zeros(position.size)
+    z = np.zeros(elements)
+    for i in range(1, position.size):
+        step = position[i] - position[i - 1]
+        total = 0.0
+        for k in range(elements):
+            u = min(1.0, max(-1.0, z[k] + step / stretches[k]))
+            z[k] = u
+            total += weights[k] * u
+        out[i] = total
+    return out
+
+
+@njit(cache=True)
+def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
+    """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979; Ruina 1983), exact per step."""
+    out = np.empty(time.size)
+    age = 0.0
+    out[0] = 0.0
+    for i in range(1, time.size):
+        renewed = abs(position[i] - position[i - 1]) / memory_length
+        step = time[i] - time[i - 1]
+        if renewed < 1e-9:
+            age += step
+        else:
+            kept = np.exp(-renewed)
+            age = age * kept + step * (1.0 - kept) / renewed
+        out[i] = age
+    return out
+
+
+@njit(cache=True)
+def bouc_wen(signal: np.ndarray, width: float, shape: float) -> np.ndarray:
+    """Bouc-Wen hysteresis h driven by `signal`: dh = du (1 - |h/width|^shape) while loading, du while unloading."""
+    out = np.empty(signal.size)
+    h = 0.0
+    out[0] = 0.0
+    for i in range(1, signal.size):
+        du = signal[i] - signal[i - 1]
+        substeps = 1 + int(abs(du) / (0.2 * width))
+        for _ in range(substeps):
+            ratio = min(1.0, abs(h) / width) ** shape
+            same = 1.0 if h * du > 0 else -1.0
+            h += du / substeps * (1.0 - ratio * 0.5 * (1.0 + same))
+        out[i] = h
+    return out
