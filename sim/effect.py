@@ -15,6 +15,7 @@ record), so the same lines are compiled for the integrators and evaluated along 
 
 from __future__ import annotations
 
+import re
 from collections import namedtuple
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -173,7 +174,7 @@ class Effect:
     @cached_property
     def values_type(self) -> Any:
         """The named tuple that carries this effect's parameter values into its laws."""
-        return namedtuple(f"{self.name.replace(':', '_')}_values", [p.name for p in self.parameters])
+        return namedtuple(re.sub(r"\W", "_", f"{self.name}_values"), [p.name for p in self.parameters])
 
     def values(self, **given: float) -> Any:
         """Parameter values for the laws: the defaults, with those `given` in their place."""

@@ -1,0 +1,107 @@
+"""Compile with numba, at first use, into a cache on disk that is keyed by the source it was compiled from.
+
+numba by itself looks only at the time stamp of the one file a function stands in, so a law edited in another file would
+leave old machine code in use. Here the folder's name is a hash of every source file that can matter.
+The cache is in `STAGECAD_CACHE`, else the user's cache folder, else a temporary one: never in the package, which may be
+read-only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+
+def _usable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return os.access(folder, os.W_OK | os.X_OK)
+    except OSError:
+        return False
+
+
+@functools.cache
+def cache_folder() -> Path:
+    """The writable folder for compiled kernels."""
+    candidates = []
+    if os.environ.get("STAGECAD_CACHE"):
+        candidates.append(Path(os.environ["STAGECAD_CACHE"]))
+    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
+        candidates.append(Path(os.environ["LOCALAPPDATA"]) / "stagecad" / "cache")
+    elif os.environ.get("XDG_CACHE_HOME"):
+        candidates.append(Path(os.environ["XDG_CACHE_HOME"]) / "stagecad")
+    with contextlib.suppress(RuntimeError):  # raised where there is no home folder
+        candidates.append(Path.home() / ".cache" / "stagecad")
+    for folder in candidates:
+        if _usable(folder / "kernels"):
+            return folder / "kernels"
+    return Path(tempfile.mkdtemp(prefix="stagecad-kernels-"))
+
+
+@functools.cache
+def _digest(path: str) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+def source_key(files: Iterable[str]) -> str:
+    """Key of a compiled function: a hash over the source files it depends on, numba's and Python's version."""
+    import numba
+
+    text = "\n".join([numba.__version__, sys.version, *(_digest(file) for file in sorted(set(files)))])
+    return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+
+@contextlib.contextmanager
+def _caching_in(folder: Path) -> Iterator[None]:
+    # numba picks the cache folder while it decorates the function: the setting is ours for that moment only.
+    from numba.core import config
+
+    before = config.CACHE_DIR  # type: ignore[attr-defined]
+    config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = before  # type: ignore[attr-defined]
+
+
+def _numba_parts() -> Any:
+    import numba
+
+    return numba
+
+
+def compile_function(function: Callable[..., Any], also: Iterable[str] = (), **options: Any) -> Any:
+    """`function` compiled by `numba.njit`, cached on disk; `also` names further source files it depends on."""
+    numba = _numba_parts()
+    code = function.__code__
+    folder = cache_folder() / source_key([code.co_filename, __file__, *also])
+    with _caching_in(folder):
+        return numba.njit(cache=True, error_model="numpy", **options)(function)
+
+
+def compile_callback(function: Callable[..., Any], signature: Any, also: Iterable[str] = ()) -> Any:
+    """`function` compiled to a C callback (`.address`) with `signature`, cached on disk."""
+    numba = _numba_parts()
+    folder = cache_folder() / source_key([function.__code__.co_filename, __file__, *also])
+    with _caching_in(folder):
+        return numba.cfunc(signature, cache=True, error_model="numpy")(function)
+
+
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator: compile `function` when it is first called, so that importing its module costs nothing."""
+    ready: list[Any] = []
+
+    @functools.wraps(function)
+    def call(*arguments: Any) -> Any:
+        if not ready:
+            ready.append(compile_function(function))
+        return ready[0](*arguments)
+
+    return call

@@ -1,0 +1,54 @@
+"""The thesis's "modified dynamics": the slip element carries the whole bristle force, damping included, so that the
+model has integral causality in bond-graph terms. It is passive at any speed, and its force never exceeds the level.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.cores import lugre
+from sim.cores.core import Core
+from sim.cores.relaxation import spring_force
+from sim.effect import Effect
+
+
+def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+    if g <= 0.0:
+        return v, 0.0
+    rate = (g * v - p.stiffness * abs(v) * z) / (g + p.damping * abs(v))
+    return rate, p.stiffness * z + p.damping * rate
+
+
+def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+    if g <= 0.0:
+        return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
+    sign = 1.0 if v >= 0.0 else -1.0
+    below = g + p.damping * abs(v)
+    rate = (g * v - p.stiffness * abs(v) * z) / below
+    rate_z = -p.stiffness * abs(v) / below
+    rate_v = (g - p.stiffness * sign * z - p.damping * sign * rate) / below
+    rate_g = (v - rate) / below
+    return rate_z, rate_v, rate_g, p.stiffness + p.damping * rate_z, p.damping * rate_v, p.damping * rate_g
+
+
+def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+    spring = spring_force(position, time, level, p.stiffness, p.damping)
+    below = np.where(level > 0.0, level + p.damping * np.abs(velocity), 1.0)
+    rate = np.where(level > 0.0, (level * velocity - np.abs(velocity) * spring) / below, 0.0)
+    return spring + p.damping * rate
+
+
+EFFECT = Effect(
+    name="lugre_causal",
+    meaning="bristles whose slip is driven by their whole force, damping included: passive at any speed",
+    equation="z' = (v - a0 |v| z/g) / (1 + a1 |v|/g),  core force = a0 z + a1 z'",
+    shows="As lugre in presliding; in fast starts the force stays below the level, where lugre overshoots it.",
+    source="thesis (3.7)-(3.8), (4.9)-(4.10) with the divisor's sign and level as derived there",
+    parameters=(lugre.FORCE, lugre.STIFFNESS, lugre.DAMPING),
+    coordinates=("distance_since_reversal", "direction", "acceleration"),
+    level=lugre.level,
+    core=Core("lugre_causal", law, slopes, along, lugre.scale, stored=lugre.stored),
+    acts_on="friction",
+)

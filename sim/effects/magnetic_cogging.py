@@ -1,0 +1,46 @@
+"""Magnetic cogging: a force that repeats with the pitch of teeth or magnets."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sim.effect import Axis, Effect, Parameter, Scan
+
+
+def force(axis: Axis, p: Any) -> Any:
+    return p.amplitude * np.sin(2.0 * math.pi * axis.position / p.pitch + p.phase)
+
+
+def force_position(axis: Axis, p: Any) -> Any:
+    return p.amplitude * 2.0 * math.pi / p.pitch * np.cos(2.0 * math.pi * axis.position / p.pitch + p.phase)
+
+
+EFFECT = Effect(
+    name="magnetic_cogging",
+    meaning="teeth or magnets pull the axis to and fro as they pass each other",
+    equation="force = amplitude * sin(2 pi x/pitch + phase)",
+    shows="Residual is a wave in position, the same in both directions.",
+    source="Otten, de Vries, van Amerongen et al. 1997, IEEE/ASME Trans. Mechatronics 2(3): cogging of linear motors",
+    parameters=(
+        Parameter("amplitude", "N", 0.1, 0.0, math.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),
+        Parameter(
+            "pitch",
+            "m",
+            5e-3,
+            1e-9,
+            10.0,
+            "distance over which the force repeats",
+            "assumed: the design's tooth pitch",
+            "shape",
+            Scan("position", 0.01, 0.8, 40),
+        ),
+        Parameter("phase", "rad", 0.0, -math.pi, math.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
+    ),
+    coordinates=("position",),
+    force=force,
+    slopes={"force.position": force_position},
+    acts_on="axis",
+)
