@@ -6,10 +6,11 @@ Imported only inside the laws that need them, since importing numba takes longer
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from sim.compilation import compiled
 
 
-@njit(cache=True)
+@compiled
 def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np.ndarray:
     """Response of y' = (u - y)/T to `signal` (n,), linear between samples (exact for such an input); y(0) = u(0)."""
     n = signal.size
@@ -27,7 +28,7 @@ def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np
     return out
 
 
-@njit(cache=True)
+@compiled
 def resonance(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """Response of y'' + 2 d w y' + w^2 y = w^2 u, w = 2 pi frequency, exact for an input linear between samples.
 
@@ -55,7 +56,7 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
     return out
 
 
-@njit(cache=True)
+@compiled
 def play(signal: np.ndarray, half_width: float) -> np.ndarray:
     """Play (backlash) operator: the output rests while the input moves within `half_width` of it, and is pushed else."""
     out = np.empty(signal.size)
@@ -69,7 +70,7 @@ def play(signal: np.ndarray, half_width: float) -> np.ndarray:
     return out
 
 
-@njit(cache=True)
+@compiled
 def stop(position: np.ndarray, stretch: float) -> np.ndarray:
     """Stop operator over +-`stretch`, as a fraction in [-1, 1]: an ideal elastic-plastic bristle driven by `position`."""
     out = np.empty(position.size)
@@ -82,7 +83,7 @@ def stop(position: np.ndarray, stretch: float) -> np.ndarray:
     return out
 
 
-@njit(cache=True)
+@compiled
 def maxwell_slip(position: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Weighted sum of stop operators: a generalised Prandtl-Ishlinskii friction law, as a fraction of the level."""
     elements = stretches.size
@@ -99,7 +100,7 @@ def maxwell_slip(position: np.ndarray, stretches: np.ndarray, weights: np.ndarra
     return out
 
 
-@njit(cache=True)
+@compiled
 def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
     """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979; Ruina 1983), exact per step."""
     out = np.empty(time.size)
@@ -117,7 +118,7 @@ def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) ->
     return out
 
 
-@njit(cache=True)
+@compiled
 def bouc_wen(signal: np.ndarray, width: float, shape: float) -> np.ndarray:
     """Bouc-Wen hysteresis h driven by `signal`: dh = du (1 - |h/width|^shape) while loading, du while unloading."""
     out = np.empty(signal.size)

@@ -1,0 +1,189 @@
+"""What a model of named effects predicts for a prepared record, in the channels that were measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sim.effect import Axis, Effect
+from sysid.balance import Balance
+
+Values = Mapping[str, float]
+"""Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
+
+MEMO_LIMIT = 160
+
+
+def split_channel(name: str) -> tuple[str, str | None]:
+    """`sensor_lag@position` -> (`sensor_lag`, `position`); (name, None) without a channel."""
+    base, _, channel = name.partition("@")
+    return base, channel or None
+
+
+def values_of(effect: Effect, values: Values) -> Any:
+    """The effect's parameter values as the named tuple its laws take."""
+    return effect.values_type(*[values[f"{effect.name}.{p.name}"] for p in effect.parameters])
+
+
+def _remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], make: Callable[[], Any]) -> Any:
+    if key not in store:
+        if len(store) >= MEMO_LIMIT:
+            store.clear()
+        store[key] = make()
+    return store[key]
+
+
+def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -> tuple[Axis, tuple[object, ...]]:
+    """The axis as level and core see it, after the effects with memory, and a key that names it."""
+    axis, key = balance.axis, ()
+    for effect in effects:
+        if effect.memory is not None:
+            p = values_of(effect, values)
+            key = (*key, effect.name, p)
+            axis = _remember(balance.memo, ("axis", key), lambda e=effect, a=axis, q=p: e.memory(a, q))
+    return axis, key
+
+
+def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray | float:
+    """Friction level (n,), N: the sum of every `level` times the product of every `factor`, never below zero."""
+    axis, key = friction_axis(balance, effects, values)
+    total: Any = 0.0
+    factor: Any = 1.0
+    for effect in effects:
+        if effect.level is not None:
+            p = values_of(effect, values)
+            total = total + _remember(balance.memo, ("level", effect.name, p, key), lambda e=effect, q=p: e.level(axis, q))
+        if effect.factor is not None:
+            p = values_of(effect, values)
+            factor = factor * _remember(
+                balance.memo, ("factor", effect.name, p, key), lambda e=effect, q=p: e.factor(axis, q)
+            )
+    return np.maximum(total * factor, 0.0)
+
+
+def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Sum (n,) of the forces that act on the axis beside the core, N."""
+    total = np.zeros(balance.size)
+    for effect in effects:
+        if effect.force is not None:
+            p = values_of(effect, values)
+            total = total + _remember(
+                balance.memo, ("force", effect.name, p), lambda e=effect, q=p: e.force(balance.axis, q)
+            )
+    return total
+
+
+def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
+    """Predicted channels (n,) of a force balance, filtered as the measured ones are."""
+    level = friction_level(balance, effects, values)
+    forces = axis_force(balance, effects, values)
+    axis, key = friction_axis(balance, effects, values)
+    mass = values.get("rig.mass", 0.0)
+    inertia = mass * balance.acceleration if balance.acceleration is not None else 0.0
+    core = next((e for e in effects if e.core is not None), None)
+    level = np.broadcast_to(level, (balance.size,))
+    if core is None:
+        friction = forces
+    elif core.core.name != "coulomb" or balance.stuck is None:
+        p = values_of(core, values)
+        if core.core.name == "coulomb":
+            p = p._replace(stretch=balance.stretch)
+        friction = forces + core.core.along(axis.position, axis.velocity, axis.time, level, p)
+    else:
+        # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
+        assert balance.whole is not None and balance.direction is not None and balance.applied is not None
+        held = np.clip(balance.applied - forces, -level, level)
+        sharp = balance.stuck * held + balance.direction * level
+        friction = forces
+        inertia = inertia + balance.whole(sharp)
+    total = balance.smooth(friction) + inertia
+    out: dict[str, np.ndarray] = {}
+    for effect in effects:
+        if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
+            p = values_of(effect, values)
+            ridden = _remember(
+                balance.memo, ("ride", effect.name, p[:2]), lambda e=effect, q=p: e.signal(balance.acceleration, balance.step, q)
+            )
+            total = total + mass * p.mass_ratio * (ridden - balance.acceleration)
+    if balance.kind == "force-drive":
+        total = _before_the_drive(balance, effects, values, total)
+    stiffness = values.get("rig.pull_stiffness")
+    channel = balance.force_channel
+    if channel == "position":
+        assert stiffness is not None
+        out["position"] = balance.inputs["pull_position"] - total / stiffness
+    else:
+        out[channel] = total
+    if "position" in balance.measured and channel == "spring_force":
+        assert stiffness is not None
+        out["position"] = _stretch_relation(balance, effects, values, stiffness)
+    return sensed(effects, values, out, balance.step)
+
+
+def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
+    index = np.arange(signal.size)
+    return np.interp(index + ahead / step, index, signal)
+
+
+def _before_the_drive(balance: Balance, effects: Sequence[Effect], values: Values, needed: np.ndarray) -> np.ndarray:
+    """The command that gives the force `needed` (n,) through a drive that lags, or whose position sensor does.
+
+    Either makes the measured motion late against the command, by the same amount: one open-loop chain cannot tell.
+    """
+    for effect in effects:
+        base, channel = split_channel(effect.name)
+        late = base in ("drive_lag", "drive_delay") or (
+            base in ("sensor_lag", "sensor_delay") and channel in (None, "position", "velocity")
+        )
+        if not late:
+            continue
+        p = values_of(effect, values)
+        if base.endswith("lag"):
+            needed = needed + p.time_constant * np.gradient(needed, balance.step)
+        else:
+            needed = _advanced(needed, balance.step, p.delay)
+    return needed
+
+
+def _stretch_relation(balance: Balance, effects: Sequence[Effect], values: Values, stiffness: float) -> np.ndarray:
+    """Position (n,) that the pulling spring's measured force and stiffness imply: pull - force / stiffness."""
+    force = balance.inputs["spring_force"]
+    for effect in effects:
+        base, channel = split_channel(effect.name)
+        if channel != "spring_force":
+            continue
+        p = values_of(effect, values)
+        if base == "sensor_lag":
+            force = force + p.time_constant * np.gradient(force, balance.step)
+        elif base == "sensor_delay":
+            force = _advanced(force, balance.step, p.delay)
+        elif effect.signal is not None and base != "sensor_quantisation":
+            # A small distortion is undone, to first order, by taking it away again.
+            force = 2.0 * force - effect.signal(force, balance.step, p)
+    stretch = force / stiffness
+    for effect in effects:
+        if effect.name == "backlash":
+            half = 0.5 * values_of(effect, values).gap
+            slack = balance.inputs["pull_position"] - balance.measured["position"] - stretch
+            stretch = stretch + np.clip(slack, -half, half)
+    return balance.inputs["pull_position"] - stretch
+
+
+def sensed(
+    effects: Sequence[Effect], values: Values, channels: dict[str, np.ndarray], step: float
+) -> dict[str, np.ndarray]:
+    """The channels as their sensors report them; an effect without a channel in its name acts on every one."""
+    for effect in effects:
+        if effect.acts_on != "sensor" or effect.signal is None:
+            continue
+        base, wanted = split_channel(effect.name)
+        if base == "sensor_quantisation":
+            continue
+        p = values_of(effect, values)
+        for channel in channels:
+            if channel == "drive_force" or (wanted is not None and wanted != channel):
+                continue
+            channels[channel] = effect.signal(np.ascontiguousarray(channels[channel]), step, p)
+    return channels

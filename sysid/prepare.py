@@ -1,0 +1,210 @@
+"""From a record and what is known of its rig to a force balance or a tip record, ready to be compared with a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.balance import EDGE_WIDTHS, LAW_SHARE, Balance, filled, filter_width, make_axis, spread
+from sysid.noise_floor import Noise
+from sysid.records import Record
+from sysid.reversals import sharp_direction
+from sysid.smoothing import GaussianFilter
+
+REST_SIGMAS = 5.0
+"""A velocity within this many standard deviations of its noise is rest."""
+
+
+def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
+    """The record on a uniform grid of its median step.
+
+    Returns:
+        time from zero (n,), step in s, channels by name, and the mask (n,) of samples that lie in a hole of the
+        time axis more than three steps wide.
+    """
+    time = record.time - record.time[0]
+    step = float(np.median(np.diff(time)))
+    if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
+        grid = step * np.arange(time.size)
+        return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
+    grid = step * np.arange(int(np.floor(time[-1] / step)) + 1)
+    channels = {}
+    for name, values in record.channels.items():
+        known = np.isfinite(values)
+        if not known.any():
+            channels[name] = np.full(grid.size, np.nan)
+            continue
+        resampled = np.interp(grid, time[known], values[known])
+        if not known.all():
+            # A gap stays a gap: a grid point whose neighbour in time was empty is empty.
+            nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+            resampled[~(known[nearest] & known[nearest - 1])] = np.nan
+        channels[name] = resampled
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    hole = (time[after] - time[after - 1]) > 3.0 * step
+    return grid, step, channels, hole
+
+
+def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
+    values = channels.get(name)
+    if values is None or not np.isfinite(values).any():
+        return None
+    return filled(values)[0]
+
+
+def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> Balance:
+    """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered."""
+    time, step, channels, hole = uniform(record)
+    n = time.size
+    force = channels["friction_force"]
+    force, gap = filled(force)
+    position, velocity = channels.get("position"), channels.get("velocity")
+    law_width = 0.0
+    sigma_position = 0.0
+    missing = np.zeros(n, dtype=bool)
+    if position is not None:
+        position, missing = filled(position)
+    if velocity is not None:
+        velocity, gap_velocity = filled(velocity)
+        missing = missing | gap_velocity
+        if position is None:
+            position = np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * step)])
+        acceleration = np.gradient(velocity, step)
+        rest = 1e-9 * float(np.max(np.abs(velocity)))
+    else:
+        assert position is not None
+        sigma_position = noise["position"].value if "position" in noise else 0.0
+        law_width = 2.0 * step
+        light = GaussianFilter(law_width, step, n)
+        velocity, acceleration = light(position, 1), light(position, 2)
+        rest = REST_SIGMAS * sigma_position * light.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
+    axis = make_axis(
+        time, position, velocity, acceleration, _optional(channels, "normal_load"),
+        _optional(channels, "temperature"), rest,
+    )  # fmt: skip
+    valid = ~(gap | hole | missing)
+    valid[0] = False
+    sigma = noise["friction_force"].value
+    return Balance(
+        name=record.name, role=record.role, kind="velocity-drive", step=step, axis=axis,
+        measured={"friction_force": force}, valid={"friction_force": valid}, noise={"friction_force": sigma},
+        acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, n), force_channel="friction_force",
+        jitter=0.5 * step, stretch=max(1e-6 * float(np.ptp(position)), 12.0 * sigma_position),
+    )  # fmt: skip
+
+
+def driven_mass(
+    record: Record,
+    kind: str,
+    noise: Mapping[str, Noise],
+    mass: float,
+    pull_stiffness: float | None = None,
+    hold: str = "zero",
+    width: float | None = None,
+) -> Balance:
+    """A spring-pull or force-drive record: the force is balanced against mass times the measured acceleration.
+
+    Args:
+        record: as read.
+        kind: `spring-pull` or `force-drive`.
+        noise: by channel.
+        mass: known or estimated moving mass, kg; it sets the filter's width, not the fit.
+        pull_stiffness: of the pulling spring, N/m.
+        hold: `zero` when each row's drive force is held to the next, `linear` when it runs straight to it.
+        width: of the filter, s, where it is to be the same as another record's.
+    """
+    time, step, channels, hole = uniform(record)
+    n = time.size
+    gap_motion = np.zeros(n, dtype=bool)
+    if "position" in channels:
+        position, gap_motion = filled(channels["position"])
+        sigma_position, correlation = noise["position"].value, noise["position"].correlation
+        velocity_given = None
+    elif "velocity" in channels:
+        velocity_given, gap_motion = filled(channels["velocity"])
+        position = np.concatenate([[0.0], np.cumsum(0.5 * (velocity_given[1:] + velocity_given[:-1]) * step)])
+        sigma_position, correlation = noise["velocity"].value * step, 0.0
+    else:
+        position, velocity_given, sigma_position, correlation = None, None, 0.0, 0.0
+
+    if kind == "spring-pull":
+        assert pull_stiffness is not None
+        pull, gap_pull = filled(channels["pull_position"])
+        gap_motion = gap_motion | gap_pull
+        if position is None:
+            # Only the spring force is measured: the stretch gives the position.
+            spring, gap_force = filled(channels["spring_force"])
+            position = pull - spring / pull_stiffness
+            sigma_position = noise["spring_force"].value / pull_stiffness
+            correlation = noise["spring_force"].correlation
+        if "spring_force" in channels:
+            channel = "spring_force"
+            force, gap_force = filled(channels["spring_force"])
+            sigma_force, force_correlation = noise[channel].value, noise[channel].correlation
+        else:
+            channel = "position"
+            force, gap_force = pull_stiffness * (pull - position), gap_motion
+            sigma_force, force_correlation = pull_stiffness * sigma_position, correlation
+    else:
+        pull = None
+        channel = "drive_force"
+        force, gap_force = filled(channels["drive_force"])
+        if hold == "zero":
+            # The force held over the step before and the step after a row: its mean acts at the row.
+            force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
+            gap_force = gap_force | np.concatenate([[False], gap_force[:-1]])
+        known = noise.get(channel)
+        sigma_force = known.value if known is not None else 0.0
+        force_correlation = known.correlation if known is not None else 0.0
+        if hold == "zero":
+            sigma_force /= np.sqrt(2.0)
+    assert position is not None
+
+    scale = float(np.sqrt(np.mean((force - force.mean()) ** 2)))
+    if scale == 0.0:
+        raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
+    if width is None:
+        target = max(sigma_force, 1e-3 * scale)
+        width = filter_width(sigma_position, step, mass, target, n, correlation)
+    law_width = LAW_SHARE * width
+    light, whole = GaussianFilter(law_width, step, n), GaussianFilter(width, step, n)
+    rest_of = GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, n)
+    velocity = light(position, 1)
+    sigma_velocity = sigma_position * light.noise_gain(1, correlation)
+    rest = REST_SIGMAS * sigma_velocity
+    load, temperature = _optional(channels, "normal_load"), _optional(channels, "temperature")
+    axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
+    acceleration = whole(position, 2)
+    reach_event = max(6, int(np.ceil(1.5 * width / step)))
+    direction, stuck = sharp_direction(
+        position, velocity, np.abs(velocity) <= rest, reach_event, max(2.0, 0.7 * law_width / step + 1.0)
+    )
+
+    reach = int(np.ceil(EDGE_WIDTHS * width / step))
+    bad = spread(gap_motion | hole | gap_force, reach)
+    bad[: reach + 1] = True
+    bad[n - reach :] = True
+    gain = whole.noise_gain(0, force_correlation)
+    acceleration_noise = sigma_position * whole.noise_gain(2, correlation)
+    measured = {channel: whole(force)}
+    valid = {channel: ~bad}
+    floor = {channel: float(np.hypot(sigma_force * gain, mass * acceleration_noise))}
+    inputs: dict[str, np.ndarray] = {}
+    if kind == "spring-pull":
+        inputs["pull_position"] = whole(pull)
+        inputs["spring_force"] = whole(force)
+        if channel == "spring_force" and "position" in channels:
+            assert pull_stiffness is not None
+            measured["position"] = whole(position)
+            valid["position"] = ~bad
+            floor["position"] = float(
+                np.hypot(sigma_position * whole.noise_gain(0, correlation), sigma_force * gain / pull_stiffness)
+            )
+    return Balance(
+        name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
+        noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole, direction=direction,
+        force_channel=channel, jitter=0.3 * step, inputs=inputs, applied=force, acceleration_noise=acceleration_noise,
+        stretch=12.0 * sigma_position * light.noise_gain(0, correlation),
+    )  # fmt: skip
