@@ -1,0 +1,324 @@
+"""Every effect and core behind one signature each: a C function that an integrator calls through its address.
+
+A built-in law is compiled by numba, once, from a small generated module that unpacks pointers into the law's named
+arguments. A user's own law, or one that numba cannot compile, is called back in Python through the same signature.
+
+    effect(axis, p, out, slopes):  out[law, 0] value, out[law, 1..5] slopes by position, velocity, travelled, contact age
+                                   and time, for the laws level, factor, force
+    core(z, v, g, p, out, n, slopes): out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import importlib.util
+import inspect
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sim import compilation
+from sim.cores.core import Core
+from sim.effect import Axis, Effect
+from sim.library import library
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+
+LAWS = ("level", "factor", "force")
+HEAD = ("position", "velocity", "travelled", "contact_age")
+BY = (*HEAD, "time")
+OUT = 1 + len(BY)
+
+_DOUBLES = ctypes.POINTER(ctypes.c_double)
+_EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
+_CORE_TYPE = ctypes.CFUNCTYPE(
+    None, _DOUBLES, ctypes.c_double, ctypes.c_double, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64
+)
+
+# Sizes over which a quantity of the axis changes, for differences where a slope is not declared.
+_DIFFERENCE = {"position": 1e-9, "velocity": 1e-9, "travelled": 1e-9, "contact_age": 1e-7, "time": 1e-7}
+
+
+@dataclass
+class Kernel:
+    """A law behind its signature: `address` to call, `compiled` or called back in Python; keep it while in use."""
+
+    address: int
+    compiled: bool
+    keep: Any
+    errors: list[BaseException] = field(default_factory=list)
+
+
+def depends_on(effect: Effect, law: str, quantity: str) -> bool:
+    """Whether a law's value changes with a quantity of the axis, found by trying it at a few dozen points."""
+    function = getattr(effect, law)
+    if function is None:
+        return False
+    random = np.random.default_rng(7)
+    n = 48
+    x, v, a = (random.uniform(-1.0, 1.0, n) * 10.0 ** random.uniform(-6.0, 1.0, n) for _ in range(3))
+    t, age, way, back = (10.0 ** random.uniform(-6.0, 2.0, n) for _ in range(4))
+    axis = Axis(t, x, v, a, 1.0 + t, 20.0 + t, age, back, way, np.sign(v))
+    p = effect.values()
+    moved = axis._replace(**{quantity: getattr(axis, quantity) * 1.37 + 1e-6})
+    with np.errstate(all="ignore"):
+        return not np.array_equal(
+            np.broadcast_to(function(axis, p), n), np.broadcast_to(function(moved, p), n), equal_nan=True
+        )
+
+
+def carried(effect: Effect) -> set[str]:
+    """The quantities of the axis that an effect's level, factor and force depend on."""
+    return {quantity for quantity in (*BY, "acceleration", "reversal_distance") for law in LAWS
+            if depends_on(effect, law, quantity)}
+
+
+def unsupported(effect: Effect) -> str | None:
+    """Why an effect cannot be integrated in time, or None."""
+    if effect.memory is not None:
+        return "changes the motion along a record, and has no law in time"
+    for quantity in sorted(carried(effect) & {"acceleration", "reversal_distance"}):
+        return f"depends on {quantity}, which a simulation does not carry"
+    return None
+
+
+def _slope_plan(effect: Effect) -> list[tuple[int, int, str]]:
+    """(law, column, kind) of every slope that is not zero: `declared`, or by `difference`."""
+    plan = []
+    for i, law in enumerate(LAWS):
+        for j, by in enumerate(BY):
+            if f"{law}.{by}" in effect.slopes:
+                plan.append((i, 1 + j, "declared"))
+            elif depends_on(effect, law, by):
+                plan.append((i, 1 + j, "difference"))
+    return plan
+
+
+def _load(text: str, name: str, files: list[str]) -> Any:
+    """Write a generated module into the cache folder, keyed by all it depends on, and import it."""
+    folder = compilation.cache_folder() / compilation.source_key([*files, __file__, compilation.__file__])
+    path = folder / f"{name}.py"
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        folder.mkdir(parents=True, exist_ok=True)
+        atomic_write_text(path, text)
+    spec = importlib.util.spec_from_file_location(f"sim_kernel_{name}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    # numba finds the module of a kernel it has cached by its name.
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+_EFFECT_TEXT = '''\
+from numba import carray, njit
+from sim.effect import Axis
+from sim.library import find
+
+EFFECT = find({name!r})
+Values = EFFECT.values_type
+{functions}
+
+
+def kernel(axis, p, out, slopes):
+    a = carray(axis, ({axis},))
+    q = carray(p, ({size},))
+    r = carray(out, ({out},))
+    here = Axis({here})
+    values = Values({values})
+{lines}
+'''
+
+
+def _effect_text(effect: Effect) -> str:
+    functions, lines, sloped = [], [], []
+    fields = list(Axis._fields)
+    for i, law in enumerate(LAWS):
+        if getattr(effect, law) is not None:
+            functions.append(f"{law} = njit(error_model='numpy')(EFFECT.{law})")
+            lines.append(f"    r[{i * OUT}] = {law}(here, values)")
+        else:
+            lines.append(f"    r[{i * OUT}] = {1.0 if law == 'factor' else 0.0}")
+    for i, column, kind in _slope_plan(effect):
+        law, by = LAWS[i], BY[column - 1]
+        if kind == "declared":
+            functions.append(f"{law}_{by} = njit(error_model='numpy')(EFFECT.slopes['{law}.{by}'])")
+            sloped.append(f"        r[{i * OUT + column}] = {law}_{by}(here, values)")
+        else:
+            step = f"({_DIFFERENCE[by]!r} * (1.0 + abs(here.{by})))"
+            moved = [
+                ", ".join(f"here.{f} {sign} {step}" if f == by else f"here.{f}" for f in fields) for sign in ("+", "-")
+            ]
+            sloped.append(
+                f"        r[{i * OUT + column}] = "
+                f"({law}(Axis({moved[0]}), values) - {law}(Axis({moved[1]}), values)) / (2.0 * {step})"
+            )
+    if sloped:
+        lines += ["    if slopes:", *sloped]
+    return _EFFECT_TEXT.format(
+        name=effect.name,
+        functions="\n".join(functions),
+        axis=len(fields),
+        size=max(len(effect.parameters), 1),
+        out=len(LAWS) * OUT,
+        here=", ".join(f"a[{i}]" for i in range(len(fields))),
+        values=", ".join(f"q[{i}]" for i in range(len(effect.parameters))),
+        lines="\n".join(lines),
+    )
+
+
+def _source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
+    return [f.__code__.co_filename for f in functions if f is not None and inspect.isfunction(f)]
+
+
+def _is_built_in(effect: Effect) -> bool:
+    base = effect.name.removeprefix("contact.").partition("@")[0].partition(":")[0]
+    built_in = library().get(base)
+    if built_in is None:
+        return False
+    laws = [(e.level, e.factor, e.force, e.core) for e in (built_in, *built_in.variants)]
+    return (effect.level, effect.factor, effect.force, effect.core) in laws
+
+
+@functools.cache
+def _compiled_effect(name: str) -> Kernel | None:
+    from numba import types
+
+    from sim.library import find
+
+    effect = find(name)
+    files = _source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
+    signature = types.void(*[types.CPointer(types.double)] * 3, types.int64)
+    try:
+        module = _load(_effect_text(effect), f"effect_{effect.values_type.__name__}", files)
+        callback = compilation.compile_callback(module.kernel, signature, files)
+    except Exception as error:
+        if not type(error).__module__.startswith("numba"):
+            raise
+        return None
+    return Kernel(callback.address, True, callback)
+
+
+def effect_kernel(effect: Effect) -> Kernel:
+    """The kernel of one effect; see the head of this file for its signature."""
+    if _is_built_in(effect):
+        kernel = _compiled_effect(effect.name)
+        if kernel is not None:
+            return kernel
+    plan = _slope_plan(effect)
+    laws = [(i, getattr(effect, law)) for i, law in enumerate(LAWS)]
+    fields = len(Axis._fields)
+    size = len(effect.parameters)
+    errors: list[BaseException] = []
+
+    def value(law: Callable[..., Any], axis: Axis, p: Any) -> float:
+        return float(law(axis, p))
+
+    def kernel(axis_at: Any, p_at: Any, out: Any, slopes: int) -> None:
+        try:
+            axis = Axis(*axis_at[:fields])
+            p = effect.values_type(*p_at[:size])
+            for i, law in laws:
+                out[i * OUT] = value(law, axis, p) if law is not None else (1.0 if LAWS[i] == "factor" else 0.0)
+            if slopes:
+                for i, column, kind in plan:
+                    by = BY[column - 1]
+                    if kind == "declared":
+                        slope = value(effect.slopes[f"{LAWS[i]}.{by}"], axis, p)
+                    else:
+                        here = getattr(axis, by)
+                        step = _DIFFERENCE[by] * (1.0 + abs(here))
+                        ahead = value(laws[i][1], axis._replace(**{by: here + step}), p)
+                        behind = value(laws[i][1], axis._replace(**{by: here - step}), p)
+                        slope = (ahead - behind) / (2.0 * step)
+                    out[i * OUT + column] = slope
+        except Exception as error:  # it cannot pass through compiled code: kept, and raised when the step fails
+            errors.append(error)
+            for i in range(len(LAWS)):
+                out[i * OUT] = math.nan
+
+    callback = _EFFECT_TYPE(kernel)
+    address = ctypes.cast(callback, ctypes.c_void_p).value
+    assert address is not None
+    return Kernel(address, False, callback, errors)
+
+
+_CORE_TEXT = '''\
+from numba import carray, njit
+from sim.library import find
+
+EFFECT = find({name!r})
+Values = EFFECT.values_type
+law = njit(error_model='numpy')(EFFECT.core.law)
+element_slopes = njit(error_model='numpy')(EFFECT.core.slopes)
+
+
+def kernel(z, v, g, p, out, n, slopes):
+    state = carray(z, (n,))
+    q = carray(p, ({size},))
+    r = carray(out, (n, 8))
+    values = Values({values})
+    for k in range(n):
+        r[k, 0], r[k, 1] = law(k, state[k], v, g, values)
+        if slopes:
+            r[k, 2], r[k, 3], r[k, 4], r[k, 5], r[k, 6], r[k, 7] = element_slopes(k, state[k], v, g, values)
+'''
+
+
+@functools.cache
+def _compiled_core(name: str) -> Kernel | None:
+    from numba import types
+
+    from sim.library import find
+
+    effect = find(name)
+    core: Core = effect.core
+    size = len(effect.parameters)
+    text = _CORE_TEXT.format(name=name, size=max(size, 1), values=", ".join(f"q[{i}]" for i in range(size)))
+    files = _source_files([core.law, core.slopes])
+    pointer = types.CPointer(types.double)
+    signature = types.void(pointer, types.double, types.double, pointer, pointer, types.int64, types.int64)
+    try:
+        module = _load(text, f"core_{effect.values_type.__name__}", files)
+        callback = compilation.compile_callback(module.kernel, signature, files)
+    except Exception as error:
+        if not type(error).__module__.startswith("numba"):
+            raise
+        return None
+    return Kernel(callback.address, True, callback)
+
+
+def core_kernel(effect: Effect) -> Kernel:
+    """The kernel of the core that `effect` brings; see the head of this file for its signature."""
+    core: Core = effect.core
+    if core is None:
+        raise InputError(f"effect '{effect.name}' has no core: it does not turn a friction level into a force")
+    if _is_built_in(effect):
+        kernel = _compiled_core(effect.name)
+        if kernel is not None:
+            return kernel
+    size = len(effect.parameters)
+    errors: list[BaseException] = []
+
+    def kernel(z: Any, v: float, g: float, p_at: Any, out: Any, n: int, slopes: int) -> None:
+        try:
+            p = effect.values_type(*p_at[:size])
+            for k in range(n):
+                out[8 * k], out[8 * k + 1] = core.law(k, z[k], v, g, p)
+                if slopes:
+                    for i, slope in enumerate(core.slopes(k, z[k], v, g, p)):
+                        out[8 * k + 2 + i] = slope
+        except Exception as error:
+            errors.append(error)
+            for k in range(n):
+                out[8 * k] = math.nan
+
+    callback = _CORE_TYPE(kernel)
+    address = ctypes.cast(callback, ctypes.c_void_p).value
+    assert address is not None
+    return Kernel(address, False, callback, errors)
