@@ -193,9 +193,7 @@ def _stored(acting: list[tuple[Any, Any]], core_at: int | None, bristles: np.nda
     effect, p = acting[core_at]
     if effect.core.stored is None:
         return np.full(level.size, math.nan)
-    return np.array(
-        [sum(effect.core.stored(k, z, g, p) for k, z in enumerate(row)) for row, g in zip(bristles, level)]
-    )
+    return sum((effect.core.stored(k, bristles[:, k], level, p) for k in range(bristles.shape[1])), np.zeros(level.size))
 
 
 def _fail(outcome: int, report: np.ndarray, model: Model, errors: list[BaseException]) -> None:

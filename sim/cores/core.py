@@ -38,7 +38,8 @@ class Core:
         scale: typical size of a state, to set the absolute tolerance of an integration; a function of `p`.
         state: what the state is, with its unit.
         elements: how many states; a function of `p`.
-        stored: energy held in the elements' springs, `stored(k, z, g, p)` in J; None where no energy function exists.
+        stored: energy held in the spring of element k, `stored(k, z, g, p)` in J, of the shape of z and g; None where no
+            energy function exists.
     """
 
     name: str
@@ -48,4 +49,4 @@ class Core:
     scale: Callable[[Any], float]
     state: str = "stretch of the bristles, m"
     elements: Callable[[Any], int] = lambda p: 1
-    stored: Callable[[int, float, float, Any], float] | None = None
+    stored: Callable[[int, Any, Any, Any], Any] | None = None

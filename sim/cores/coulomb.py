@@ -73,8 +73,8 @@ def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: n
     return _stop(dx, np.ascontiguousarray(level, dtype=float), float(p.stretch))
 
 
-def stored(k: int, z: float, g: float, p: Any) -> float:
-    return 0.5 * z * z * p.stretch / g if g > 0.0 else 0.0
+def stored(k: int, z: Any, g: Any, p: Any) -> Any:
+    return np.where(g > 0.0, 0.5 * z * z * p.stretch / np.where(g > 0.0, g, 1.0), 0.0)
 
 
 def scale(p: Any) -> float:

@@ -71,7 +71,7 @@ def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: n
     return _step(dx, np.ascontiguousarray(level, dtype=float), float(p.stiffness), float(p.exponent))
 
 
-def stored(k: int, z: float, g: float, p: Any) -> float:
+def stored(k: int, z: Any, g: Any, p: Any) -> Any:
     return 0.5 * p.stiffness * z * z
 
 

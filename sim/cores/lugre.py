@@ -58,7 +58,7 @@ def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: n
     return spring + p.damping * rate
 
 
-def stored(k: int, z: float, g: float, p: Any) -> float:
+def stored(k: int, z: Any, g: Any, p: Any) -> Any:
     return 0.5 * p.stiffness * z * z
 
 

@@ -1,0 +1,1 @@
+"""The thesis's simulations, each a function from numbers to data and features."""

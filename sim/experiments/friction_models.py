@@ -1,0 +1,57 @@
+"""The thesis's friction models side by side, with the values of its Table 3."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from sim.model import Model, compose
+from stagecad.parameters.errors import InputError
+
+MODELS = ("lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run")
+"""Canudas et al.; 'no bristle damping'; 'modified dynamics' as derived; the same as its listings ran it (a1 = 0)."""
+
+TITLES = {
+    "lugre": "LuGre (Canudas et al.)",
+    "lugre_undamped": "No bristle damping",
+    "lugre_causal": "Causal (modified dynamics), as derived",
+    "lugre_causal_as_run": "Causal, as run (a1 = 0)",
+}
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Parameters of the friction experiments, SI; the defaults are the thesis's Table 3."""
+
+    coulomb_force: float = 1.0  # Fc, N
+    static_force: float = 1.5  # Fs, N
+    stribeck_velocity: float = 1e-3  # vs, m/s
+    stiffness: float = 1e5  # a0, N/m
+    damping: float = math.sqrt(1e5)  # a1, N*s/m
+    viscous: float = 0.4  # a2, N*s/m
+
+    def __post_init__(self) -> None:
+        for name in ("coulomb_force", "stribeck_velocity", "stiffness"):
+            if not (getattr(self, name) > 0.0 and math.isfinite(getattr(self, name))):
+                raise InputError(f"friction.{name} = {getattr(self, name):g}; must be positive")
+        for name in ("damping", "viscous"):
+            if not (getattr(self, name) >= 0.0 and math.isfinite(getattr(self, name))):
+                raise InputError(f"friction.{name} = {getattr(self, name):g}; must not be negative")
+        if not self.static_force >= self.coulomb_force:
+            raise InputError(
+                f"friction.static_force = {self.static_force:g} N; must not be below "
+                f"friction.coulomb_force = {self.coulomb_force:g} N"
+            )
+
+    def model(self, core: str) -> Model:
+        """The model with the core of that name: core, Stribeck curve, viscous friction."""
+        values = {
+            f"{core}.force": self.coulomb_force,
+            f"{core}.stiffness": self.stiffness,
+            "stribeck.force": self.static_force - self.coulomb_force,
+            "stribeck.velocity": self.stribeck_velocity,
+            "viscous.coefficient": self.viscous,
+        }
+        if core in ("lugre", "lugre_causal"):
+            values[f"{core}.damping"] = self.damping
+        return compose([core, "stribeck", "viscous"], values)

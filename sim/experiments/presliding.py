@@ -1,0 +1,78 @@
+"""Presliding: a force that stays below break-away moves the mass by micrometres (thesis 4.2.1, Figures 35 to 37)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim import drive
+from sim.experiments.friction_models import Friction
+from sim.simulation import Simulation, simulate
+
+SHARE = 0.95
+"""Peak of the force, as a share of the static friction (thesis: 1.425 N of 1.5 N)."""
+
+
+@dataclass(frozen=True)
+class Presliding:
+    """Positions in m."""
+
+    simulation: Simulation
+    position_max: float
+    position_min: float
+    position_end: float
+
+    def features(self) -> dict[str, tuple[float, str]]:
+        return {
+            "position_max": (self.position_max, "m"),
+            "position_min": (self.position_min, "m"),
+            "position_end": (self.position_end, "m"),
+        }
+
+
+def presliding(friction: Friction, core: str, mass: float = 1.0, tolerance: float = 1e-10) -> Presliding:
+    """Force 0 -> 0.95 Fs at 1 s -> -0.95 Fs at 3 s -> 0 at 4 s, from rest.
+
+    Args:
+        friction: its parameters, SI.
+        core: name of the friction model.
+        mass: kg.
+        tolerance: of the integration.
+    """
+    peak = SHARE * friction.static_force
+    time = np.linspace(0.0, 4.0, 8001)
+    push = drive.force([0.0, 1.0, 3.0, 4.0], [0.0, peak, -peak, 0.0])
+    run = simulate(friction.model(core), push, time, mass=mass, tolerance=tolerance, energy=True)
+    return Presliding(
+        run,
+        position_max=extremum(run.time, run.position, run.velocity, +1.0),
+        position_min=extremum(run.time, run.position, run.velocity, -1.0),
+        position_end=float(run.position[-1]),
+    )
+
+
+def extremum(time: np.ndarray, value: np.ndarray, rate: np.ndarray, sign: float) -> float:
+    """Largest (sign +1) or smallest (-1) value between samples, by cubic Hermite interpolation with the known rate."""
+    from math import sqrt
+
+    at = int(np.argmax(sign * value))
+    best = float(value[at])
+    for k in (at - 1, at):
+        if not 0 <= k < value.size - 1:
+            continue
+        h = time[k + 1] - time[k]
+        a, b = rate[k] * h, rate[k + 1] * h
+        rise = value[k + 1] - value[k]
+        # value(s) = y0 + a s + (3 rise - 2a - b) s^2 + (a + b - 2 rise) s^3
+        c2, c3 = 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
+        under = c2 * c2 - 3.0 * a * c3
+        if under < 0.0 or a == 0.0:
+            continue
+        for q in (-c2 - sqrt(under), -c2 + sqrt(under)):
+            s = a / q if q != 0.0 else -1.0
+            if 0.0 < s < 1.0:
+                there = float(value[k] + s * (a + s * (c2 + s * c3)))
+                if sign * there > sign * best:
+                    best = there
+    return best
