@@ -27,7 +27,8 @@ def values_of(effect: Effect, values: Values) -> Any:
     return effect.values_type(*[values[f"{effect.name}.{p.name}"] for p in effect.parameters])
 
 
-def _remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], make: Callable[[], Any]) -> Any:
+def remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], make: Callable[[], Any]) -> Any:
+    """What `make` gives, kept in `store` under `key`; the store is emptied when it grows past its limit."""
     if key not in store:
         if len(store) >= MEMO_LIMIT:
             store.clear()
@@ -42,7 +43,7 @@ def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -
         if effect.memory is not None:
             p = values_of(effect, values)
             key = (*key, effect.name, p)
-            axis = _remember(balance.memo, ("axis", key), lambda e=effect, a=axis, q=p: e.memory(a, q))
+            axis = remember(balance.memo, ("axis", key), lambda e=effect, a=axis, q=p: e.memory(a, q))
     return axis, key
 
 
@@ -54,10 +55,10 @@ def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) 
     for effect in effects:
         if effect.level is not None:
             p = values_of(effect, values)
-            total = total + _remember(balance.memo, ("level", effect.name, p, key), lambda e=effect, q=p: e.level(axis, q))
+            total = total + remember(balance.memo, ("level", effect.name, p, key), lambda e=effect, q=p: e.level(axis, q))
         if effect.factor is not None:
             p = values_of(effect, values)
-            factor = factor * _remember(
+            factor = factor * remember(
                 balance.memo, ("factor", effect.name, p, key), lambda e=effect, q=p: e.factor(axis, q)
             )
     return np.maximum(total * factor, 0.0)
@@ -69,7 +70,7 @@ def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     for effect in effects:
         if effect.force is not None:
             p = values_of(effect, values)
-            total = total + _remember(
+            total = total + remember(
                 balance.memo, ("force", effect.name, p), lambda e=effect, q=p: e.force(balance.axis, q)
             )
     return total
@@ -103,7 +104,7 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     for effect in effects:
         if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
             p = values_of(effect, values)
-            ridden = _remember(
+            ridden = remember(
                 balance.memo, ("ride", effect.name, p[:2]), lambda e=effect, q=p: e.signal(balance.acceleration, balance.step, q)
             )
             total = total + mass * p.mass_ratio * (ridden - balance.acceleration)
@@ -165,9 +166,9 @@ def _stretch_relation(balance: Balance, effects: Sequence[Effect], values: Value
     stretch = force / stiffness
     for effect in effects:
         if effect.name == "backlash":
-            half = 0.5 * values_of(effect, values).gap
-            slack = balance.inputs["pull_position"] - balance.measured["position"] - stretch
-            stretch = stretch + np.clip(slack, -half, half)
+            # The gap is open on the side the spring pulls from; without force it may be anywhere, here in the middle.
+            slight = 3.0 * balance.noise["spring_force"]
+            stretch = stretch + 0.5 * values_of(effect, values).gap * np.clip(force / slight, -1.0, 1.0)
     return balance.inputs["pull_position"] - stretch
 
 

@@ -12,39 +12,10 @@ from sysid.noise_floor import Noise
 from sysid.records import Record
 from sysid.reversals import sharp_direction
 from sysid.smoothing import GaussianFilter
+from sysid.uniform import uniform
 
 REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is rest."""
-
-
-def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
-    """The record on a uniform grid of its median step.
-
-    Returns:
-        time from zero (n,), step in s, channels by name, and the mask (n,) of samples that lie in a hole of the
-        time axis more than three steps wide.
-    """
-    time = record.time - record.time[0]
-    step = float(np.median(np.diff(time)))
-    if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
-        grid = step * np.arange(time.size)
-        return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
-    grid = step * np.arange(int(np.floor(time[-1] / step)) + 1)
-    channels = {}
-    for name, values in record.channels.items():
-        known = np.isfinite(values)
-        if not known.any():
-            channels[name] = np.full(grid.size, np.nan)
-            continue
-        resampled = np.interp(grid, time[known], values[known])
-        if not known.all():
-            # A gap stays a gap: a grid point whose neighbour in time was empty is empty.
-            nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
-            resampled[~(known[nearest] & known[nearest - 1])] = np.nan
-        channels[name] = resampled
-    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
-    hole = (time[after] - time[after - 1]) > 3.0 * step
-    return grid, step, channels, hole
 
 
 def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
@@ -179,7 +150,8 @@ def driven_mass(
     acceleration = whole(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
     direction, stuck = sharp_direction(
-        position, velocity, np.abs(velocity) <= rest, reach_event, max(2.0, 0.7 * law_width / step + 1.0)
+        position, velocity, np.abs(velocity) <= rest, reach_event, max(2.0, 0.7 * law_width / step + 1.0),
+        max(3, int(np.ceil(2.0 * law_width / step))),
     )
 
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
@@ -205,6 +177,6 @@ def driven_mass(
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
         noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole, direction=direction,
-        force_channel=channel, jitter=0.3 * step, inputs=inputs, applied=force, acceleration_noise=acceleration_noise,
+        force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force, acceleration_noise=acceleration_noise,
         stretch=12.0 * sigma_position * light.noise_gain(0, correlation),
     )  # fmt: skip

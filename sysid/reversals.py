@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.compilation import compiled
+from sysid.balance import runs
 
 
 @compiled
@@ -74,7 +75,7 @@ def event_times(position: np.ndarray, events: np.ndarray, reach: int, search: fl
 
 
 def sharp_direction(
-    position: np.ndarray, velocity: np.ndarray, resting: np.ndarray, reach: int, search: float
+    position: np.ndarray, velocity: np.ndarray, resting: np.ndarray, reach: int, search: float, shortest: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Direction of motion with its flips where they happened, and how much of each step was spent at rest.
 
@@ -84,6 +85,7 @@ def sharp_direction(
         resting: where the smoothed velocity is indistinguishable from rest, (n,).
         reach: samples fitted on each side of an event.
         search: how far a flip may lie from where the smoothed velocity puts it, in samples.
+        shortest: a motion of fewer samples is noise.
 
     Returns:
         direction (n,), in [-1, 1]: the sign of the motion, averaged over the step around each sample; 0 at rest.
@@ -91,6 +93,10 @@ def sharp_direction(
     """
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
+    # Noise at rest looks like motion for a sample or two.
+    for start, stop in runs(sign != 0.0):
+        if stop - start < shortest:
+            sign[start:stop] = 0.0
     moving = np.flatnonzero(sign)
     direction, rest = np.zeros(n), np.zeros(n)
     if moving.size == 0:

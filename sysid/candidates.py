@@ -1,0 +1,193 @@
+"""Every effect that may be missing, tried: a linear score orders the starts, a refit decides.
+
+An effect's amplitudes enter the residual linearly while they are small; its shape parameters (a Stribeck velocity, a
+pitch, a lag) have no gradient where the effect is absent, so they are searched on a grid, and at each grid point the
+drop in squared residual is found with the base model's parameters free to move. The best grid points are then refitted
+in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.effect import Effect
+from sysid.base_fit import Fitted, fit_model
+from sysid.fit import robust_scale
+from sysid.misfit import Weighting, weighted_residual
+from sysid.model import Model, Prepared, Scales, shape_grid, size_of, with_effect
+
+WINSOR = 8.0
+"""Robust deviations beyond which a residual counts no more in the linear score."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """Linear score of an effect at one grid point.
+
+    Args:
+        drop: expected share of the squared residual that goes, base parameters free.
+        start: values to start a refit from.
+    """
+
+    drop: float
+    start: dict[str, float]
+
+
+def _project_out(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """Part of each column (n, k) that the orthonormal `base` (n, p) cannot make."""
+    return columns - base @ (base.T @ columns)
+
+
+def orthonormal(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal basis (n, r) of the span of the columns, dead and dependent ones left out."""
+    norms = np.linalg.norm(columns, axis=0)
+    alive = norms > 0.0
+    if not alive.any():
+        return np.empty((columns.shape[0], 0))
+    scaled = columns[:, alive] / norms[alive]
+    u, s, _ = np.linalg.svd(scaled, full_matrices=False)
+    return u[:, s > 1e-8 * s[0]]
+
+
+def linear_scores(
+    base: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales, basis: np.ndarray, target: np.ndarray
+) -> list[Score]:
+    """Scores of an effect at every point of its shape grid, best first.
+
+    Args:
+        base: the fitted base model.
+        effect: the candidate.
+        records: those fitted.
+        scales: of the records.
+        basis: orthonormal basis of the base model's Jacobian, (n, p).
+        target: residual of the base model, winsorised, with the basis projected out, (n,).
+    """
+    total = float(target @ target) or 1.0
+    residual = base.fit.residual
+    amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
+    phases = [p for p in effect.parameters if p.role == "phase"]
+    scores = []
+    for shape in shape_grid(effect, scales):
+        trial = with_effect(base.model, effect, scales, shape)
+        zero = {f"{effect.name}.{p.name}": 0.0 for p in amplitudes}
+        moves: list[dict[str, float]] = []
+        if not amplitudes or effect.core is not None:
+            moves.append({})
+        else:
+            for amplitude in amplitudes:
+                key = f"{effect.name}.{amplitude.name}"
+                step = 1e-3 * size_of(amplitude, scales)
+                moves.append({**zero, key: step})
+                for phase in phases:
+                    moves.append({**zero, key: step, f"{effect.name}.{phase.name}": 0.5 * np.pi})
+        columns = []
+        for move in moves:
+            moved = weighted_residual(trial, records, base.weights, {**trial.values, **move})
+            columns.append(residual - moved)
+        matrix = np.column_stack(columns)
+        if not np.isfinite(matrix).all():
+            continue
+        free = _project_out(matrix, basis)
+        norms = np.linalg.norm(free, axis=0)
+        if not (norms > 1e-9 * np.linalg.norm(matrix, axis=0)).any():
+            continue
+        scaled = free / np.maximum(norms, 1e-300)
+        coefficients, *_ = np.linalg.lstsq(scaled, target, rcond=1e-8)
+        drop = 1.0 - float(np.sum((target - scaled @ coefficients) ** 2)) / total
+        start = dict(shape)
+        weights = coefficients / np.maximum(norms, 1e-300)
+        if amplitudes and effect.core is None:
+            start.update(_amplitude_start(effect, moves, weights))
+        scores.append(Score(drop, start))
+    return sorted(scores, key=lambda s: -s.drop)
+
+
+def _amplitude_start(effect: Effect, moves: list[dict[str, float]], weights: np.ndarray) -> dict[str, float]:
+    """Amplitudes (and phases) that the linear coefficients of the moves amount to."""
+    start: dict[str, float] = {}
+    phase = next((p for p in effect.parameters if p.role == "phase"), None)
+    for k, move in enumerate(moves):
+        key = next(name for name, value in move.items() if value != 0.0)
+        value = move[key] * float(weights[k])
+        if phase is None:
+            start[key] = value
+            continue
+        phase_key = f"{effect.name}.{phase.name}"
+        if phase_key in move:
+            sine = start[key]
+            start[key] = float(np.hypot(sine, value))
+            start[phase_key] = float(np.arctan2(value, sine))
+        else:
+            start[key] = value
+    for parameter in effect.parameters:
+        key = f"{effect.name}.{parameter.name}"
+        if key in start:
+            start[key] = min(max(start[key], parameter.low), parameter.high)
+    return start
+
+
+def target_of(base: Fitted) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal basis (n, p) of the base model's Jacobian, and its residual (n,), winsorised, with that taken out."""
+    basis = orthonormal(base.fit.jacobian)
+    corner = WINSOR * robust_scale(base.fit.residual)
+    clipped = np.clip(base.fit.residual, -corner, corner)
+    return basis, clipped - basis @ (basis.T @ clipped)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect tried on top of a base model."""
+
+    effect: Effect
+    expected_drop: float
+    fitted: Fitted
+
+
+def try_effect(
+    base: Fitted,
+    effect: Effect,
+    records: Sequence[Prepared],
+    scales: Scales,
+    basis: np.ndarray,
+    target: np.ndarray,
+    starts: int = 2,
+    iterations: int = 15,
+) -> Candidate | None:
+    """Score an effect over its grid, refit it from the best few points, keep the best."""
+    scores = linear_scores(base, effect, records, scales, basis, target)
+    if not scores:
+        return None
+    best: Fitted | None = None
+    for score in _spread(scores, starts):
+        start = with_effect(base.model, effect, scales, score.start)
+        fitted = fit_model(start, records, base.weights, iterations)
+        if best is None or fitted.fit.cost < best.fit.cost:
+            best = fitted
+    assert best is not None
+    return Candidate(effect, scores[0].drop, best)
+
+
+def _spread(scores: list[Score], count: int) -> list[Score]:
+    """The best score, and further ones that begin elsewhere on the grid."""
+    picked = [scores[0]]
+    for score in scores[1:]:
+        if len(picked) >= count:
+            break
+        if score.drop > 0.5 * scores[0].drop and all(_apart(score.start, other.start) for other in picked):
+            picked.append(score)
+    return picked
+
+
+def _apart(a: dict[str, float], b: dict[str, float]) -> bool:
+    return any(abs(a[k] - b.get(k, 0.0)) > 0.3 * max(abs(a[k]), abs(b.get(k, 0.0))) for k in a)
+
+
+def base_model(effects: Sequence[Effect], scales: Scales, rig_values: dict[str, float]) -> Model:
+    """A model of effects at their starting values; `rig_values` are held."""
+    model = Model((), dict(rig_values), ())
+    for effect in effects:
+        model = with_effect(model, effect, scales)
+    return model

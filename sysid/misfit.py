@@ -1,0 +1,141 @@
+"""How large a residual is, in the ways the loop needs: over the noise, for ranking, and block by block."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sysid.balance import Balance
+from sysid.model import Model, Prepared, predict
+
+KEPT = 0.97
+"""Share of samples in the robust figure: a reversal between two samples is nobody's fault."""
+
+_CORNER = 2.17009
+"""Two-sided 97 % point of the normal distribution."""
+
+TRIM_FACTOR = float(np.sqrt(1.0 - 2.0 * _CORNER * np.exp(-0.5 * _CORNER**2) / np.sqrt(2.0 * np.pi) / KEPT))
+"""rms of a standard normal variable within its central 97 %."""
+
+LOSS_CORNER = 4.0
+"""Deviations beyond which the ranking's loss grows with the size of a residual, not its square."""
+
+
+def trimmed_rms(residual: np.ndarray) -> float:
+    """rms over the best 97 % of samples, scaled so that normal noise of unit deviation gives 1."""
+    if residual.size == 0:
+        return float("nan")
+    size = np.sort(np.abs(residual))
+    kept = size[: max(1, int(np.ceil(KEPT * size.size)))]
+    return float(np.sqrt(np.mean(kept**2))) / TRIM_FACTOR
+
+
+def huber_square(residual: np.ndarray) -> np.ndarray:
+    """Twice Huber's loss (n,) of a residual in noise deviations: its square up to the corner, linear beyond."""
+    size = np.abs(residual)
+    return np.where(size <= LOSS_CORNER, size**2, LOSS_CORNER * (2.0 * size - LOSS_CORNER))
+
+
+@dataclass(frozen=True)
+class ChannelMisfit:
+    """Residual of one channel of one set of records.
+
+    Args:
+        rms: over all scored samples, in the channel's unit.
+        over_noise: robust rms over the noise in the same residual after the same filter; 1 is noise alone.
+        fit_percent: 100 (1 - |residual| / |measured - mean|).
+        size: scored samples.
+    """
+
+    rms: float
+    over_noise: float
+    fit_percent: float
+    size: int
+
+
+def sample_deviation(record: Prepared, predicted: Mapping[str, np.ndarray], channel: str) -> np.ndarray:
+    """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep."""
+    noise = record.noise[channel]
+    if not isinstance(record, Balance) or record.jitter == 0.0:
+        return np.full(record.size, noise)
+    steep = np.gradient(predicted[channel], record.step)
+    return np.hypot(noise, record.jitter * np.abs(steep))
+
+
+def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit]:
+    """Misfit of a model on records, by channel."""
+    residuals: dict[str, list[np.ndarray]] = {}
+    scaled: dict[str, list[np.ndarray]] = {}
+    measured: dict[str, list[np.ndarray]] = {}
+    for record in records:
+        predicted = predict(record, model.effects, model.values)
+        for channel in record.measured:
+            ok = record.valid[channel]
+            r = (record.measured[channel] - predicted[channel])[ok]
+            residuals.setdefault(channel, []).append(r)
+            scaled.setdefault(channel, []).append(r / record.noise[channel])
+            measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
+    out = {}
+    for channel, parts in residuals.items():
+        r, y = np.concatenate(parts), np.concatenate(measured[channel])
+        norm = float(np.linalg.norm(y))
+        out[channel] = ChannelMisfit(
+            rms=float(np.sqrt(np.mean(r**2))),
+            over_noise=trimmed_rms(np.concatenate(scaled[channel])),
+            fit_percent=100.0 * (1.0 - float(np.linalg.norm(r)) / norm) if norm > 0 else float("nan"),
+            size=r.size,
+        )
+    return out
+
+
+@dataclass(frozen=True)
+class Weighting:
+    """What makes residuals comparable between models: fixed deviations and thinning, taken from the base model."""
+
+    deviations: tuple[dict[str, np.ndarray], ...]
+    picks: tuple[dict[str, np.ndarray], ...]
+
+
+def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> Weighting:
+    """Deviations from the base model's prediction, and the samples that are scored.
+
+    A filtered record is thinned to a sample per filter width: its neighbours say the same, and count once.
+    """
+    deviations, picks = [], []
+    for record in records:
+        predicted = predict(record, model.effects, model.values)
+        deviations.append({c: sample_deviation(record, predicted, c) for c in record.measured})
+        every = 1
+        if thin and isinstance(record, Balance) and record.whole is not None:
+            every = max(1, int(record.whole.width / record.step))
+        pick = {}
+        for channel in record.measured:
+            index = np.flatnonzero(record.valid[channel])
+            pick[channel] = index[:: every]
+        picks.append(pick)
+    return Weighting(tuple(deviations), tuple(picks))
+
+
+def weighted_residual(
+    model: Model, records: Sequence[Prepared], weights: Weighting, values: Mapping[str, float] | None = None
+) -> np.ndarray:
+    """Residual over its deviation at the scored samples, all channels of all records end to end, (n,)."""
+    values = model.values if values is None else values
+    parts = []
+    for record, deviations, picks in zip(records, weights.deviations, weights.picks, strict=True):
+        predicted = predict(record, model.effects, values)
+        for channel, pick in picks.items():
+            parts.append((record.measured[channel][pick] - predicted[channel][pick]) / deviations[channel][pick])
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def blocks(records: Sequence[Prepared], weights: Weighting, per_record: int = 24) -> np.ndarray:
+    """Block number (n,) of each scored sample: stretches of time, the same for all channels of a record."""
+    parts, start = [], 0
+    for record, picks in zip(records, weights.picks, strict=True):
+        for pick in picks.values():
+            parts.append(start + (pick * per_record) // record.size)
+        start += per_record
+    return np.concatenate(parts) if parts else np.empty(0, dtype=int)

@@ -1,0 +1,37 @@
+"""A record on a uniform time grid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sysid.records import Record
+
+
+def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
+    """The record on a uniform grid of its median step.
+
+    Returns:
+        time from zero (n,), step in s, channels by name, and the mask (n,) of samples that lie in a hole of the
+        time axis more than three steps wide.
+    """
+    time = record.time - record.time[0]
+    step = float(np.median(np.diff(time)))
+    if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
+        grid = step * np.arange(time.size)
+        return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
+    grid = step * np.arange(int(np.floor(time[-1] / step)) + 1)
+    channels = {}
+    for name, values in record.channels.items():
+        known = np.isfinite(values)
+        if not known.any():
+            channels[name] = np.full(grid.size, np.nan)
+            continue
+        resampled = np.interp(grid, time[known], values[known])
+        if not known.all():
+            # A gap stays a gap: a grid point whose neighbour in time was empty is empty.
+            nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+            resampled[~(known[nearest] & known[nearest - 1])] = np.nan
+        channels[name] = resampled
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    hole = (time[after] - time[after - 1]) > 3.0 * step
+    return grid, step, channels, hole
