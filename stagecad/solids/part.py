@@ -20,8 +20,8 @@ what is read. The cache key covers just what was noted, so a part must read all 
 handed, as attributes (``design.stage.thickness``), and neither from a module global nor by walking over all fields.
 Functions of other modules may be called with the same `design`.
 
-**Imports.** The cache follows a module's imports within `stagecad` to know its source. Prefer to leave ``import cadquery``
-to the functions that make geometry: ``material``, ``datums`` and ``dimensions`` then cost no second of loading.
+**Imports.** The cache follows a module's imports within `stagecad` to know its source. Prefer to leave ``import
+cadquery`` to the functions that make geometry: ``material``, ``datums``, ``dimensions`` then cost no second of loading.
 
 **Datums.** A datum is a right-handed frame: origin, unit normal, and a unit x direction at right angles to it.
 
@@ -35,9 +35,9 @@ The assembly (`stagecad.solids.assembly`) relies on these names, all in part coo
 ==================  ==================================================================================================
 part                datums (numbers in a pattern count from 1, in the order of rising x, then rising y)
 ==================  ==================================================================================================
-base                ``top`` (at actuator 1, x along the travel); ``way_left`` (y > 0), ``way_right`` (y < 0): seats of the
-                    ways' undersides, at the middle of the footprint, x along the travel and pointing the same way as the
-                    way's; ``way_left_hole_1`` .. and ``way_right_hole_1`` ..: mouths of the tapped holes;
+base                ``top`` (at actuator 1, x along the travel); ``way_left`` (y > 0), ``way_right`` (y < 0): seats of
+                    the ways' undersides, at the middle of the footprint, x as the way's own x will point;
+                    ``way_left_hole_1`` .. and ``way_right_hole_1`` ..: mouths of the tapped holes;
                     ``pocket_1``, ``pocket_2``, ``pocket_3``: axis of each actuator pocket at the base's top, normal up;
                     ``pin_2_bore_K``: mouth of the vertical bore in the floor of pocket K, normal up;
                     ``pin_1_bore_K``: axis of the horizontal bore of pocket K, where the axis of ``pin_2_bore_K`` meets
@@ -46,21 +46,21 @@ base                ``top`` (at actuator 1, x along the travel); ``way_left`` (y
                     ``spring_K``: closed end of the bore, where the spring rests, normal towards the pin;
                     ``clamp_screw_K``: bearing face (counterbore floor) of the clamp screw of pocket K, normal out;
                     ``tooth_bar_left`` (y > 0), ``tooth_bar_right``: seats of the tooth bars, x along the travel
-stage               ``pad_1``, ``pad_2``, ``pad_3`` (``pad_4``): crown of each pad, normal down; ``pads``: plane of the
-                    crowns under the middle of the stage, normal down; ``top``: payload face; ``sea``: face of the sea at
-                    the middle, normal down; ``tooth_iron_left``, ``tooth_iron_right``: seats of the irons, normal down;
-                    ``magnet_K``: floors of the magnets' pockets, normal out of the pocket (none without magnets there)
-bearing_way         ``bottom``: middle of the footprint, normal down, x so that +y of the part is its inner, bearing side;
-                    ``top``: middle of the lapped bearing face, normal up; ``screw_1`` .. : bearing faces of the heads on
-                    the ledge, normal up. (The left way is the same part turned half a turn about z.)
+stage               ``pad_1``, ``pad_2``, ``pad_3`` (``pad_4``): crown of each pad, normal down; ``pads``: plane of
+                    the crowns under the middle of the stage, normal down; ``top``: payload face; ``sea``: face of
+                    the sea at the middle, normal down; ``tooth_iron_left``, ``tooth_iron_right``: seats of the irons,
+                    normal down; ``magnet_K``: floors of the magnets' pockets, normal out of the pocket
+bearing_way         ``bottom``: middle of the footprint, normal down, x as the part's x (its +y is the outer side);
+                    ``top``: middle of the lapped bearing face, normal up; ``screw_1`` .. : bearing faces of the
+                    heads on the ledge, normal up. (The right way is the same part turned half a turn about z.)
 holder              ``bottom``: normal down, at its axis; ``axis_top``: top at its axis, normal up; ``piezo_1``,
                     ``piezo_2``, ``piezo_3``: floors of the bores, normal up
 tip                 ``apex``: normal up; ``piezo_1`` .. ``piezo_3``: seats of the piezos' ends, normal down
 height_pin_1        ``axis``: middle of the wedge face's line on the axis, normal along the axis towards the set screw;
                     ``wedge``: the wedge face over that point, normal out of it, x along the slope; ``screw_end``,
                     ``spring_end``: the ends, normals out (``spring_end`` at the floor of the spring's seat)
-height_pin_2        ``wedge``: middle of the sloping end, normal out; ``top``: the end that carries the holder, normal up;
-                    ``axis``: on the axis at the sloping end, normal up
+height_pin_2        ``wedge``: middle of the sloping end, normal out; ``top``: the end that carries the holder, normal
+                    up; ``axis``: on the axis at the sloping end, normal up
 magnet              ``seat``: the face that goes to the floor of its pocket; ``face``: the other one
 tooth_iron          ``seat``: the face on the stage, normal up; ``teeth``: plane of the tooth crests, normal down
 tooth_bar           ``seat``: the face on the base, normal down; ``teeth``: plane of the crests, normal up
