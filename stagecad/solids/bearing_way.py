@@ -1,7 +1,8 @@
 """The bearing way: a silicon carbide rail, lapped on top and bottom, bolted to the base along its outer edge.
 
-Part coordinates: origin at mid-length on the inner edge (the one towards the actuator), on the bedded underside; x
-along the travel, y from the inner edge outwards, z up. The two ways are the same part, turned about z.
+Part coordinates: origin in the middle of the footprint, on the bedded underside; x along the travel, y across it with
+the inner edge (the one towards the actuator) at +y, z up. The two ways are the same part: the right one (y < 0) stands
+as here, the left one is turned half a turn about z.
 
 Features and what each is for
 - Rail: the pads slide on its top between the inner edge and the ledge; top and bottom are lapped, since both the
@@ -28,34 +29,31 @@ def bolt_places(design: Any) -> list[tuple[float, float]]:
     """Places (x, y) of the screws in part coordinates, mm: one row, centred on the length."""
     way = design.bearing_way
     count = int(way.bolt_count)
-    return [((i - (count - 1) / 2) * way.bolt_spacing, way.width - way.bolt_edge) for i in range(count)]
+    return [((i - (count - 1) / 2) * way.bolt_spacing, -way.width / 2 + way.bolt_edge) for i in range(count)]
 
 
 def build(design: Any) -> cq.Solid:
     """The bearing way as one solid, mm."""
     way = design.bearing_way
-    body = plate((0.0, way.width / 2, 0.0), way.length, way.width, way.height)
+    body = plate((0.0, 0.0, 0.0), way.length, way.width, way.height)
     ledge = plate(
-        (0.0, way.width - way.ledge_width / 2 + OVERRUN / 2, way.flange_thickness),
+        (0.0, -way.width / 2 + way.ledge_width / 2 - OVERRUN / 2, way.flange_thickness),
         way.length + 2 * OVERRUN, way.ledge_width + OVERRUN, way.height,
     )
     body = cut_all(body, [ledge])
-    inner = way.width - way.ledge_width
+    root = -way.width / 2 + way.ledge_width
 
     def at_root(p: cq.Vector) -> bool:
-        return abs(p.y - inner) < 1e-6 and abs(p.z - way.flange_thickness) < 1e-6
+        return abs(p.y - root) < 1e-6 and abs(p.z - way.flange_thickness) < 1e-6
 
     body = body.fillet(way.ledge_fillet, edges_where(body, at_root)).Solids()[0]
 
     def outer(p: cq.Vector) -> bool:
-        faces = (
-            abs(abs(p.x) - way.length / 2) < 1e-6,
-            abs(p.y) < 1e-6 or abs(p.y - way.width) < 1e-6,
-            abs(p.z) < 1e-6 or abs(p.z - way.height) < 1e-6,
-            abs(p.z - way.flange_thickness) < 1e-6 and p.y > inner + way.ledge_fillet + 1e-6,
-            abs(p.y - inner) < 1e-6 and p.z > way.flange_thickness + way.ledge_fillet - 1e-6,
-        )
-        return sum(faces) >= 2 and not (faces[3] and abs(p.y - inner) < way.ledge_fillet)
+        on_end, on_side = abs(abs(p.x) - way.length / 2) < 1e-6, abs(abs(p.y) - way.width / 2) < 1e-6
+        on_top = abs(p.z - way.height) < 1e-6 or abs(p.z) < 1e-6
+        on_ledge = abs(p.z - way.flange_thickness) < 1e-6 and p.y < root
+        on_riser = abs(p.y - root) < 1e-6 and p.z > way.flange_thickness
+        return on_end + on_side + on_top + on_ledge + on_riser >= 2
 
     body = body.chamfer(way.edge_chamfer, None, edges_where(body, outer)).Solids()[0]
     hole = stepped_hole((0.0, 0.0, way.flange_thickness), (0, 0, -1), [(way.bolt_hole, way.flange_thickness + OVERRUN)],

@@ -94,8 +94,9 @@ def _with_islands(design: Any, body: cq.Solid) -> cq.Solid:
         (0.0, 0.0, design.stage.thickness / 2), pads.length, pads.width, -(design.stage.thickness / 2 + pads.height),
         corner_radius=pads.corner_radius,
     )
-    ball = cq.Solid.makeSphere(
-        pads.crown_radius, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1), -90, 90, 360
+    # Poles along y: the sphere's seam and poles stay off the crown, which is then one plain face.
+    ball = cq.Solid.makeSphere(pads.crown_radius, cq.Vector(0, 0, 0), cq.Vector(0, 0, 1), -90, 90, 360).rotate(
+        cq.Vector(0, 0, 0), cq.Vector(1, 0, 0), 90.0
     ).moved(cq.Location(cq.Vector(0, 0, pads.crown_radius - pads.height)))
     island = prism.intersect(ball).Solids()[0]
     centres = pad_centres(design)
