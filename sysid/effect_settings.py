@@ -1,0 +1,174 @@
+"""The `[model]` of an experiment: its effects by name, and starts, bounds or fixed values of their parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim.custom import load_all_custom
+from sim.effect import Effect, Parameter, rotary_unit
+from sim.library import find
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.quantities import parse_quantity
+from sysid.columns import same_dimension
+from sysid.rigs import CHANNELS, RigKind
+from sysid.toml_table import TomlTable, kind_of, shown
+
+_KEYS = ("start", "low", "high", "fixed")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the file says about one parameter, SI; none where it is silent.
+
+    Args:
+        start: start of the fit, or the value held.
+        low, high: bounds.
+        fixed: held at `start`, not fitted.
+    """
+
+    start: float | None = None
+    low: float | None = None
+    high: float | None = None
+    fixed: bool = False
+
+
+def check_effects(
+    names: Sequence[str], custom: Sequence[Path], rig: RigKind, recorded: set[str], model: TomlTable
+) -> dict[str, Effect]:
+    """Find every effect of the model.
+
+    Args:
+        names: `effects` of the model.
+        custom: files of the user's own effects.
+        rig: kind of rig.
+        recorded: channels that some record holds.
+        model: the table, for messages.
+
+    Raises:
+        InputError: an effect nobody knows, one that stands twice, a sensor channel that is not recorded, a fault in a
+            user's file.
+    """
+    own = load_all_custom(custom)
+    found: dict[str, Effect] = {}
+    for name in names:
+        if name in found:
+            raise InputError(f"{model.where('effects')}: '{name}' stands twice")
+        try:
+            found[name] = find(name, own)
+        except InputError as error:
+            raise InputError(f"{model.where('effects')}: {error}") from None
+        channel = name.partition("@")[2]
+        if channel and channel not in recorded:
+            measured = [other for other in rig.measured_channels if other in recorded]
+            raise InputError(
+                f"{model.where('effects')}: '{name}': no record holds '{channel}'{nearest(channel, measured)}"
+            )
+        if name.startswith("contact.") and rig.name != "friction-drive":
+            raise InputError(
+                f"{model.where('effects')}: '{name}': only a friction-drive has a contact of tip and stage; write "
+                f"'{name.removeprefix('contact.')}'"
+            )
+    return found
+
+
+def read_settings(table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool) -> dict[str, Setting]:
+    """Read `[model.parameters]`.
+
+    Raises:
+        InputError: an effect the model lacks, a parameter the effect lacks, a wrong unit, bounds the wrong way round, a
+            start outside them, a fixed value without its value.
+    """
+    settings: dict[str, Setting] = {}
+    for key, value in _flat(table.data, effects):
+        where = table.where(key)
+        name, _, parameter_name = key.rpartition(".")
+        if name not in effects:
+            wanted = [f"{effect}.{p.name}" for effect, declared in effects.items() for p in declared.parameters]
+            if not name:
+                raise InputError(f"{where}: write 'effect.parameter'{nearest(key, wanted) if wanted else ''}")
+            raise InputError(f"{where}: the model has no effect '{name}'{nearest(name, effects) if effects else ''}")
+        try:
+            parameter = effects[name].parameter(parameter_name)
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from None
+        settings[key] = _setting(
+            TomlTable(table.file, f"{table.name}.{key}", _as_table(value)), parameter, name, rig, rotary
+        )
+    return settings
+
+
+def _flat(data: Mapping[str, Any], effects: Mapping[str, Effect]) -> list[tuple[str, Any]]:
+    """`"coulomb.force" = {...}` and `coulomb.force = {...}` alike, as dotted keys."""
+    flat: list[tuple[str, Any]] = []
+    for key, value in data.items():
+        if isinstance(value, dict) and value and not set(value) & set(_KEYS):
+            nested = _flat(value, effects) if any(isinstance(item, dict | str) for item in value.values()) else []
+            if nested:
+                flat += [(f"{key}.{inner}", item) for inner, item in nested]
+                continue
+        flat.append((key, value))
+    return flat
+
+
+def _as_table(value: Any) -> Any:
+    return {"start": value} if not isinstance(value, dict) else value
+
+
+def _setting(table: TomlTable, parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> Setting:
+    table.allow(_KEYS)
+    start, low, high = (_value(table, key, parameter, effect, rig, rotary) for key in ("start", "low", "high"))
+    fixed = table.flag("fixed")
+    if start is not None and not math.isfinite(start):
+        raise InputError(f"{table.where('start')}: {shown(table.data['start'])} is not finite")
+    if fixed and start is None:
+        raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
+    if low is not None and high is not None and low >= high:
+        raise InputError(
+            f"{table.where()}: low = {shown(table.data['low'])} is not below high = {shown(table.data['high'])}"
+        )
+    for bound, key in ((low, "low"), (high, "high")):
+        if start is not None and bound is not None and (start < bound if key == "low" else start > bound):
+            raise InputError(
+                f"{table.where()}: start = {shown(table.data['start'])} lies outside {key} = {shown(table.data[key])}"
+            )
+    return Setting(start, low, high, fixed)
+
+
+def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> list[str]:
+    """The SI units a value of `parameter` may be given in; a sensor's parameter takes the unit of its channel."""
+    if not parameter.unit.startswith("channel"):
+        return [rotary_unit(parameter.unit) if rotary else parameter.unit]
+    channel = effect.partition("@")[2]
+    channels = [channel] if channel else list(rig.measured_channels)
+    tail = parameter.unit.removeprefix("channel")
+    return list(dict.fromkeys(f"{CHANNELS[name].si_unit(rotary)}{tail}" for name in channels))
+
+
+def _value(table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> float | None:
+    if key not in table.data:
+        return None
+    value, where = table.data[key], table.where(key)
+    units = parameter_units(parameter, effect, rig, rotary)
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise InputError(f"{where}: {shown(value)} is {kind_of(value)}, a quantity is wanted, such as '1 {units[0]}'")
+    # A number without a dimension may stand bare, and so may an infinite bound.
+    bare = isinstance(value, int | float)
+    if bare and (math.isinf(value) or same_dimension(units[0], "1")):
+        return float(value)
+    if bare:
+        raise InputError(f"{where}: {value} has no unit; write '{value} {units[0]}'")
+    text = str(value).strip()
+    if text in ("inf", "+inf", "-inf"):
+        return float(text)
+    problem: InputError | None = None
+    for unit in units:
+        try:
+            return parse_quantity(text, unit, where)
+        except InputError as error:
+            problem = problem or error
+    assert problem is not None
+    raise problem

@@ -1,0 +1,163 @@
+"""What each kind of rig imposes, measures and may know about itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stagecad.parameters.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A quantity that a record may hold, in SI units (temperature in degC).
+
+    Args:
+        name: the column's name.
+        unit: SI unit on a linear axis.
+        rotary_unit: SI unit on a rotary axis.
+        tells_axis: its unit shows whether the axis is linear or rotary.
+    """
+
+    name: str
+    unit: str
+    rotary_unit: str
+    tells_axis: bool = False
+
+    def si_unit(self, rotary: bool) -> str:
+        """The SI unit of the channel on a linear or a rotary axis."""
+        return self.rotary_unit if rotary else self.unit
+
+
+CHANNELS: dict[str, Channel] = {
+    channel.name: channel
+    for channel in (
+        Channel("time", "s", "s"),
+        Channel("position", "m", "rad", tells_axis=True),
+        Channel("position_y", "m", "m"),
+        Channel("velocity", "m/s", "rad/s", tells_axis=True),
+        Channel("pull_position", "m", "rad", tells_axis=True),
+        Channel("friction_force", "N", "N*m", tells_axis=True),
+        Channel("spring_force", "N", "N*m", tells_axis=True),
+        Channel("drive_force", "N", "N*m", tells_axis=True),
+        Channel("voltage_1", "V", "V"),
+        Channel("voltage_2", "V", "V"),
+        Channel("voltage_3", "V", "V"),
+        Channel("tip_x", "m", "m"),
+        Channel("tip_y", "m", "m"),
+        Channel("tip_z", "m", "m"),
+        # On a rotary axis a load may be logged as a force or as a torque; either is kept as it is.
+        Channel("normal_load", "N", "N"),
+        Channel("temperature", "degC", "degC"),
+    )
+}
+
+ALWAYS_ALLOWED = ("time", "normal_load", "temperature")
+
+
+@dataclass(frozen=True)
+class KnownQuantity:
+    """A number the user may know about the rig: SI unit on a linear and a rotary axis, whether it must be positive."""
+
+    unit: str
+    rotary_unit: str
+    positive: bool = True
+
+
+MASS = KnownQuantity("kg", "kg*m^2")
+_AXIS_KNOWN = {"mass": MASS, "inertia": MASS}
+_TIP_KNOWN = {
+    "piezo_spacing": KnownQuantity("m", "m"),
+    "tip_height": KnownQuantity("m", "m"),
+    "bias_voltage": KnownQuantity("V", "V", positive=False),
+}
+
+
+@dataclass(frozen=True)
+class RigKind:
+    """A kind of rig.
+
+    Args:
+        name: the name in `[rig] kind`.
+        inputs: groups of input channels; of each group at least one must be recorded.
+        optional_inputs: inputs that may be recorded besides.
+        measured: groups of measured channels; of each group at least one must be recorded.
+        optional_measured: measured channels that may be recorded besides.
+        known: what may stand in `[rig.known]`.
+    """
+
+    name: str
+    inputs: tuple[tuple[str, ...], ...]
+    optional_inputs: tuple[str, ...]
+    measured: tuple[tuple[str, ...], ...]
+    optional_measured: tuple[str, ...]
+    known: dict[str, KnownQuantity]
+
+    @property
+    def input_channels(self) -> tuple[str, ...]:
+        """Every channel the rig imposes."""
+        return tuple(name for group in self.inputs for name in group) + self.optional_inputs
+
+    @property
+    def measured_channels(self) -> tuple[str, ...]:
+        """Every channel the rig measures."""
+        return tuple(name for group in self.measured for name in group) + self.optional_measured
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Every channel a record of this rig may hold, `time` first."""
+        return ALWAYS_ALLOWED + self.input_channels + self.measured_channels
+
+
+RIGS: dict[str, RigKind] = {
+    rig.name: rig
+    for rig in (
+        RigKind("velocity-drive", (("position", "velocity"),), (), (("friction_force",),), (), _AXIS_KNOWN),
+        RigKind(
+            "spring-pull",
+            (("pull_position",),),
+            (),
+            (("position", "spring_force"),),
+            (),
+            {**_AXIS_KNOWN, "pull_stiffness": KnownQuantity("N/m", "N*m/rad")},
+        ),
+        RigKind("force-drive", (("drive_force",),), (), (("position", "velocity"),), (), _AXIS_KNOWN),
+        RigKind(
+            "actuator-tip",
+            (("voltage_1",), ("voltage_2",)),
+            ("voltage_3",),
+            (("tip_x",), ("tip_y",)),
+            ("tip_z",),
+            _TIP_KNOWN,
+        ),
+        RigKind(
+            "friction-drive",
+            (("voltage_1",), ("voltage_2",)),
+            ("voltage_3",),
+            (("position",),),
+            ("position_y",),
+            {
+                "mass": MASS,
+                **_TIP_KNOWN,
+                "normal_load": KnownQuantity("N", "N"),
+                "preload": KnownQuantity("N", "N"),
+                "piezo_gain": KnownQuantity("m/V", "m/V"),
+            },
+        ),
+    )
+}
+
+
+def find_rig(name: str, where: str) -> RigKind:
+    """The rig kind called `name`.
+
+    Raises:
+        InputError: naming `where`, the value and the nearest kind.
+    """
+    if name not in RIGS:
+        raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, RIGS)}")
+    return RIGS[name]
+
+
+def channel_unit(name: str, rotary: bool) -> str:
+    """The SI unit that channel `name` has in a record."""
+    return CHANNELS[name].si_unit(rotary)

@@ -1,0 +1,129 @@
+"""Reading one table of a TOML file, with an error line for each way a key can be wrong."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.errors import InputError, nearest
+
+_KINDS = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    str: "a text",
+    list: "a list",
+    dict: "a table",
+}
+
+
+def kind_of(value: Any) -> str:
+    """The TOML kind of `value` in words."""
+    return _KINDS.get(type(value), "a date or time")
+
+
+def shown(value: Any) -> str:
+    """`value` as it would stand in the file, cut short."""
+    text = f"'{value}'" if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else str(value)
+    text = " ".join(text.split())
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+class TomlTable:
+    """A table of a TOML file that knows its file and its name.
+
+    Args:
+        file: shown in messages.
+        name: dotted name of the table, empty for the whole file.
+        data: what it holds.
+    """
+
+    def __init__(self, file: str, name: str, data: Any) -> None:
+        self.file = file
+        self.name = name
+        if not isinstance(data, dict):
+            raise InputError(f"{file}: '{name}' is {kind_of(data)}, a table is wanted: write [{name}]")
+        self.data: Mapping[str, Any] = data
+
+    def where(self, key: str = "") -> str:
+        """File and dotted key, for a message."""
+        dotted = ".".join(part for part in (self.name, key) if part)
+        return f"{self.file}: {dotted}" if dotted else self.file
+
+    def allow(self, keys: Iterable[str]) -> None:
+        """Refuse every key but `keys`, naming the nearest."""
+        keys = tuple(keys)
+        for key in self.data:
+            if key not in keys:
+                raise InputError(f"{self.where()}: unknown key '{key}'{nearest(key, keys)}")
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """The text under `key`; an error where it is missing without a default, or no text."""
+        if key not in self.data:
+            if default is None:
+                raise InputError(f"{self.where()}: '{key}' is missing")
+            return default
+        value = self.data[key]
+        if not isinstance(value, str):
+            raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, a text is wanted")
+        return value
+
+    def choice(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
+        """The text under `key`, one of `allowed`."""
+        value = self.text(key, default)
+        if value not in allowed:
+            raise InputError(f"{self.where(key)}: '{value}' is not allowed{nearest(value, allowed)}")
+        return value
+
+    def flag(self, key: str) -> bool:
+        """True or false under `key`; false where it is missing."""
+        value = self.data.get(key, False)
+        if not isinstance(value, bool):
+            raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, true or false is wanted")
+        return value
+
+    def texts(self, key: str) -> tuple[str, ...]:
+        """The list of texts under `key`; empty where it is missing."""
+        value = self.data.get(key, [])
+        if not isinstance(value, list):
+            raise InputError(f'{self.where(key)}: {shown(value)} is {kind_of(value)}, a list is wanted: ["...", "..."]')
+        for item in value:
+            if not isinstance(item, str):
+                raise InputError(f"{self.where(key)}: {shown(item)} is {kind_of(item)}, a text is wanted")
+        return tuple(value)
+
+    def table(self, key: str) -> TomlTable:
+        """The table under `key`; an empty one where it is missing."""
+        return TomlTable(self.file, ".".join(part for part in (self.name, key) if part), self.data.get(key, {}))
+
+    def tables(self, key: str) -> list[TomlTable]:
+        """The array of tables under `key`, numbered from 1 in messages."""
+        value = self.data.get(key, [])
+        if isinstance(value, dict):
+            raise InputError(f"{self.where(key)}: one table, a list of tables is wanted: write [[{key}]], not [{key}]")
+        if not isinstance(value, list):
+            raise InputError(f"{self.where(key)}: {kind_of(value)}, a list of tables is wanted: write [[{key}]]")
+        return [TomlTable(self.file, f"{key} {number}", item) for number, item in enumerate(value, start=1)]
+
+
+def read_toml(path: Path, shown_name: str) -> tuple[str, TomlTable]:
+    """Read a TOML file.
+
+    Returns:
+        Its text, and the whole of it as a table.
+
+    Raises:
+        InputError: unreadable, not UTF-8, or not TOML, with line and column.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{shown_name}: cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{shown_name}: byte {error.start} is not UTF-8; save the file as UTF-8") from None
+    try:
+        return text, TomlTable(shown_name, "", tomllib.loads(text))
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{shown_name}: not valid TOML: {error}") from None
