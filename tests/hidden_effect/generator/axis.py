@@ -1,4 +1,4 @@
-"""One axis with rigid or bristled friction, stepped at 50 us: prescribed velocity, pulled by a spring, or servo-driven."""
+"""One axis with rigid or bristled friction, in steps of 50 us: at a given velocity, pulled by a spring, or servo-driven."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class AxisRun(NamedTuple):
 
 
 @njit(cache=True)
-def _level(p, x, v_seen, aged, load, warmth, travelled, factor, pitches, phases):  # noqa: PLR0913
+def _level(p, x, v_seen, aged, load, warmth, travelled, factor, pitches, phases):
     """Friction level in N before its direction is chosen."""
     a = abs(v_seen) / p.stribeck_velocity
     shape = 1.0 / (1.0 + a * a) if p.stribeck_lorentzian > 0.5 else np.exp(-a * a)
@@ -105,14 +105,14 @@ def _position_force(p, x):
 
 
 @njit(cache=True)
-def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, extra, pitches, phases):  # noqa: PLR0912, PLR0913, PLR0915
+def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, extra, pitches, phases):
     n = guide.size
     h = SAMPLE / SUBSTEPS
     out = np.zeros((6, n))
     command = np.zeros(n)
     seen = np.zeros(n * SUBSTEPS + 1)
-    delay = int(round(p.stribeck_delay / h))
-    late = int(round(p.drive_delay / h))
+    delay = round(p.stribeck_delay / h)
+    late = round(p.drive_delay / h)
     # Eight stop operators: break-away distances spread geometrically, equal shares of the level.
     elements = 8
     stops = np.zeros(elements)
@@ -240,7 +240,7 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
     return out
 
 
-def simulate_axis(  # noqa: PLR0913
+def simulate_axis(
     mode: int, truth: AxisTruth, motion: Any, *, load: np.ndarray, temperature: np.ndarray,
     factor: np.ndarray, extra: np.ndarray, pitches: np.ndarray, phases: np.ndarray,
 ) -> AxisRun:

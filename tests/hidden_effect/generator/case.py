@@ -20,6 +20,7 @@ from .visible import base_columns, filled, left_over, rival_columns, steady
 LEVELS = {"strong": (10.0, 60.0), "moderate": (3.0, 10.0), "weak": (1.0, 3.0)}
 MODES = {"velocity-drive": VELOCITY, "spring-pull": SPRING, "force-drive": SERVO}
 FORCE = {"velocity-drive": "friction_force", "spring-pull": "spring_force", "force-drive": "drive_force"}
+LATE = {"sensor_lag", "sensor_delay", "drive_lag", "drive_delay"}
 _TIP_SPAN = 2.5e-6
 _REACH = 0.024
 
@@ -121,7 +122,9 @@ def _draw_rig(rng: np.random.Generator, plan: Plan) -> _Rig:
     force = coulomb * float(np.exp(rng.uniform(np.log(0.0012), np.log(0.006))))
     position = {"spring-pull": 2e-7, "force-drive": 5e-7}.get(plan.rig, 0.0)
     tip = TipTruth(
-        gain=float(rng.uniform(3.5e-8, 5.5e-8)), offset_x=float(rng.normal(0, 2e-7)), offset_y=float(rng.normal(0, 2e-7))
+        gain=float(rng.uniform(3.5e-8, 5.5e-8)),
+        offset_x=float(rng.normal(0, 2e-7)),
+        offset_y=float(rng.normal(0, 2e-7)),
     )
     if plan.rig == "actuator-tip":
         position = float(rng.uniform(5e-9, 1.3e-8))
@@ -244,7 +247,9 @@ def _on_position(rig: _Rig) -> bool:
     return rig.plan.rig == "force-drive"
 
 
-def _axis_left(rig: _Rig, record: _Record, run: AxisRun, set_: _Settings) -> tuple[float, dict[str, float]]:
+def _axis_left(
+    rig: _Rig, record: _Record, run: AxisRun, set_: _Settings, texture_seed: int
+) -> tuple[float, dict[str, float]]:
     """Left over noise, and what each possible rival would still leave."""
     sensor = set_.sensor
     force = run.force
@@ -255,7 +260,8 @@ def _axis_left(rig: _Rig, record: _Record, run: AxisRun, set_: _Settings) -> tup
         force = sense(force, sensor, 3.0 * rig.numbers["coulomb"])
     inertial = 0.0 if rig.plan.rig == "velocity-drive" else rig.axis.mass
     # A bristled axis creeps where a rigid one sticks: leave that to its deflection, below.
-    direction = np.where(np.abs(velocity) > 1e-4, np.sign(velocity), 0.0) if set_.law.get("presliding") else run.direction
+    creeping = np.where(np.abs(velocity) > 1e-4, np.sign(velocity), 0.0)
+    direction = creeping if set_.law.get("presliding") else run.direction
     rests = rig.plan.rig == "velocity-drive"
     keep = steady(direction if not rests else run.direction, rests=rests)
     d = filled(run.direction)
@@ -263,6 +269,9 @@ def _axis_left(rig: _Rig, record: _Record, run: AxisRun, set_: _Settings) -> tup
         rig.base, d, velocity, rig.axis.stribeck_velocity,
         acceleration if rig.how.mass == "absent" and rig.plan.rig == "force-drive" else None,
     )
+    if "presliding" in rig.base:
+        plain = _run_axis(rig, record, _settings([], []), texture_seed).force
+        base[0] = plain - rig.axis.viscous * run.velocity
     apparent = force - inertial * acceleration
     left = left_over(apparent, base, keep) / rig.noise_force
     also = {}
@@ -309,20 +318,22 @@ def _tip_left(rig: _Rig, record: _Record, out: tuple[np.ndarray, np.ndarray], se
 def _left(rig: _Rig, record: _Record, set_: _Settings, texture_seed: int) -> tuple[float, dict[str, float]]:
     if rig.plan.rig == "actuator-tip":
         return _tip_left(rig, record, _run_tip(rig, record, set_), set_)
-    return _axis_left(rig, record, _run_axis(rig, record, set_, texture_seed), set_)
+    return _axis_left(rig, record, _run_axis(rig, record, set_, texture_seed), set_, texture_seed)
 
 
-def _to_size(  # noqa: PLR0913
+def _to_size(
     rng: np.random.Generator, rig: _Rig, record: _Record, draw: Draw, level: str, texture_seed: int
 ) -> tuple[float, float]:
     """Strength that brings one effect into its level, and what is then visible; the strength is 0 if none does."""
     low, high = LEVELS[level]
     target = float(np.exp(rng.uniform(np.log(low * 1.1), np.log(high * 0.9))))
-    floor, ceiling = 0.0, draw.limit
+    floor, ceiling = draw.least, draw.limit
     strength = min(1.0, draw.limit)
     for _ in range(9):
         left, _ = _left(rig, record, _settings([draw], [strength]), texture_seed)
         if low <= left <= high and abs(np.log(left / target)) < 0.5:
+            return strength, left
+        if strength <= draw.least and left >= target:
             return strength, left
         if left < target:
             floor = strength
@@ -331,6 +342,8 @@ def _to_size(  # noqa: PLR0913
         guess = strength * float(np.clip(target / max(left, 1e-9), 0.05, 20.0))
         if not floor < guess < ceiling:
             guess = float(np.sqrt(max(floor, 1e-4 * ceiling) * ceiling)) if ceiling < draw.limit else ceiling
+        if draw.least > 0.0 and guess < 1.2 * draw.least:
+            guess = draw.least
         if abs(guess - strength) < 1e-6 * strength:
             break
         strength = guess
@@ -344,8 +357,10 @@ def _accept(rig: _Rig, hidden: list[Hidden], visible: float, also: dict[str, flo
     right = {name for entry in hidden for name in entry.accept}
     if len(hidden) == 1 and not hidden[0].unlisted and "UNKNOWN" not in hidden[0].name:
         right |= {name for name, left in also.items() if left < 0.3 and name not in rig.base and left < 0.2 * visible}
-        if {"lag_or_delay"} & right:
-            right |= {"sensor_lag", "sensor_delay", "drive_lag", "drive_delay"}
+        if "lag_or_delay" in right:
+            right |= LATE
+    if not LATE & {entry.name for entry in hidden}:
+        right -= LATE
     right -= {"lag_or_delay"}
     if rig.plan.rig == "velocity-drive":
         right -= {"drive_lag", "drive_delay"}
@@ -368,7 +383,7 @@ def _toml(rig: _Rig, known: dict[str, str], noises: dict[str, tuple[float, str]]
     return "\n".join(lines) + "\n"
 
 
-def _columns(  # noqa: PLR0913
+def _columns(
     rng: np.random.Generator, rig: _Rig, record: _Record, set_: _Settings, texture_seed: int,
 ) -> tuple[dict[str, tuple[str, np.ndarray]], list[str], dict[str, tuple[float, str]]]:
     """SI columns with their noise, the measured ones, and each one's noise."""
@@ -380,7 +395,8 @@ def _columns(  # noqa: PLR0913
         s = rig.noise_position
         x, y = (rounded(channel + noise(rng, rows, s, how), set_.sensor.step) for channel in (x, y))
         columns = {"time": ("s", time), "voltage_1": ("V", record.voltage[0]), "voltage_2": ("V", record.voltage[1])}
-        return columns | {"tip_x": ("m", x), "tip_y": ("m", y)}, ["tip_x", "tip_y"], {"tip_x": (s, "m"), "tip_y": (s, "m")}
+        columns |= {"tip_x": ("m", x), "tip_y": ("m", y)}
+        return columns, ["tip_x", "tip_y"], {"tip_x": (s, "m"), "tip_y": (s, "m")}
     assert record.motion is not None
     run = _run_axis(rig, record, set_, texture_seed)
     r = rig.radius or 1.0
@@ -477,10 +493,13 @@ def make_case(plan: Plan, rng: np.random.Generator, tries: int = 12) -> Case:
         if units is None:
             units = draw_units(rng, {name: unit for name, (unit, _) in columns.items()}, rig.how)
         tables.append(as_logged(rng, columns, measured, rig.how, units))
+    size = plan.level
+    if len(hidden) == 1:
+        size = next((name for name, (low, _) in LEVELS.items() if visible >= low), "faint")
     where = sorted({name for entry in hidden for name in entry.where})
     key = {
         "rig": plan.rig, "base": list(rig.base), "effect": "+".join(plan.effects) or "none",
-        "accept": _accept(rig, hidden, visible, also), "size": plan.level, "visible": visible,
+        "accept": _accept(rig, hidden, visible, also), "size": size, "visible": visible,
         "strength": strengths[0] if len(strengths) == 1 else strengths, "nuisance": plan.nuisance, "hard": plan.hard,
         "rotary": rig.radius is not None, "idle": list(rig.channels), "nuisances": rig.how.__dict__ | {},
         "truth": {**rig.axis._replace(**set_.law)._asdict()} if plan.rig != "actuator-tip" else {

@@ -1,4 +1,4 @@
-"""Which effects a rig can hide: the law's parameters drawn at full size, those that `strength` scales, every right answer."""
+"""Which effects a rig can hide: parameters drawn at full size, those among them that scale, and every right answer."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ AXIS = (VELOCITY, SPRING, SERVO)
 
 @dataclass(frozen=True)
 class Draw:
-    """One draw of an effect. `scaled` vanish with the effect; `fixed` are its shape. Keys: see AxisTruth, TipTruth,
-    `sensor.NAME` (see SensorTruth), `time.KIND` (unlisted things that happen in time)."""
+    """One draw of an effect. `scaled` vanish with it (factor between `least` and `limit`); `fixed` are its shape.
+
+    Keys: of AxisTruth or TipTruth, `sensor.NAME` of SensorTruth, `time.KIND` of unlisted things that happen in time.
+    """
 
     scaled: dict[str, float]
     fixed: dict[str, float] = field(default_factory=dict)
     limit: float = 8.0
+    least: float = 0.0
 
 
 Drawer = Callable[[np.random.Generator, dict], Draw]
@@ -26,7 +29,7 @@ Drawer = Callable[[np.random.Generator, dict], Draw]
 
 @dataclass(frozen=True)
 class Hidden:
-    """A hideable effect: where it can show, how it is drawn (from a generator and the rig's own numbers), what is right."""
+    """An effect to hide: where it can show, how it is drawn (from a generator and the rig's numbers), what is right."""
 
     name: str
     rigs: tuple[str, ...]
@@ -65,7 +68,7 @@ def _unlisted(name: str, rigs: tuple[str, ...], draw: Drawer, *where: str) -> No
     HIDDEN["UNKNOWN_" + name] = Hidden("UNKNOWN_" + name, rigs, draw, ("unexplained",), where)
 
 
-_listed("coulomb", (VELOCITY, SERVO, SPRING), lambda r, b: Draw({"coulomb": b["coulomb"]}, limit=1.0), base=("viscous",))
+_listed("coulomb", AXIS, lambda r, b: Draw({"coulomb": b["coulomb"]}, limit=1.0, least=0.02), base=("viscous",))
 _listed("viscous", AXIS, lambda r, b: Draw({"viscous": _log(r, 4, 40)}), base=("coulomb",))
 _listed(
     "stribeck", AXIS,
@@ -77,7 +80,7 @@ _listed(
 )
 _listed(
     "presliding", AXIS,
-    lambda r, b: Draw({"presliding": _log(r, 4e-6, 6e-5)}, limit=6.0),
+    lambda r, b: Draw({"presliding": (width := _log(r, 3e-6, 6e-5))}, limit=6.0, least=2e-6 / width),
 )
 _listed(
     "frictional_lag", (VELOCITY, SERVO, SPRING), lambda r, b: Draw({"stribeck_delay": _log(r, 4e-3, 0.03)}, limit=5.0),
@@ -110,7 +113,8 @@ _listed(
     needs="load",
 )
 _listed(
-    "temperature_dependent_friction", AXIS, lambda r, b: Draw({"temperature_rate": _uniform(r, 0.012, 0.04)}, limit=3.0),
+    "temperature_dependent_friction", AXIS,
+    lambda r, b: Draw({"temperature_rate": _uniform(r, 0.012, 0.04)}, limit=3.0),
     needs="temperature",
 )
 _listed(
@@ -145,9 +149,15 @@ _listed(
 _listed("drive_lag", (SERVO, TIP), lambda r, b: Draw({"drive_lag": _log(r, 2e-3, 0.02)}, limit=3.0), "sensor_lag")
 _listed("drive_delay", (SERVO, TIP), lambda r, b: Draw({"drive_delay": _log(r, 2e-3, 0.02)}, limit=3.0), "sensor_delay")
 _listed("piezo_hysteresis", (TIP,), lambda r, b: Draw({"hysteresis": _uniform(r, 0.05, 0.25)}, limit=3.0))
-_listed("piezo_creep", (TIP,), lambda r, b: Draw({"creep": _uniform(r, 0.03, 0.15)}, {"creep_time": _log(r, 0.4, 3.0)}))
+_listed(
+    "piezo_creep", (TIP,),
+    lambda r, b: Draw({"creep": _uniform(r, 0.03, 0.15)}, {"creep_time": _log(r, 0.4, 3.0)}),
+)
 _listed("gain_mismatch", (TIP,), lambda r, b: Draw({"mismatch": _sign(r) * _uniform(r, 0.02, 0.12)}, limit=4.0))
-_listed("sensor_lag", (VELOCITY, SPRING, TIP), lambda r, b: Draw({"sensor.lag": _log(r, 2e-3, 0.02)}, limit=3.0), "drive_lag")
+_listed(
+    "sensor_lag", (VELOCITY, SPRING, TIP), lambda r, b: Draw({"sensor.lag": _log(r, 2e-3, 0.02)}, limit=3.0),
+    "drive_lag",
+)
 _listed(
     "sensor_delay", (VELOCITY, SPRING, TIP), lambda r, b: Draw({"sensor.delay": _log(r, 2e-3, 0.02)}, limit=3.0),
     "drive_delay",
@@ -158,15 +168,22 @@ _listed(
 )
 _listed(
     "sensor_drift", (TIP, VELOCITY, SPRING),
-    lambda r, b: Draw({"sensor.drift": _sign(r) * _uniform(r, 0.03, 0.2)}, {"sensor.drift_power": _uniform(r, 0.6, 1.3)}),
+    lambda r, b: Draw(
+        {"sensor.drift": _sign(r) * _uniform(r, 0.03, 0.2)}, {"sensor.drift_power": _uniform(r, 0.6, 1.3)}
+    ),
 )
 _listed(
     "sensor_quantisation", (*AXIS, TIP), lambda r, b: Draw({"sensor.step": b["noise"] * _log(r, 15, 60)}, limit=6.0),
 )
 
-_unlisted("event", (*AXIS, TIP), lambda r, b: Draw({f"time.{r.choice(['step', 'bump', 'level'])}": _uniform(r, .15, .4)}), "time")
+_unlisted(
+    "event", (*AXIS, TIP),
+    lambda r, b: Draw({f"time.{r.choice(['step', 'bump', 'level'])}": _uniform(r, 0.15, 0.4)}), "time",
+)
 _unlisted("cubic_spring", AXIS, lambda r, b: Draw({"cubic": b["coulomb"] * _uniform(r, 2e4, 1e6)}), "position")
-_unlisted("floor_vibration", (*AXIS, TIP), lambda r, b: Draw({"time.vibration": _uniform(r, .05, .3)}), "frequency", "time")
+_unlisted(
+    "floor_vibration", (*AXIS, TIP), lambda r, b: Draw({"time.vibration": _uniform(r, 0.05, 0.3)}), "frequency", "time"
+)
 _unlisted("texture", AXIS, lambda r, b: Draw({"texture": _uniform(r, 0.04, 0.1)}, limit=2.0), "position")
 _unlisted("wander", (*AXIS, TIP), lambda r, b: Draw({"time.wander": _uniform(r, .05, .2)}), "time", "frequency")
 _unlisted("sticking", AXIS, lambda r, b: Draw({"time.sticking": _uniform(r, .15, .5)}), "time")

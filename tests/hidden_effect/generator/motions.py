@@ -31,10 +31,11 @@ def _noise(rng: np.random.Generator, count: int, top: float) -> np.ndarray:
     width = 1.0 / (2.0 * np.pi * top * SAMPLE)
     signal = gaussian_filter1d(rng.standard_normal(count + 40), width, mode="wrap")[20 : 20 + count]
     signal = signal - signal.mean()
-    return signal / max(signal.std(), 1e-12) * np.minimum(1.0, np.minimum(np.arange(count), np.arange(count)[::-1]) / 60)
+    ends = np.minimum(np.arange(count), np.arange(count)[::-1])
+    return signal / max(signal.std(), 1e-12) * np.minimum(1.0, ends / 60)
 
 
-def _segments(  # noqa: PLR0913
+def _segments(
     rng: np.random.Generator, rows: int, reach: float, slow: float, fast: float, *, random_share: float,
     rest_share: float,
 ) -> np.ndarray:
@@ -86,7 +87,8 @@ def velocity_motion(rng: np.random.Generator, rows: int) -> Motion:
     """Prescribed velocity within +-9 mm, 0.05 to 36 mm/s, with rests and random stretches."""
     reach = 9e-3
     speed = _smooth(_segments(rng, rows, reach, 6e-5, 0.036, random_share=0.4, rest_share=0.12), 7)
-    speed[np.abs(speed) < 1e-12] = 0.0
+    # The drive's resolution: slower than this it stands.
+    speed[np.abs(speed) < 1e-6] = 0.0
     zero = np.zeros(rows)
     return Motion(_path(speed), speed, zero, zero)
 

@@ -1,4 +1,4 @@
-"""Noise as instruments have it, and logs as people keep them: coloured, uneven, with outliers, gaps, odd rates and units."""
+"""Noise as instruments have it, logs as people keep them: coloured, uneven, outliers, gaps, odd rates and units."""
 
 from __future__ import annotations
 
@@ -67,7 +67,8 @@ def channel_load(rng: np.random.Generator, rows: int) -> np.ndarray:
     """A load between 5 and 15 N that comes and goes."""
     t = np.arange(rows) * 1e-3
     slow, fast = rng.uniform(0.08, 0.25), rng.uniform(0.6, 1.6)
-    return 10.0 + 3.3 * np.sin(2 * np.pi * (slow * t + rng.random())) + 1.7 * np.sin(2 * np.pi * (fast * t + rng.random()))
+    waves = (3.3, slow), (1.7, fast)
+    return 10.0 + sum(size * np.sin(2 * np.pi * (f * t + rng.random())) for size, f in waves)
 
 
 def channel_temperature(rng: np.random.Generator, rows: int) -> np.ndarray:

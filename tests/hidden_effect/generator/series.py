@@ -21,54 +21,49 @@ def _names(rig: str, *, unlisted: bool) -> list[str]:
     return [name for name, entry in HIDDEN.items() if rig in entry.rigs and entry.unlisted == unlisted]
 
 
-def _plan(  # noqa: PLR0913
-    rng: np.random.Generator, index: int, kind: str, *, hard: bool, levels: Sequence[str], rows: int,
+def _plan(
+    rng: np.random.Generator, turn: int, kind: str, *, hard: bool, levels: Sequence[str], rows: int,
     effects: Sequence[str] | None,
 ) -> Plan:
     rig = str(rng.choice(RIGS, p=[0.28, 0.27, 0.27, 0.18]))
     level = str(rng.choice(levels))
     nuisance = "plain"
     if kind == "none":
-        rig = RIGS[index % 4]
+        rig = RIGS[turn % 4]
         nuisance = str(rng.choice(["plain", "outliers", "spread"], p=[0.4, 0.3, 0.3]))
         return Plan(rig, (), level, nuisance, hard, idle=bool(rng.random() < 0.6), rows=rows)
     if kind == "unexplained":
-        names = _names(rig, unlisted=True)
-        return Plan(rig, (str(rng.choice(names)),), "moderate" if level == "weak" else level, nuisance, hard, rows=rows)
-    if effects:
-        name = str(effects[index % len(effects)])
-        rig = str(rng.choice(HIDDEN[name].rigs))
-        return Plan(rig, (name,), level, nuisance, hard, rows=rows)
+        effects = [name for name, entry in HIDDEN.items() if entry.unlisted]
+        level = "moderate" if level == "weak" else level
+    if kind in ("unexplained", "single"):
+        listed = effects or [name for name, entry in HIDDEN.items() if not entry.unlisted]
+        name = listed[turn % len(listed)]
+        return Plan(str(rng.choice(HIDDEN[name].rigs)), (name,), level, nuisance, hard, rows=rows)
     names = _names(rig, unlisted=False)
-    if kind == "pair":
-        while True:
-            first, second = (HIDDEN[str(n)] for n in rng.choice(names, 2, replace=False))
-            clash = set(first.accept) & set(second.accept) or {first.name, second.name} & {"coulomb", "bristle_damping"}
-            bases = [entry.base for entry in (first, second) if entry.base is not None]
-            if not clash and len(bases) < 2:
-                return Plan(rig, (first.name, second.name), "strong" if level == "weak" else level, nuisance, hard, rows=rows)
-    name = names[index % len(names)] if rng.random() < 0.7 else str(rng.choice(names))
-    if name in ("coulomb", "bristle_damping") and rng.random() < 0.7:
-        name = str(rng.choice(names))
-    return Plan(rig, (name,), level, nuisance, hard, rows=rows)
+    level = "strong" if level == "weak" else level
+    while True:
+        first, second = (HIDDEN[str(n)] for n in rng.choice(names, 2, replace=False))
+        clash = set(first.accept) & set(second.accept) or {first.name, second.name} & {"coulomb", "bristle_damping"}
+        bases = [entry.base for entry in (first, second) if entry.base is not None]
+        if not clash and len(bases) < 2:
+            return Plan(rig, (first.name, second.name), level, nuisance, hard, rows=rows)
 
 
-def _one(job: tuple[Path | None, int, int, str, dict]) -> tuple[str, dict]:
-    folder, seed, index, kind, options = job
+def _one(job: tuple[Path, int, int, int, str, dict]) -> tuple[str, dict]:
+    folder, seed, index, turn, kind, options = job
     name = f"case{index:04d}"
     for attempt in range(20):
         rng = np.random.default_rng([seed, index, attempt])
         try:
-            case = make_case(_plan(rng, index, kind, **options), rng)
+            case = make_case(_plan(rng, turn, kind, **options), rng)
         except ValueError:
             continue
-        if folder is not None:
-            case.write(folder / name)
+        case.write(folder / name)
         return name, case.key | {"kind": kind, "seed": [seed, index, attempt]}
     raise RuntimeError(f"case {index} of seed {seed} could not be made in 20 draws")
 
 
-def make_cases(  # noqa: PLR0913
+def make_cases(
     folder: Path, seed: int, count: int, kinds: dict[str, float] | None = None, *, hard: float = 0.35,
     levels: Sequence[str] = ("strong", "moderate", "weak"), rows: int = 20000, effects: Sequence[str] | None = None,
     jobs: int = 1,
@@ -78,13 +73,17 @@ def make_cases(  # noqa: PLR0913
     `kinds` maps single, none, unexplained and pair to their shares (default 0.5, 0.2, 0.17, 0.13); `hard` is the share
     with coloured noise, gaps, odd units and rates, and rotary axes; `effects` restricts what single cases hide.
     """
+    for given, allowed in ((kinds or {}, KINDS), (effects or (), HIDDEN)):
+        for name in given:
+            if name not in allowed:
+                raise ValueError(f"unknown {name!r}; one of {', '.join(allowed)}")
     shares = kinds or {"single": 0.5, "none": 0.2, "unexplained": 0.17, "pair": 0.13}
     rng = np.random.default_rng([seed, 977])
     total = sum(shares.values())
     drawn = rng.choice(list(shares), count, p=[value / total for value in shares.values()])
     tough = rng.random(count) < hard
     work = [
-        (Path(folder), seed, index, str(drawn[index]),
+        (Path(folder), seed, index, int((drawn[:index] == drawn[index]).sum()), str(drawn[index]),
          {"hard": bool(tough[index]), "levels": tuple(levels), "rows": rows, "effects": effects})
         for index in range(count)
     ]

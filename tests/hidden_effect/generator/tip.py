@@ -57,12 +57,9 @@ def _resonance(u, w, damping, step):
     return out
 
 
-def lagged(signal: np.ndarray, time_constant: float, *, held: bool = False) -> np.ndarray:
-    """First-order lag from rest at the first value; the input held over a sample, or linear between samples."""
+def lagged(signal: np.ndarray, time_constant: float) -> np.ndarray:
+    """First-order lag from rest at the first value; the input is linear between samples."""
     a = np.exp(-SAMPLE / time_constant)
-    if held:
-        out, _ = lfilter([0.0, 1.0 - a], [1.0, -a], signal, zi=[signal[0]])
-        return out
     c = (1.0 - a) * time_constant / SAMPLE
     out, _ = lfilter([1.0 - c, c - a], [1.0, -a], signal, zi=[c * signal[0]])
     return out
@@ -80,7 +77,7 @@ def _stretch(u: np.ndarray, p: TipTruth) -> np.ndarray:
     if p.drive_delay > 0.0:
         rate = delayed(rate, p.drive_delay)
     if p.drive_lag > 0.0:
-        rate = lagged(rate, p.drive_lag, held=True)
+        rate = lagged(rate, p.drive_lag)
     total = rate.copy()
     if p.hysteresis > 0.0:
         for radius, weight in zip((3.0, 8.0, 15.0, 26.0), (0.35, 0.3, 0.2, 0.15)):

@@ -44,7 +44,7 @@ def steady(direction: np.ndarray, *, rests: bool) -> np.ndarray:
     return same & (d != 0.0)
 
 
-def base_columns(  # noqa: PLR0913
+def base_columns(
     base: Sequence[str], direction: np.ndarray, velocity: np.ndarray, stribeck_velocity: float,
     acceleration: np.ndarray | None = None,
 ) -> list[np.ndarray]:
@@ -62,7 +62,7 @@ def base_columns(  # noqa: PLR0913
     return columns
 
 
-def rival_columns(  # noqa: PLR0913
+def rival_columns(
     direction: np.ndarray, velocity: np.ndarray, position: np.ndarray, channels: Mapping[str, np.ndarray],
     radius: float | None, force: np.ndarray,
 ) -> dict[str, list[list[np.ndarray]]]:
