@@ -1,0 +1,353 @@
+"""Quantities as text: a number, an optional space, a unit made of known symbols with ``*``, ``/`` and ``^``.
+
+Inside the program a number is a plain float in SI; text with a unit stands in files, on the command line and in
+reports, and is read and written here only. The table of units is small and closed on purpose: an unknown symbol is a
+mistake to be named, never guessed at.
+
+Rules
+- Radians are a dimension of their own, so that `N*m` is no `N*m/rad` and `rad` is no bare number.
+- A bare number is a quantity only where none has a dimension; ``inf`` is bare for any.
+- An absolute temperature is asked for in `degC` and kept in `degC`; a difference is asked for in `K`, and there `degC`
+  counts as a kelvin. In products (`um/m/degC`) a temperature is always a difference.
+- `%`, `ppm`, `count` and `bit` are dimensionless.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from stagecad.parameters.errors import InputError
+
+BASES = ("m", "kg", "s", "A", "K", "rad")
+Dimension = tuple[Fraction, ...]
+"""Exponents of metre, kilogram, second, ampere, kelvin and radian."""
+
+ABSOLUTE_ZERO = -273.15
+
+
+def _power(*exponents: int) -> Dimension:
+    return tuple(Fraction(exponent) for exponent in (*exponents, *[0] * (len(BASES) - len(exponents))))
+
+
+DIMENSIONLESS = _power()
+_LENGTH, _MASS, _TIME, _CURRENT = _power(1), _power(0, 1), _power(0, 0, 1), _power(0, 0, 0, 1)
+_TEMPERATURE, _ANGLE = _power(0, 0, 0, 0, 1), _power(0, 0, 0, 0, 0, 1)
+_FORCE, _PRESSURE, _ENERGY, _WORK_RATE = _power(1, 1, -2), _power(-1, 1, -2), _power(2, 1, -2), _power(2, 1, -3)
+_VOLTAGE, _CHARGE, _CAPACITANCE = _power(2, 1, -3, -1), _power(0, 0, 1, 1), _power(-2, -1, 4, 2)
+_RESISTANCE, _FLUX_DENSITY, _INDUCTANCE = _power(2, 1, -3, -2), _power(0, 1, -2, -1), _power(2, 1, -2, -2)
+_FREQUENCY = _power(0, 0, -1)
+
+_INCH, _POUND_FORCE = 0.0254, 4.4482216152605
+
+_PREFIXED: tuple[tuple[str, float, Dimension, str], ...] = (
+    ("m", 1.0, _LENGTH, "p n u m c k"),
+    ("g", 1e-3, _MASS, "u m k"),
+    ("s", 1.0, _TIME, "n u m"),
+    ("A", 1.0, _CURRENT, "n u m k"),
+    ("K", 1.0, _TEMPERATURE, "m"),
+    ("rad", 1.0, _ANGLE, "n u m"),
+    ("N", 1.0, _FORCE, "n u m k M"),
+    ("Pa", 1.0, _PRESSURE, "m k M G"),
+    ("J", 1.0, _ENERGY, "n u m k M"),
+    ("W", 1.0, _WORK_RATE, "n u m k"),
+    ("V", 1.0, _VOLTAGE, "n u m k"),
+    ("C", 1.0, _CHARGE, "p n u m"),
+    ("F", 1.0, _CAPACITANCE, "p n u m"),
+    ("ohm", 1.0, _RESISTANCE, "m k M"),
+    ("T", 1.0, _FLUX_DENSITY, "n u m"),
+    ("H", 1.0, _INDUCTANCE, "n u m"),
+    ("Hz", 1.0, _FREQUENCY, "m k M G"),
+)
+_PREFIX = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6, "G": 1e9}
+
+SYMBOLS: dict[str, tuple[float, Dimension]] = {
+    "in": (_INCH, _LENGTH),
+    "mil": (_INCH / 1000, _LENGTH),
+    "min": (60.0, _TIME),
+    "h": (3600.0, _TIME),
+    "day": (86400.0, _TIME),
+    "t": (1000.0, _MASS),
+    "bar": (1e5, _PRESSURE),
+    "mbar": (100.0, _PRESSURE),
+    "psi": (_POUND_FORCE / _INCH**2, _PRESSURE),
+    "lbf": (_POUND_FORCE, _FORCE),
+    "deg": (math.pi / 180, _ANGLE),
+    "arcmin": (math.pi / 10800, _ANGLE),
+    "arcsec": (math.pi / 648000, _ANGLE),
+    "rpm": (math.pi / 30, tuple(a - t for a, t in zip(_ANGLE, _TIME))),
+    "degC": (1.0, _TEMPERATURE),
+    "%": (1e-2, DIMENSIONLESS),
+    "ppm": (1e-6, DIMENSIONLESS),
+    "ppb": (1e-9, DIMENSIONLESS),
+    "count": (1.0, DIMENSIONLESS),
+    "bit": (1.0, DIMENSIONLESS),
+}
+"""Every unit symbol: its size in SI, and its dimension."""
+
+for _symbol, _size, _dimension, _prefixes in _PREFIXED:
+    SYMBOLS[_symbol] = (_size, _dimension)
+    for _prefix in _prefixes.split():
+        SYMBOLS[_prefix + _symbol] = (1.0 if _prefix + _symbol == "kg" else _size * _PREFIX[_prefix], _dimension)
+
+_NUMBER = re.compile(r"[+-]?(?:inf(?![A-Za-z])|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
+_DEVIATION = re.compile(r"\s*(?:\+-|\+/-|±)\s*")
+_FACTOR = re.compile(r"(?P<symbol>[A-Za-z%]+|1)(?:\^(?P<power>-?\d+(?:\.\d+)?))?")
+_LOOKALIKES = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3"})
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number in SI with its dimension.
+
+    Args:
+        value: in SI (an absolute temperature in degC).
+        dimension: exponents of `BASES`.
+    """
+
+    value: float
+    dimension: Dimension
+
+    @property
+    def unit(self) -> str:
+        """The SI unit, spelt in base units (`kg*m/s^2`)."""
+        return si_unit(self.dimension)
+
+
+def si_unit(dimension: Dimension) -> str:
+    """The SI unit of a dimension, spelt in base units; empty for a dimensionless one."""
+    up = [_raised(base, power) for base, power in zip(BASES, dimension) if power > 0]
+    down = [_raised(base, -power) for base, power in zip(BASES, dimension) if power < 0]
+    if not up and not down:
+        return ""
+    return "/".join(["*".join(up) or "1", *down])
+
+
+def _raised(base: str, power: Fraction) -> str:
+    if power == 1:
+        return base
+    return f"{base}^{power.numerator if power.denominator == 1 else float(power):g}"
+
+
+def _plain(text: str) -> str:
+    """Typographic signs as the plain ones they stand for."""
+    return text.replace("°C", "degC").replace("°", "deg").replace("Ω", "ohm").replace("Ω", "ohm").translate(_LOOKALIKES)
+
+
+def _nearest_symbol(symbol: str) -> str:
+    def likeness(known: str) -> tuple[float, float, str]:
+        folded = SequenceMatcher(None, symbol.lower(), known.lower()).ratio()
+        return folded, SequenceMatcher(None, symbol, known).ratio(), known
+
+    return max(SYMBOLS, key=likeness)
+
+
+@cache
+def _unit(unit: str) -> tuple[float, Dimension]:
+    """Size in SI and dimension of a unit.
+
+    Raises:
+        InputError: an unknown symbol, or not a product of symbols.
+    """
+    text = _plain(unit).strip()
+    size, dimension = 1.0, list(DIMENSIONLESS)
+    position, sign = 0, 1
+    while text:
+        match = _FACTOR.match(text, position)
+        if match is None:
+            raise InputError(f"'{unit}' is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+        symbol = match["symbol"]
+        if symbol != "1":
+            if symbol not in SYMBOLS:
+                raise InputError(f"unknown unit symbol '{symbol}'; did you mean '{_nearest_symbol(symbol)}'?")
+            try:
+                power = sign * Fraction(match["power"] or "1")
+                factor, exponents = SYMBOLS[symbol]
+                size *= factor ** float(power)
+            except OverflowError:
+                size = math.inf
+            if not 0.0 < size < math.inf:
+                raise InputError(f"'{unit}' is not a unit; its powers are out of all measure")
+            dimension = [total + power * exponent for total, exponent in zip(dimension, exponents)]
+        position = match.end()
+        if position == len(text):
+            break
+        sign = {"*": 1, "/": -1}.get(text[position], 0)
+        if not sign:
+            raise InputError(f"'{unit}' is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+        position += 1
+    return size, tuple(dimension)
+
+
+def unit_dimension(unit: str) -> Dimension:
+    """Dimension of a unit; an empty text is dimensionless.
+
+    Raises:
+        InputError: naming the unknown symbol and the nearest known one.
+    """
+    return _unit(unit)[1]
+
+
+def to_si(value: float, unit: str) -> float:
+    """`value` in `unit` as SI. A temperature in degC stays in degC."""
+    return value * _unit(unit)[0]
+
+
+def from_si(value: float, unit: str) -> float:
+    """`value` in SI as a number of `unit`. A temperature in degC stays in degC."""
+    return value / _unit(unit)[0]
+
+
+def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
+    """Read a quantity.
+
+    Args:
+        text: as written by the user, or a number straight from a file (then only where `unit` is dimensionless).
+        unit: any unit of the dimension wanted; empty for a dimensionless one, `degC` for an absolute temperature.
+        where: file and key (or row), put before the message.
+
+    Returns:
+        The value in SI.
+
+    Raises:
+        InputError: no number, unknown symbol, or another dimension than that of `unit`.
+    """
+    value, std = parse_uncertain(text, unit, where)
+    if std is not None:
+        raise InputError(f"{_place(where)}'{text}' carries an uncertainty, which has no place here; write the value alone")
+    return value
+
+
+def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float, float | None]:
+    """Read a quantity that may carry its standard deviation: ``1.79 +- 0.01 kg``.
+
+    Arguments and errors as `parse_quantity`.
+
+    Returns:
+        The value and its standard deviation, both in SI; no deviation where none is given.
+    """
+    place = _place(where)
+    shown = f"'{text}'" if isinstance(text, str) else str(text).lower()
+    number, std, written = _split(text, shown, place)
+    if not written:
+        if unit_dimension(unit) != DIMENSIONLESS and not math.isinf(number):
+            raise InputError(f"{place}{shown} has no unit; write it with one, like '{_example(number, unit)}'")
+        return number, std
+    try:
+        size, dimension = _unit(written)
+    except InputError as error:
+        raise InputError(f"{place}{shown}: {error}") from None
+    if dimension != unit_dimension(unit):
+        if not unit_dimension(unit) != DIMENSIONLESS:
+            raise InputError(f"{place}{shown} has a unit where a bare number belongs, like '{number:g}'")
+        raise InputError(f"{place}{shown} has the wrong dimension; wanted '{unit}' or a multiple of it")
+    offset = ABSOLUTE_ZERO if unit == "degC" and _plain(written).strip() in ("K", "mK") else 0.0
+    return number * size + offset, None if std is None else std * size
+
+
+def _place(where: str) -> str:
+    return f"{where}: " if where else ""
+
+
+def _split(text: Any, shown: str, place: str) -> tuple[float, float | None, str]:
+    """Number, deviation and unit as written."""
+    if isinstance(text, bool) or not isinstance(text, str | int | float):
+        raise InputError(f"{place}{shown} is not a quantity; write a number with its unit in quotes, like '12 mm'")
+    if not isinstance(text, str):
+        value = float(text)
+        if math.isnan(value):
+            raise InputError(f"{place}{shown} is not a number")
+        return value, None, ""
+    plain = _plain(text).strip()
+    match = _NUMBER.match(plain)
+    if match is None:
+        raise InputError(f"{place}{shown} is not a quantity; write a number and a unit, like '12 mm'")
+    value, end = _number(match[0], shown, place), match.end()
+    std = None
+    between = _DEVIATION.match(plain, end)
+    if between is not None:
+        deviation = _NUMBER.match(plain, between.end())
+        if deviation is None:
+            raise InputError(f"{place}{shown} has no number after +-; write it like '1.79 +- 0.01 kg'")
+        std, end = _number(deviation[0], shown, place), deviation.end()
+        if not 0.0 <= std < math.inf:
+            raise InputError(f"{place}{shown} has an uncertainty that is not a positive number")
+    rest = plain[end:].strip()
+    if rest[:1] in (".", "+", "-", ",") or rest[:1].isdigit() and not rest.startswith("1/"):
+        raise InputError(f"{place}{shown} is not a quantity; one number, then one unit, like '12 mm'")
+    return value, std, rest
+
+
+def _number(digits: str, shown: str, place: str) -> float:
+    value = float(digits)
+    if math.isinf(value) and "inf" not in digits:
+        raise InputError(f"{place}{shown} is larger than any number the program can hold")
+    return value
+
+
+def _example(number: float, unit: str) -> str:
+    return f"{number:g} {unit}"
+
+
+_LADDERS: dict[str, tuple[str, ...]] = {
+    "m": ("nm", "um", "mm", "m", "km"),
+    "s": ("ns", "us", "ms", "s"),
+    "kg": ("mg", "g", "kg"),
+    "N": ("uN", "mN", "N", "kN", "MN"),
+    "Pa": ("Pa", "kPa", "MPa", "GPa"),
+    "N/m^2": ("Pa", "kPa", "MPa", "GPa"),
+    "N/m": ("N/m", "N/mm", "N/um"),
+    "m/s": ("nm/s", "um/s", "mm/s", "m/s"),
+    "rad": ("nrad", "urad", "mrad", "rad"),
+    "J": ("nJ", "uJ", "mJ", "J", "kJ"),
+    "W": ("uW", "mW", "W", "kW"),
+    "V": ("uV", "mV", "V", "kV"),
+    "A": ("uA", "mA", "A", "kA"),
+    "C": ("pC", "nC", "uC", "C"),
+    "F": ("pF", "nF", "uF", "F"),
+    "ohm": ("mohm", "ohm", "kohm", "Mohm"),
+    "T": ("uT", "mT", "T"),
+    "Hz": ("mHz", "Hz", "kHz", "MHz"),
+    "1/K": ("ppm/K",),
+    "m^2": ("um^2", "mm^2", "m^2"),
+    "m^3": ("mm^3", "m^3"),
+}
+
+
+def format_quantity(value_si: float, unit: str = "", digits: int = 4) -> str:
+    """A quantity for people: a sensible prefix, `digits` significant digits.
+
+    Args:
+        value_si: in SI (an absolute temperature in degC).
+        unit: the SI unit (`N/m`), or any unit to be kept as it is (`mm`).
+        digits: significant digits.
+    """
+    if math.isnan(value_si):
+        return "nan"
+    if math.isinf(value_si):
+        return "inf" if value_si > 0 else "-inf"
+    shown = unit
+    ladder = _LADDERS.get(unit, ())
+    if ladder and value_si != 0.0:
+        # A value that rounds up to the next step is shown in the next step: 999.96 mm with four digits is 1 m.
+        rounded = abs(float(f"{value_si:.{digits}g}"))
+        shown = next((step for step in reversed(ladder) if rounded / _unit(step)[0] >= 1.0), ladder[0])
+    number = f"{from_si(value_si, shown):.{digits}g}"
+    return f"{number} {shown}" if shown else number
+
+
+def as_json(
+    value: float, unit: str, std: float | None = None, low: float | None = None, high: float | None = None
+) -> dict[str, Any]:
+    """A quantity as it stands in a JSON document: `{"value": 1.79, "unit": "kg"}`, `unit` being SI.
+
+    A fitted quantity has besides its standard deviation, and the bounds of its 95 % interval.
+    """
+    document: dict[str, Any] = {"value": value, "unit": unit}
+    document.update({name: item for name, item in (("std", std), ("low", low), ("high", high)) if item is not None})
+    return document
