@@ -63,6 +63,7 @@ class Scan:
     """Range over which a shape parameter is searched, as multiples of a scale that the record sets.
 
     The scale is the record's largest value (or range) of `of`; "period" is its duration, "sample" its sampling time.
+    `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
     A bounded range keeps a parameter physical: a cogging pitch longer than the travel is a slope in disguise.
     """
 
@@ -70,7 +71,7 @@ class Scan:
     low: float
     high: float
     points: int = 9
-    spacing: Literal["geometric", "linear"] = "geometric"
+    spacing: Literal["geometric", "linear", "reciprocal"] = "geometric"
 
 
 @dataclass(frozen=True)

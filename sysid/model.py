@@ -124,15 +124,20 @@ def scan_values(parameter: Parameter, scales: Scales) -> np.ndarray:
         return np.array([min(max(scale * scan.low, parameter.low), parameter.high)])
     if scan.spacing == "geometric":
         return np.geomspace(low, high, scan.points)
+    if scan.spacing == "reciprocal":
+        return 1.0 / np.linspace(1.0 / high, 1.0 / low, scan.points)
     return np.linspace(low, high, scan.points)
 
 
 def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
     """Bounds of a fit: the declared ones, narrowed to what these records can show of a shape parameter."""
     low, high = parameter.low, parameter.high
+    if parameter.unit == "m" and parameter.scan is None and not np.isfinite(high):
+        # A place the axis never comes near (the rest of a cable, say) is a constant in disguise.
+        low, high = max(low, -scales.position), min(high, scales.position)
     if parameter.scan is not None:
         scale = _scan_scale(parameter, scales)
-        low, high = max(low, 0.3 * parameter.scan.low * scale), min(high, 1.5 * parameter.scan.high * scale)
+        low, high = max(low, 0.3 * parameter.scan.low * scale), min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * parameter.scan.high * scale)
         if low > high:
             low, high = parameter.low, parameter.high
     return low, high
@@ -217,7 +222,7 @@ def with_effect(model: Model, effect: Effect, scales: Scales, start: Mapping[str
     return Model(tuple(effects), values, tuple(replace(u, start=values[u.key]) for u in unknowns))
 
 
-def shape_grid(effect: Effect, scales: Scales, most: int = 80) -> list[dict[str, float]]:
+def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str, float]]:
     """Every combination of the effect's shape parameters on their grids, thinned to at most `most`."""
     shapes = [p for p in effect.parameters if p.role == "shape" and not p.fixed]
     axes = [scan_values(p, scales) for p in shapes]

@@ -150,7 +150,12 @@ def driven_mass(
     acceleration = whole(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
     direction, stuck = sharp_direction(
-        position, velocity, np.abs(velocity) <= rest, reach_event, max(2.0, 0.7 * law_width / step + 1.0),
+        position,
+        velocity,
+        force / mass * step**2 if mass > 0 else np.zeros(n),
+        np.abs(velocity) <= rest,
+        reach_event,
+        min(2.5 * law_width / step + 2.0, reach_event - 2.0),
         max(3, int(np.ceil(2.0 * law_width / step))),
     )
 

@@ -11,8 +11,8 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
     """The record on a uniform grid of its median step.
 
     Returns:
-        time from zero (n,), step in s, channels by name, and the mask (n,) of samples that lie in a hole of the
-        time axis more than three steps wide.
+        time from zero (n,), step in s, channels by name, and the mask (n,) of samples that were not measured:
+        in a hole of the time axis more than three steps wide, or where a regular log misses a row.
     """
     time = record.time - record.time[0]
     step = float(np.median(np.diff(time)))
@@ -33,5 +33,10 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
             resampled[~(known[nearest] & known[nearest - 1])] = np.nan
         channels[name] = resampled
     after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    near = np.minimum(np.abs(time[after] - grid), np.abs(time[after - 1] - grid))
     hole = (time[after] - time[after - 1]) > 3.0 * step
+    on_row = near <= 0.02 * step
+    if on_row.mean() > 0.5:
+        # A regular log with rows missing: what stands between its rows was not measured.
+        hole = hole | ~on_row
     return grid, step, channels, hole

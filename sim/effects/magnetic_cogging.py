@@ -35,7 +35,7 @@ EFFECT = Effect(
             "distance over which the force repeats",
             "assumed: the design's tooth pitch",
             "shape",
-            Scan("position", 0.01, 0.8, 40),
+            Scan("position", 0.02, 0.5, 110, "reciprocal"),
         ),
         Parameter("phase", "rad", 0.0, -math.pi, math.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
     ),

@@ -22,6 +22,16 @@ def level_velocity(axis: Axis, p: Any) -> Any:
     return -p.force * steep * np.sign(axis.velocity) / p.velocity
 
 
+def rational(axis: Axis, p: Any) -> Any:
+    return p.force / (1.0 + np.abs(axis.velocity / p.velocity) ** p.exponent)
+
+
+def rational_velocity(axis: Axis, p: Any) -> Any:
+    ratio = np.abs(axis.velocity / p.velocity)
+    steep = p.exponent * (ratio + 1e-300) ** (p.exponent - 1.0) / (1.0 + ratio**p.exponent) ** 2
+    return -p.force * steep * np.sign(axis.velocity) / p.velocity
+
+
 _GAUSSIAN = Effect(
     name="stribeck",
     meaning="friction falls as sliding gets faster: static friction above the Coulomb level, and stick-slip",
@@ -70,6 +80,16 @@ EFFECT = replace(
             name="stribeck:free_exponent",
             meaning="the Stribeck effect with the sharpness of its curve free",
             parameters=(*_GAUSSIAN.parameters[:2], replace(_GAUSSIAN.parameters[2], fixed=False)),
+        ),
+        replace(
+            _GAUSSIAN,
+            name="stribeck:rational",
+            meaning="the Stribeck effect with a curve that fades as a power of the speed",
+            equation="level += force / (1 + |v/velocity|^exponent)",
+            source="Hess and Soom 1990, J. Tribology 112, 147, eq. 7: exponent 2",
+            parameters=(*_GAUSSIAN.parameters[:2], replace(_GAUSSIAN.parameters[2], fixed=False)),
+            level=rational,
+            slopes={"level.velocity": rational_velocity},
         ),
     ),
 )
