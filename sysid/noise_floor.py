@@ -1,0 +1,184 @@
+"""Noise of a measured channel, found before any model is fitted.
+
+The order of trust: what the user gives; the scatter from cycle to cycle of a periodic motion; stretches where the input
+stands still; differences of neighbouring samples. Never the residual of a model, which would take a missing effect for
+noise.
+
+Differences see only the fastest part of the noise. Noise that is coloured is found by comparing them with the scatter in
+windows of growing length; a log that was filtered, by differences that keep falling from order to order without
+reaching a floor. A filtered log without repeats is said to be so, since its value is then a lower bound only.
+
+Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625
+(differences); Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.quantities import as_json
+from sysid.cycles import cycle_scatter
+from sysid.noise_colour import Colour, colour_of, difference_scale, segments
+from sysid.quantum import find_quantum
+from sysid.records import Record
+from sysid.rigs import RIGS
+
+NoiseSource = Literal["given", "repeats", "quiet", "difference"]
+UNSEEN_UNDER_STEP = 0.1
+"""Noise below a tenth of a sensor's step leaves no trace in its readings; it is taken to be that tenth."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviation of the noise on one channel.
+
+    Args:
+        value: SI.
+        unit: SI unit.
+        source: where the value comes from.
+        correlation: correlation of neighbouring samples (first-order autoregression); zero for white noise.
+        correlation_time: s, -step / log(correlation); zero for white noise.
+        filtered: the log was low-passed: differences of neighbours say nothing about the noise.
+        quantum: step of the grid the values lie on, SI; none where they lie on no grid.
+        note: for people, one line.
+    """
+
+    value: float
+    unit: str
+    source: NoiseSource
+    correlation: float = 0.0
+    correlation_time: float = 0.0
+    filtered: bool = False
+    quantum: float | None = None
+    note: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """As it stands in the output: a quantity with `from`."""
+        return {**as_json(self.value, self.unit), "from": self.source}
+
+
+def estimate_noise(records: Sequence[Record], channel: str, given: float | None = None) -> Noise:
+    """Standard deviation of the noise on `channel`.
+
+    Args:
+        records: of one experiment; those without the channel are passed over.
+        channel: measured channel.
+        given: standard deviation given by the user, SI.
+
+    Returns:
+        The noise. With `given`, only its colour and grid are read off the records.
+
+    Raises:
+        InputError: no record holds the channel, or none has a stretch long enough.
+    """
+    holding = [record for record in records if channel in record.channels]
+    if not holding:
+        raise InputError(f"no record holds '{channel}'")
+    unit = holding[0].units[channel]
+    pieces = [piece for record in holding for piece in segments(record.time, record.channels[channel], record.step)]
+    step = float(np.median([record.step for record in holding]))
+    quantum = find_quantum([record.channels[channel] for record in holding])
+    colour = colour_of(pieces) if pieces else None
+    irregular = colour is None
+    if colour is None:
+        colour = _irregular(holding, channel)
+    if given is not None:
+        return _noise(given, unit, "given", colour, step, quantum, "given")
+    if quantum is not None:
+        colour = _without_quantum(colour, quantum)
+    repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
+    scatter = float(np.median([item.scatter for item in repeats])) if repeats else None
+    if scatter is not None and (colour.filtered or scatter <= 1.5 * colour.value):
+        cycles = sum(item.cycles for item in repeats)
+        note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
+        if colour.filtered:
+            note += f"; the log was filtered: neighbours differ by {colour.value:.2g} {unit} only"
+        return _noise(scatter, unit, "repeats", colour, step, quantum, note)
+    quiet = _quiet(holding, channel, colour)
+    if quiet is not None:
+        return _noise(quiet.value, unit, "quiet", quiet, step, quantum, "where the input stands still")
+    note = "from differences of neighbouring samples"
+    if irregular:
+        note += " at uneven times"
+    if colour.correlation:
+        note += f" and windows of growing length: coloured, correlation time {_time(colour.correlation, step):.2g} s"
+    if colour.filtered:
+        note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
+    elif scatter is not None:
+        # Cycles that differ by more than a sensor's noise hold an effect that changes from cycle to cycle.
+        note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
+    return _noise(colour.value, unit, "difference", colour, step, quantum, note)
+
+
+def _noise(
+    value: float, unit: str, source: NoiseSource, colour: Colour, step: float, quantum: float | None, note: str
+) -> Noise:
+    if quantum is not None:
+        note += f"; the values lie on a grid of {quantum:.3g} {unit}"
+    correlation = colour.correlation
+    return Noise(value, unit, source, correlation, _time(correlation, step), colour.filtered, quantum, note)
+
+
+def _time(correlation: float, step: float) -> float:
+    return -step / float(np.log(correlation)) if correlation > 0.0 else 0.0
+
+
+def _irregular(records: Sequence[Record], channel: str) -> Colour:
+    """Residuals from the straight line between the two neighbours, each divided by its own spread."""
+    parts = []
+    for record in records:
+        good = np.flatnonzero(~np.isnan(record.channels[channel]))
+        t, x = record.time[good], record.channels[channel][good]
+        if t.size < 3:
+            continue
+        share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+        miss = x[1:-1] - (1.0 - share) * x[:-2] - share * x[2:]
+        parts.append(miss / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
+    if not parts or sum(part.size for part in parts) < 8:
+        raise InputError(f"channel '{channel}' has too few samples to tell its noise; give it under [noise]")
+    return Colour(difference_scale(np.concatenate(parts)), 0.0, False)
+
+
+def _without_quantum(colour: Colour, quantum: float) -> Colour:
+    left = colour.value**2 - quantum**2 / 12.0
+    return Colour(max(float(np.sqrt(max(left, 0.0))), UNSEEN_UNDER_STEP * quantum), 0.0, False)
+
+
+def _quiet(records: Sequence[Record], channel: str, overall: Colour) -> Colour | None:
+    """The noise where the input stands still, if that is long enough and free of motion that goes on."""
+    pieces: list[np.ndarray] = []
+    for record in records:
+        inputs = [name for name in _inputs(record) if name != channel and name in record.channels]
+        if not inputs:
+            continue
+        still = np.ones(record.size, dtype=bool)
+        for name in inputs:
+            values = record.channels[name]
+            reach = 1e-6 * float(np.nanmax(values) - np.nanmin(values))
+            moves = np.abs(np.diff(values, prepend=values[0])) > reach
+            still &= ~np.isnan(values) & ~moves
+        masked = np.where(still, record.channels[channel], np.nan)
+        pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
+    if sum(piece.size for piece in pieces) < 1000:
+        return None
+    colour = colour_of(pieces)
+    # Something still moves there, or the stretches hold only part of the noise: the whole record tells more.
+    if colour is None or colour.filtered or not 0.5 * overall.value < colour.value < 1.25 * overall.value:
+        return None
+    return colour
+
+
+def _inputs(record: Record) -> tuple[str, ...]:
+    """The imposed channels of the rig kinds that fit the record's channels."""
+    held = set(record.channels)
+    fitting = [
+        rig
+        for rig in RIGS.values()
+        if all(held & set(group) for group in rig.inputs) and all(held & set(group) for group in rig.measured)
+    ]
+    return fitting[0].input_channels if fitting else ()
