@@ -52,7 +52,7 @@ def way_hole_places(design: Any) -> list[tuple[float, float]]:
 def bar_hole_places(design: Any) -> list[tuple[float, float]]:
     """Places (x, y) of the tapped holes for the tooth bars' screws, mm."""
     bar = design.tooth_bar
-    along = bar.length / 2 - bar.foot_length / 2
+    along = (bar.length - bar.end_length) / 2
     across = design.teeth.bar_spacing / 2
     return [
         (x, side * across + step)

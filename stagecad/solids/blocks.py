@@ -36,7 +36,7 @@ def edges_where(shape: cq.Shape, keep: Callable[[cq.Vector], bool]) -> list[cq.E
 
 def cut_all(body: cq.Shape, cutters: Iterable[cq.Shape]) -> cq.Solid:
     """The body with every cutter taken away in one boolean; the result must be one solid."""
-    return _solid(body.cut(*cutters))
+    return _solid(body.cut(*cutters).clean())
 
 
 def joined(body: cq.Shape, others: Iterable[cq.Shape]) -> cq.Solid:

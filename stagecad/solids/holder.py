@@ -13,7 +13,8 @@ Features and what each is for
 - Well and lead slots: each bore opens through a narrow slot into a well in the middle, by which the leads come out at
   the top: there is no room for them between holder and pocket.
 - Lifting holes: tapped in the top face between the bores, to pull the holder out of its pocket.
-- Index notch: a key in the rim on the +x side; with a gauge laid into it the piezos' line is set along the travel.
+- Index notches: keys in the rim on the +x and -x sides; a gauge laid through the base's lead channel into one of them
+  sets the piezos' line along the travel before the clamps are drawn.
 """
 from __future__ import annotations
 
@@ -22,7 +23,7 @@ from typing import Any
 
 import cadquery as cq
 
-from stagecad.solids.blocks import cut_all, edges_where
+from stagecad.solids.blocks import cut_all, edges_where, plate
 from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.tip import bolt_circle_radius, piezo_places
 
@@ -60,6 +61,8 @@ def build(design: Any) -> cq.Solid:
         cutters.append(stepped_hole((h.lift_radius * math.cos(angle), h.lift_radius * math.sin(angle), h.height),
                                     (0, 0, -1), [(threads.m4_tap_drill, h.lift_drill_depth)],
                                     mouth_chamfer=h.bore_chamfer, drill_point=True))
-    notch = cq.Solid.makeBox(h.index_depth + OVERRUN, h.index_width, h.index_depth + OVERRUN,
-                             cq.Vector(outside - h.index_depth, -h.index_width / 2, h.height - h.index_depth))
-    return cut_all(body, [*cutters, notch])
+    for side in (-1, 1):
+        middle = side * (outside - (h.index_depth - OVERRUN) / 2)
+        cutters.append(plate((middle, 0.0, h.height - h.index_depth), h.index_depth + OVERRUN, h.index_width,
+                             h.index_depth + OVERRUN))
+    return cut_all(body, cutters)

@@ -1,0 +1,51 @@
+"""Height pin 1: the wedge. Pushed along its bore by the set screw, it lifts height pin 2, against the spring.
+
+Part coordinates: axis along z, origin on the axis at mid-length, +z towards the set screw; the wedge face looks to +x.
+At mid-stroke the origin is below the axis of height pin 2.
+
+Features and what each is for
+- Shank: turned, a sliding fit in its bore; it passes through the set screw's thread, so pin and spring go in from the
+  side face and come out again. End chamfers lead it in.
+- Wedge face: milled flat along the whole length, sloping against the axis; pushed away from the screw the pin grows
+  thicker under height pin 2, which rests on it flat and so keeps both pins from turning. The slope is far below the
+  angle of friction: it locks by itself. The flat also lets air pass along the bore.
+- Spigot: centres the spring on the other end (the flat runs out over it).
+- Withdrawal thread: tapped in the screw's end, to draw the pin out with any M5 screw.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+import cadquery as cq
+
+from stagecad.solids.blocks import cut_all
+from stagecad.solids.holes import OVERRUN, stepped_hole, turned
+
+NAME = "height_pin_1"
+
+
+def build(design: Any) -> cq.Solid:
+    """Height pin 1 as one solid, mm."""
+    pin = design.height_pin_1
+    half, radius, spigot, chamfer = pin.length / 2, pin.diameter / 2, pin.spigot_diameter / 2, pin.end_chamfer
+    blank = turned((0, 0, 0), (0, 0, 1), [
+        (0.0, -half - pin.spigot_length),
+        (spigot - chamfer, -half - pin.spigot_length),
+        (spigot, -half - pin.spigot_length + chamfer),
+        (spigot, -half),
+        (radius - chamfer, -half),
+        (radius, -half + chamfer),
+        (radius, half - chamfer),
+        (radius - chamfer, half),
+        (0.0, half),
+    ])
+    # What stands above the sloping face goes, spigot included: the cutter runs out over it.
+    ends = (-half - pin.spigot_length - OVERRUN, half + OVERRUN)
+    low, high = (pin.flat_height + pin.slope * z for z in ends)
+    over = cq.Wire.makePolygon(
+        [(low, -radius - OVERRUN, ends[0]), (high, -radius - OVERRUN, ends[1]),
+         (2 * radius, -radius - OVERRUN, ends[1]), (2 * radius, -radius - OVERRUN, ends[0])], close=True)
+    wedge = cq.Solid.extrudeLinear(over, [], cq.Vector(0, 2 * (radius + OVERRUN), 0))
+    thread = stepped_hole((0, 0, half), (0, 0, -1), [(design.threads.m5_tap_drill, pin.withdrawal_drill_depth)],
+                          mouth_chamfer=chamfer, drill_point=True)
+    return cut_all(blank, [wedge, thread])
