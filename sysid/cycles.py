@@ -10,7 +10,6 @@ from sysid.records import Record
 
 SAME = 2e-3
 """Mean squared change of the input from one cycle to the next, over twice its variance, below which it repeats."""
-_IMPOSED = ("position", "velocity", "pull_position", "voltage_1", "voltage_2", "voltage_3")
 
 
 @dataclass(frozen=True)
@@ -21,11 +20,13 @@ class CycleScatter:
         scatter: standard deviation of one cycle about its neighbours, in the channel's unit.
         period: s.
         cycles: how many were compared.
+        correlation: of neighbouring samples of that scatter.
     """
 
     scatter: float
     period: float
     cycles: int
+    correlation: float
 
 
 def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
@@ -34,7 +35,7 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
     Neighbours are compared, so that slow drift counts for little; 3 % of the samples, those beside jumps, are left out.
 
     Returns:
-        None where nothing imposed repeats, or load or temperature change from cycle to cycle.
+        None where nothing imposed repeats, or the load changes from cycle to cycle.
     """
     if not record.uniform:
         return None
@@ -46,13 +47,34 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
         return None
     values = record.channels[channel]
     change = values[lag:] - values[:-lag]
-    change = np.abs(change[~np.isnan(change)])
-    if change.size < 100:
+    scatter = trimmed_rms(change) / np.sqrt(2.0)
+    if scatter == 0.0 or not _load_repeats(record, values, scatter, lag):
         return None
-    kept = np.sort(change)[: int(0.97 * change.size)]
-    # Pure noise cut at its 97 % keeps 0.90 of its standard deviation.
-    scatter = float(np.sqrt(np.mean(kept**2)) / 0.9005 / np.sqrt(2.0))
-    return CycleScatter(scatter, lag * record.step, values.size // lag)
+    # All of it here: the jumps carry what changes fast.
+    whole = float(np.nanmean(change**2))
+    correlation = float(np.clip(1.0 - 0.5 * np.nanmean(np.diff(change) ** 2) / whole, 0.0, 0.999))
+    return CycleScatter(scatter, lag * record.step, values.size // lag, correlation)
+
+
+def trimmed_rms(values: np.ndarray) -> float:
+    """Root mean square of the smaller 97 % of `values`, scaled to give the standard deviation of normal noise.
+
+    Returns:
+        Zero where there is nothing; gaps are passed over.
+    """
+    sizes = np.sort(np.abs(values[~np.isnan(values)]))
+    kept = sizes[: int(np.ceil(0.97 * sizes.size))]
+    # Normal noise cut at the 97 % of smallest size keeps 0.9005 of its standard deviation.
+    return float(np.sqrt(np.mean(kept**2)) / 0.9005) if kept.size else 0.0
+
+
+def _load_repeats(record: Record, values: np.ndarray, scatter: float, lag: int) -> bool:
+    """Whether the load is steady enough from cycle to cycle not to make the scatter by itself."""
+    load = record.channels.get("normal_load")
+    if load is None or not np.nanmean(np.abs(load)) > 0.0:
+        return True
+    change = trimmed_rms(load[lag:] - load[:-lag]) / np.sqrt(2.0) / float(np.nanmean(np.abs(load)))
+    return change * float(np.sqrt(np.nanmean(values**2))) < 0.5 * scatter
 
 
 def _imposed(record: Record, channel: str) -> np.ndarray | None:

@@ -9,6 +9,8 @@ from math import comb
 
 import numpy as np
 
+from sysid.cycles import trimmed_rms
+
 MAD_TO_STD = 1.482602218505602
 ORDERS = range(1, 9)
 WINDOWS = (16, 32, 64, 128)
@@ -17,6 +19,10 @@ CORRELATIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.
 FILTERED_FALL = 1.25
 """White noise keeps its size from one order of differences to the next; falling by this much still at the eighth order
 tells that nothing white is left in the log."""
+
+
+UNSEEN_UNDER_STEP = 0.1
+"""Noise below a tenth of a sensor's step leaves no trace in its readings; it is taken to be that tenth."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +53,12 @@ def difference_scale(differences: np.ndarray) -> float:
     return float(MAD_TO_STD * np.median(np.abs(differences)))
 
 
-def colour_of(pieces: Sequence[np.ndarray]) -> Colour | None:
+def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None) -> Colour | None:
     """Noise of a signal given in stretches.
+
+    Args:
+        pieces: stretches, each of shape (n,).
+        quantum: grid the values lie on; medians are no measure on a coarse grid, whose own noise is taken off.
 
     Returns:
         None where the stretches are too short altogether (fewer than 64 samples).
@@ -57,8 +67,10 @@ def colour_of(pieces: Sequence[np.ndarray]) -> Colour | None:
         return None
     scales = [_order_scale(pieces, order) for order in ORDERS]
     floor = scales[-1]
+    if quantum is not None and floor < 3.0 * quantum:
+        return Colour(_under_quantum(pieces, quantum), 0.0, False)
     if floor <= 0.0:
-        return Colour(_rms_of_differences(pieces), 0.0, False)
+        return Colour(0.0, 0.0, False)
     if scales[-3] > FILTERED_FALL**2 * floor:
         return Colour(floor, 0.0, True)
     order, white = next(
@@ -74,9 +86,14 @@ def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:
     return difference_scale(np.concatenate(parts)) / np.sqrt(comb(2 * order, order))
 
 
-def _rms_of_differences(pieces: Sequence[np.ndarray]) -> float:
-    changes = np.concatenate([np.diff(piece, 2) for piece in pieces])
-    return float(np.sqrt(np.mean(changes**2) / 6.0))
+def _under_quantum(pieces: Sequence[np.ndarray], quantum: float) -> float:
+    """Noise of a channel with coarse steps, without the noise of the steps themselves."""
+    total = min(
+        trimmed_rms(np.concatenate([np.diff(piece, order) for piece in pieces])) / np.sqrt(comb(2 * order, order))
+        for order in (2, 3, 4)
+    )
+    left = total**2 - quantum**2 / 12.0
+    return max(float(np.sqrt(max(left, 0.0))), UNSEEN_UNDER_STEP * quantum)
 
 
 def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:

@@ -4,9 +4,10 @@ The order of trust: what the user gives; the scatter from cycle to cycle of a pe
 stands still; differences of neighbouring samples. Never the residual of a model, which would take a missing effect for
 noise.
 
-Differences see only the fastest part of the noise. Noise that is coloured is found by comparing them with the scatter in
-windows of growing length; a log that was filtered, by differences that keep falling from order to order without
-reaching a floor. A filtered log without repeats is said to be so, since its value is then a lower bound only.
+Differences see only the fastest part of the noise. Noise that is coloured is found by comparing them with the scatter
+in windows of growing length; a log that was filtered, by differences that keep falling from order to order without
+reaching a floor, or by cycles that differ far more than neighbours do where neighbours agree better than any sensor
+could. A filtered log without repeats is said to be so, since its value is then a lower bound only.
 
 Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625
 (differences); Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
@@ -29,8 +30,9 @@ from sysid.records import Record
 from sysid.rigs import RIGS
 
 NoiseSource = Literal["given", "repeats", "quiet", "difference"]
-UNSEEN_UNDER_STEP = 0.1
-"""Noise below a tenth of a sensor's step leaves no trace in its readings; it is taken to be that tenth."""
+BEST_SENSOR = 1e-4
+"""Noise over signal below which a force log is taken to be filtered when its cycles differ more: no sensor of force is
+better than 80 dB from sample to sample."""
 
 
 @dataclass(frozen=True)
@@ -80,26 +82,28 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     if not holding:
         raise InputError(f"no record holds '{channel}'")
     unit = holding[0].units[channel]
-    pieces = [piece for record in holding for piece in segments(record.time, record.channels[channel], record.step)]
     step = float(np.median([record.step for record in holding]))
-    quantum = find_quantum([record.channels[channel] for record in holding])
-    colour = colour_of(pieces) if pieces else None
+    quanta = [find_quantum([record.channels[channel]]) for record in holding]
+    quantum = max((found for found in quanta if found is not None), default=None)
+    colours = [_colour(record, channel, found) for record, found in zip(holding, quanta)]
+    colour = _together([found for found in colours if found is not None])
     irregular = colour is None
     if colour is None:
         colour = _irregular(holding, channel)
     if given is not None:
         return _noise(given, unit, "given", colour, step, quantum, "given")
-    if quantum is not None:
-        colour = _without_quantum(colour, quantum)
     repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
-    scatter = float(np.median([item.scatter for item in repeats])) if repeats else None
-    if scatter is not None and (colour.filtered or scatter <= 1.5 * colour.value):
+    scatter = _rms([item.scatter for item in repeats])
+    signal = _rms([float(np.sqrt(np.nanmean(record.channels[channel] ** 2))) for record in holding])
+    filtered = colour.filtered or (scatter > 10.0 * colour.value and colour.value < BEST_SENSOR * signal)
+    if repeats and (filtered or scatter <= 3.0 * colour.value):
         cycles = sum(item.cycles for item in repeats)
         note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
-        if colour.filtered:
-            note += f"; the log was filtered: neighbours differ by {colour.value:.2g} {unit} only"
+        if filtered:
+            note += f"; the log was filtered, so the {colour.value:.2g} {unit} between neighbours says nothing"
+            colour = Colour(scatter, float(np.median([item.correlation for item in repeats])), True)
         return _noise(scatter, unit, "repeats", colour, step, quantum, note)
-    quiet = _quiet(holding, channel, colour)
+    quiet = _quiet(holding, channel, colour, quantum)
     if quiet is not None:
         return _noise(quiet.value, unit, "quiet", quiet, step, quantum, "where the input stands still")
     note = "from differences of neighbouring samples"
@@ -109,16 +113,34 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         note += f" and windows of growing length: coloured, correlation time {_time(colour.correlation, step):.2g} s"
     if colour.filtered:
         note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
-    elif scatter is not None:
+    elif repeats:
         # Cycles that differ by more than a sensor's noise hold an effect that changes from cycle to cycle.
         note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
     return _noise(colour.value, unit, "difference", colour, step, quantum, note)
 
 
+def _rms(values: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0
+
+
+def _colour(record: Record, channel: str, quantum: float | None) -> Colour | None:
+    return colour_of(segments(record.time, record.channels[channel], record.step), quantum)
+
+
+def _together(colours: Sequence[Colour]) -> Colour | None:
+    if not colours:
+        return None
+    return Colour(
+        _rms([colour.value for colour in colours]),
+        float(np.median([colour.correlation for colour in colours])),
+        all(colour.filtered for colour in colours),
+    )
+
+
 def _noise(
     value: float, unit: str, source: NoiseSource, colour: Colour, step: float, quantum: float | None, note: str
 ) -> Noise:
-    if quantum is not None:
+    if quantum is not None and quantum > 0.1 * value:
         note += f"; the values lie on a grid of {quantum:.3g} {unit}"
     correlation = colour.correlation
     return Noise(value, unit, source, correlation, _time(correlation, step), colour.filtered, quantum, note)
@@ -144,12 +166,9 @@ def _irregular(records: Sequence[Record], channel: str) -> Colour:
     return Colour(difference_scale(np.concatenate(parts)), 0.0, False)
 
 
-def _without_quantum(colour: Colour, quantum: float) -> Colour:
-    left = colour.value**2 - quantum**2 / 12.0
-    return Colour(max(float(np.sqrt(max(left, 0.0))), UNSEEN_UNDER_STEP * quantum), 0.0, False)
-
-
-def _quiet(records: Sequence[Record], channel: str, overall: Colour) -> Colour | None:
+def _quiet(
+    records: Sequence[Record], channel: str, overall: Colour, quantum: float | None
+) -> Colour | None:
     """The noise where the input stands still, if that is long enough and free of motion that goes on."""
     pieces: list[np.ndarray] = []
     for record in records:
@@ -166,7 +185,7 @@ def _quiet(records: Sequence[Record], channel: str, overall: Colour) -> Colour |
         pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
     if sum(piece.size for piece in pieces) < 1000:
         return None
-    colour = colour_of(pieces)
+    colour = colour_of(pieces, quantum)
     # Something still moves there, or the stretches hold only part of the noise: the whole record tells more.
     if colour is None or colour.filtered or not 0.5 * overall.value < colour.value < 1.25 * overall.value:
         return None

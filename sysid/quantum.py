@@ -13,8 +13,8 @@ SHARPNESS = 0.98
 def find_quantum(arrays: Sequence[np.ndarray]) -> float | None:
     """Step of the grid that the values of a channel lie on.
 
-    A step is told from the smallest changes between neighbours, then sharpened over ever wider ranges, since an error of
-    one part in a thousand is a whole step after a thousand.
+    A step is told from the smallest changes between neighbours, then sharpened over ever wider ranges, since an error
+    of one part in a thousand is a whole step after a thousand.
 
     Args:
         arrays: the channel in each record, shape (n,), gaps as NaN.
