@@ -1,9 +1,9 @@
 """Draws triangles and lines into a picture by depth buffer, on the processor: no display, no graphics driver.
 
 Orthographic. The picture is drawn `SAMPLES` times finer in each direction and averaged, which smooths every edge.
-Shading: a key light from the upper left of the viewer, light from above and below (sky and floor), a weak highlight, and
-darkening of places that lie behind a near contour (depth darkening after Luft, Colditz and Deussen, SIGGRAPH 2006),
-which makes pockets and gaps readable.
+Shading: a key light from the upper left of the viewer, light from above and below (sky and floor), a weak highlight,
+and darkening of places that lie behind a near contour (depth darkening after Luft, Colditz and Deussen, SIGGRAPH
+2006), which makes pockets and gaps readable.
 """
 
 from __future__ import annotations

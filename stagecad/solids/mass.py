@@ -1,0 +1,90 @@
+"""Volume, centre of mass, inertia and bounding box of a solid; mass properties from them and a density."""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.mass_properties import MassProperties
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+MM = 1e-3
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What a solid's shape alone fixes, in millimetres and part coordinates.
+
+    Attributes:
+        volume: mm^3.
+        centre: centre of volume, mm.
+        second_moments: inertia tensor about the centre for a density of 1 per mm^3, mm^5.
+        bounding_box: lowest and highest x, y, z; mm.
+    """
+
+    volume: float
+    centre: tuple[float, float, float]
+    second_moments: tuple[tuple[float, float, float], ...]
+    bounding_box: tuple[tuple[float, float, float], tuple[float, float, float]]
+
+    def as_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @staticmethod
+    def from_json(document: dict[str, Any]) -> Geometry:
+        low, high = document["bounding_box"]
+        return Geometry(
+            document["volume"],
+            tuple(document["centre"]),
+            tuple(tuple(row) for row in document["second_moments"]),
+            (tuple(low), tuple(high)),
+        )
+
+
+def geometry_of(solid: cq.Shape) -> Geometry:
+    """Volume properties of an exact solid; take them before any mesh is made, which would loosen the box."""
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
+    centre = properties.CentreOfMass()
+    # OCCT gives the matrix about the origin of the part; a second pass about the centre saves the subtraction of
+    # two large numbers.
+    about_centre = GProp_GProps(centre)
+    BRepGProp.VolumeProperties_s(solid.wrapped, about_centre, 1e-9, True)
+    matrix = about_centre.MatrixOfInertia()
+    box = Bnd_Box()
+    BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
+    box.SetGap(0.0)
+    x0, y0, z0, x1, y1, z1 = box.Get()
+    return Geometry(
+        properties.Mass(),
+        (centre.X(), centre.Y(), centre.Z()),
+        tuple(tuple(matrix.Value(row, column) for column in (1, 2, 3)) for row in (1, 2, 3)),
+        ((x0, y0, z0), (x1, y1, z1)),
+    )
+
+
+def mass_properties(geometry: Geometry, density: float) -> MassProperties:
+    """Mass properties in SI and part coordinates.
+
+    Args:
+        geometry: of the solid, mm.
+        density: kg/m^3.
+    """
+    low, high = geometry.bounding_box
+    return MassProperties(
+        volume=geometry.volume * MM**3,
+        mass=geometry.volume * MM**3 * density,
+        centre_of_mass=tuple(value * MM for value in geometry.centre),
+        inertia=tuple(tuple(value * MM**5 * density for value in row) for row in geometry.second_moments),
+        bounding_box=(tuple(value * MM for value in low), tuple(value * MM for value in high)),
+    )

@@ -1,0 +1,1 @@
+"""Purchased parts as clean simplified solids: outer dimensions true, threads cosmetic."""

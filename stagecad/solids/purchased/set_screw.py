@@ -1,0 +1,54 @@
+"""Socket set screw (1"-8 x 1") that pushes height pin 1 from the side face of the base.
+
+Part coordinates: origin at the flat end that pushes, on the axis; the socket end is at z = length. Thread cosmetic.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+NAME = "set_screw"
+
+
+def build(design: Any) -> cq.Solid:
+    """A cylinder of the major diameter, chamfered at both ends, with a hexagon socket half its length deep, mm."""
+    import cadquery as cq
+
+    screw = design.set_screw
+    radius, length = screw.diameter / 2, screw.length
+    chamfer = 0.06 * screw.diameter
+    body = cq.Workplane("XY").circle(radius).extrude(length).faces("<Z or >Z").chamfer(chamfer)
+    across_corners = screw.socket_width / 0.8660254037844386
+    socket = cq.Workplane("XY").workplane(offset=length / 2).polygon(6, across_corners).extrude(length)
+    return body.cut(socket).solids().val()  # type: ignore[return-value]
+
+
+def material(design: Any) -> str:
+    return design.set_screw.material
+
+
+def part_number(design: Any) -> str:
+    return design.set_screw.part_number
+
+
+def description(design: Any) -> str:
+    return design.set_screw.description
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    return {
+        "end": Datum("end", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
+        "socket": Datum("socket", (0.0, 0.0, design.set_screw.length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    }
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """None: it is bought."""
+    return ()

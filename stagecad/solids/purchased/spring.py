@@ -1,0 +1,78 @@
+"""Compression spring that holds height pin 1 against its set screw, as it is installed.
+
+Part coordinates: axis along z, one end at z = 0, the other at the installed length.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+NAME = "spring"
+
+
+def build(design: Any, compression: float = 0.0) -> cq.Solid:
+    """Half turns of a torus that join without a kink; the first and last lie flat, as closed ends do.
+
+    Each half turn is a semicircle in a plane through the y direction, so that at its ends, which lie over the x axis,
+    the wire of one and of the next run along y alike. Torus faces keep the solid small, and its volume has a closed
+    form: wire section times the length of the semicircles.
+
+    Args:
+        design: the design.
+        compression: how much shorter than at the middle of the height adjustment, mm.
+    """
+    import cadquery as cq
+
+    spring = design.spring
+    length = spring.installed_length - compression
+    wire = spring.wire_diameter / 2
+    halves = 2 * round(spring.coils)
+    rise = (length - 2 * wire) / halves
+    reach = spring.outer_diameter / 2 - wire
+    side = math.sqrt(reach**2 - (rise / 2) ** 2)
+    heights = [wire + rise * index for index in range(halves + 1)]
+    edges = []
+    for index, (low, high) in enumerate(itertools.pairwise([heights[0], *heights, heights[-1]])):
+        sign = 1 if index % 2 == 0 else -1
+        edges.append(
+            cq.Edge.makeThreePointArc(
+                cq.Vector(sign * side, 0.0, low),
+                cq.Vector(0.0, sign * (reach if high > low else side), (low + high) / 2),
+                cq.Vector(-sign * side, 0.0, high),
+            )
+        )
+    circle = cq.Wire.makeCircle(wire, cq.Vector(side, 0.0, heights[0]), cq.Vector(0.0, 1.0, 0.0))
+    return cq.Solid.sweep(circle, [], cq.Wire.assembleEdges(edges), True, True)
+
+
+def material(design: Any) -> str:
+    return design.spring.material
+
+
+def part_number(design: Any) -> str:
+    return design.spring.part_number
+
+
+def description(design: Any) -> str:
+    return design.spring.description
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    return {
+        "end_1": Datum("end_1", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
+        "end_2": Datum("end_2", (0.0, 0.0, design.spring.installed_length), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)),
+    }
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """None: it is bought."""
+    return ()
