@@ -219,7 +219,7 @@ def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
     """
     value, std = parse_uncertain(text, unit, where)
     if std is not None:
-        raise InputError(f"{_place(where)}'{text}' carries an uncertainty, which has no place here; write the value alone")
+        raise InputError(f"{_place(where)}'{text}' carries an uncertainty, which has no place here")
     return value
 
 
@@ -278,7 +278,7 @@ def _split(text: Any, shown: str, place: str) -> tuple[float, float | None, str]
         if not 0.0 <= std < math.inf:
             raise InputError(f"{place}{shown} has an uncertainty that is not a positive number")
     rest = plain[end:].strip()
-    if rest[:1] in (".", "+", "-", ",") or rest[:1].isdigit() and not rest.startswith("1/"):
+    if rest[:1] in (".", "+", "-", ",") or (rest[:1].isdigit() and not rest.startswith("1/")):
         raise InputError(f"{place}{shown} is not a quantity; one number, then one unit, like '12 mm'")
     return value, std, rest
 
