@@ -4,7 +4,7 @@ Pitch p, tooth width l, gap e, groove depth d; infinitely permeable irons at a f
 Laplace's equation in one periodic cell is solved by mode matching: the potential along each groove's mouth is the
 unknown, expanded in Gegenbauer functions that carry the r^(2/3) edge condition of a right-angled iron corner; gap and
 grooves contribute their exact Dirichlet-to-Neumann maps (Fourier and sine modes). The discrete co-energy is a
-quadratic form whose dependence on gap and lateral offset is analytic, so forces and stiffnesses need no numerical differentiation.
+quadratic form whose dependence on gap and lateral offset is analytic: no numerical differentiation of the field.
 The value is an upper bound of the true co-energy (Dirichlet's principle) and falls to it as functions are added.
 """
 
@@ -159,7 +159,7 @@ def ratio_map(width_ratios: Array, gap_ratios: Array, depth_ratio: float = 0.5) 
     for column, width in enumerate(width_ratios):
         for row, gap in enumerate(gap_ratios):
             _, _, _, lateral[row, column], normal[row, column] = _solve(1.0, width, gap, depth_ratio, 0.0, 10)
-    return np.asarray(lateral / normal, float), lateral, normal
+    return lateral / normal, lateral, normal
 
 
 def working_point(field: TeethField, circuit: MagnetCircuit, pitch: float, tooth_width: float) -> MagnetWorkingPoint:
@@ -212,7 +212,7 @@ def _spectrum(half_width: float, functions: int) -> tuple[Array, Array, Array]:
     omega = k * half_width
     orders = np.arange(2 * functions)
     table = jv(orders[:, None] + _EDGE, omega[None, :]) / omega**_EDGE
-    return k, table[0::2], table[1::2]
+    return k.astype(float), table[0::2], table[1::2]
 
 
 @lru_cache(maxsize=4)

@@ -1,0 +1,80 @@
+"""Screws of the bearing way: preload from torque, stripping of threads, pressure under the head."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from stagecad.parameters.errors import InputError
+
+
+@dataclass(frozen=True)
+class UnifiedThread:
+    """Basic dimensions of a unified inch thread, m."""
+
+    diameter: float
+    pitch: float
+
+    @property
+    def pitch_diameter(self) -> float:
+        """``d - 0.649519 P``"""
+        return self.diameter - 0.6495190528 * self.pitch
+
+    @property
+    def stress_area(self) -> float:
+        """Tensile stress area ``pi/4 (d - 0.9743 P)^2``, m^2 (ASME B1.1)."""
+        return math.pi / 4 * (self.diameter - 0.9743 * self.pitch) ** 2
+
+    @property
+    def internal_minor_diameter(self) -> float:
+        """``d - 1.082532 P``"""
+        return self.diameter - 1.0825317547 * self.pitch
+
+
+def preload_of_torque(torque: float, diameter: float, nut_factor: float = 0.2) -> float:
+    """Preload of a screw, ``F = T/(K d)``, N.
+
+    Args:
+        torque: T, N m.
+        diameter: d, m.
+        nut_factor: K, 0.1 (greased) to 0.3 (dry, rough); its scatter is +-30 %.
+
+    Source: Shigley, Mechanical Engineering Design, section 8-8.
+    """
+    if not (diameter > 0 and 0.05 <= nut_factor <= 0.5):
+        raise InputError("fastener: diameter must be above 0, nut factor 0.05 to 0.5")
+    return torque / (nut_factor * diameter)
+
+
+def strip_area_of_bed(thread: UnifiedThread, engagement: float) -> float:
+    """Shear area of the internal thread, m^2: ``pi n Le d (1/(2n) + 0.57735 (d - d2))``, n threads per length.
+
+    Basic dimensions, no allowance: real areas are a few percent smaller.
+
+    Args:
+        thread: the thread.
+        engagement: Le, m, > 0.
+
+    Source: ASME B1.1 / FED-STD-H28, shear area of internal threads.
+    """
+    if not engagement > 0:
+        raise InputError(f"fastener: engagement: {engagement:g} m must be above 0")
+    per_length = 1 / thread.pitch
+    flank = 0.5 / per_length + 0.57735 * (thread.diameter - thread.pitch_diameter)
+    return math.pi * per_length * engagement * thread.diameter * flank
+
+
+def strip_area_of_screw(thread: UnifiedThread, engagement: float) -> float:
+    """Shear area of the external thread, m^2: ``pi n Le D1 (1/(2n) + 0.57735 (d2 - D1))``; source as the bed's."""
+    if not engagement > 0:
+        raise InputError(f"fastener: engagement: {engagement:g} m must be above 0")
+    per_length = 1 / thread.pitch
+    minor = thread.internal_minor_diameter
+    return math.pi * per_length * engagement * minor * (0.5 / per_length + 0.57735 * (thread.pitch_diameter - minor))
+
+
+def head_pressure(force: float, head_diameter: float, hole_diameter: float) -> float:
+    """Mean pressure under a screw head, ``F/(pi/4 (Dh^2 - D^2))``, Pa."""
+    if not head_diameter > hole_diameter > 0:
+        raise InputError("fastener: the head must be larger than its hole")
+    return force / (math.pi / 4 * (head_diameter**2 - hole_diameter**2))

@@ -1,0 +1,190 @@
+"""A stage pushed along by a piezo tip: traction, tip-over, speed, resonance, power.
+
+The tip both lifts and pushes: whatever it carries, the pads do not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stagecad.parameters.errors import InputError
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.80665
+"""Standard gravity, m/s^2."""
+
+
+@dataclass(frozen=True)
+class TipEllipse:
+    """Path of the tip on two piezos, peak to peak."""
+
+    along: Array
+    """travel along the stage X, m"""
+    normal: Array
+    """travel towards the stage Y, m"""
+
+
+def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: float, tip_height: float) -> TipEllipse:
+    """Peak-to-peak travel of the tip for strokes ``A sin(wt)`` and ``A sin(wt - phi)``.
+
+    ``X = 4 A (h/D) sin(phi/2)``, ``Y = 2 A cos(phi/2)``, from x = -h (d2-d1)/D, y = (d1+d2)/2.
+
+    Args:
+        amplitude: A, half of the peak-to-peak stroke of a piezo, m.
+        phase: phi, rad.
+        piezo_spacing: D, m, > 0.
+        tip_height: h, m, > 0.
+
+    Returns:
+        `TipEllipse`.
+
+    Source: thesis, section 4.1 (rigid tip, first order in the strokes).
+    """
+    _positive("piezo spacing", piezo_spacing, "m")
+    _positive("tip height", tip_height, "m")
+    A, phi = np.asarray(amplitude, float), np.asarray(phase, float)
+    return TipEllipse(
+        along=4 * A * tip_height / piezo_spacing * np.abs(np.sin(phi / 2)),
+        normal=2 * A * np.abs(np.cos(phi / 2)),
+    )
+
+
+def acceleration_limit(
+    friction: ArrayLike, preload_ratio: ArrayLike, share: ArrayLike = 1.0, pad_friction: ArrayLike = 0.0
+) -> Array:
+    """Largest acceleration of the stage without lifting it off its pads, m/s^2.
+
+    The tip carries ``share`` of weight and preload, ``N = share (1+p) m g``; the pads carry and rub with the rest:
+    ``a = g (1+p) [mu share - mu_pad (1 - share)]``. With share = 1 it is the absolute limit ``mu (1+p) g``.
+
+    Args:
+        friction: mu between tip and stage, >= 0.
+        preload_ratio: p, preload over weight, >= 0.
+        share: part of the load the tip takes, 0 to 1 (1: about to lift off; less where the stage would tip).
+        pad_friction: mu of the pads.
+
+    Returns:
+        acceleration, m/s^2 (negative: the tip cannot even overcome the pads).
+    """
+    mu, p, s, mu_pad = (np.asarray(v, float) for v in (friction, preload_ratio, share, pad_friction))
+    if not (np.all(mu >= 0) and np.all(p >= 0) and np.all((s >= 0) & (s <= 1))):
+        raise InputError("friction drive: friction and preload ratio must be 0 or more, the share 0 to 1")
+    return GRAVITY * (1 + p) * (mu * s - mu_pad * (1 - s))
+
+
+def preload_ratio_for(acceleration: ArrayLike, friction: ArrayLike) -> Array:
+    """Preload over weight needed for an acceleration (m/s^2) with the tip about to lift the stage: ``a/(mu g) - 1``."""
+    return np.maximum(np.asarray(acceleration, float) / (np.asarray(friction, float) * GRAVITY) - 1, 0.0)
+
+
+def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float:
+    """Largest upward tip force over the load (weight and preload) before a pad lifts.
+
+    The pads' reactions add up to load minus tip force, and act where the moment balance puts them; that point must stay
+    inside the pads' polygon. With s the distance from the load's centre to the polygon's edge on the side away from the
+    tip, and x the tip's distance from the centre: ``F/W = s/(s + x)``.
+
+    Args:
+        pads: pad centres in the plane of motion, m, shape (n, 2), n >= 3, in any order.
+        centre: point where weight and preload act, m, shape (2,), inside the polygon.
+        tip: where the tip pushes, m, shape (2,).
+
+    Returns:
+        F/W, 0 (the stage tips by itself) to 1 (tip under the centre).
+    """
+    points, c, t = np.asarray(pads, float), np.asarray(centre, float), np.asarray(tip, float)
+    if points.ndim != 2 or points.shape[0] < 3:
+        raise InputError("friction drive: at least three pads are needed to carry the stage")
+    normals, offsets = _hull_edges(points)
+    inside = offsets - normals @ c
+    if np.any(inside < 0):
+        return 0.0
+    away = c - t
+    distance = float(np.hypot(*away))
+    if distance == 0:
+        return 1.0
+    slope = normals @ (away / distance)
+    crossed = slope > 1e-12
+    span = float(np.min(inside[crossed] / slope[crossed]))
+    return span / (span + distance)
+
+
+def speed_of(travel: ArrayLike, frequency: ArrayLike) -> dict[str, Array]:
+    """Mean speed of the stage, m/s, by three laws: 'stopping' X f, 'coasting' 2 X f, 'apex' pi X f.
+
+    Stopping: the stage rests while the tip returns. Coasting: it flies on at the tip's mean speed, ``2 X f``. Apex:
+    contact only at the top of the ellipse, where the tip's speed is ``pi X f``, the most that is to be had.
+
+    Args:
+        travel: X, peak-to-peak travel along the stage, m.
+        frequency: f, Hz.
+    """
+    base = np.asarray(travel, float) * np.asarray(frequency, float)
+    return {"stopping": base, "coasting": 2 * base, "apex": np.pi * base}
+
+
+def frequency_for(speed: ArrayLike, travel: ArrayLike) -> dict[str, Array]:
+    """Drive frequency, Hz, that each law of `speed_of` needs for a speed (m/s) and a travel X (m)."""
+    base = np.asarray(speed, float) / np.asarray(travel, float)
+    return {"stopping": base, "coasting": base / 2, "apex": base / np.pi}
+
+
+def resonance(stiffness: ArrayLike, mass: ArrayLike) -> Array:
+    """``sqrt(k/m)/(2 pi)``, Hz, of a mass (kg) on a spring (N/m)."""
+    k, m = np.asarray(stiffness, float), np.asarray(mass, float)
+    if not (np.all(k > 0) and np.all(m > 0)):
+        raise InputError("friction drive: stiffness and mass must be above 0")
+    return np.sqrt(k / m) / (2 * np.pi)
+
+
+def piezo_stiffness(blocking_force: float, free_stroke: float) -> float:
+    """Stiffness of a stack from the ends of its catalogue line, blocking force (N) over free stroke (m), N/m."""
+    _positive("blocking force", blocking_force, "N")
+    _positive("free stroke", free_stroke, "m")
+    return blocking_force / free_stroke
+
+
+def stack_heat(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike, loss_factor: ArrayLike) -> Array:
+    """Heat of one piezo stack driven by a sine: ``P = pi f C (V/2)^2 tan(delta)``, W.
+
+    Args:
+        capacitance: C, F.
+        voltage: V, peak to peak, V.
+        frequency: f, Hz.
+        loss_factor: tan(delta) at large signal, 0 to 1.
+    """
+    C, V, f, loss = (np.asarray(v, float) for v in (capacitance, voltage, frequency, loss_factor))
+    return np.pi * f * C * (V / 2) ** 2 * loss
+
+
+def stack_current(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike) -> Array:
+    """Peak current of a stack driven by a sine: ``2 pi f C V/2``, A; V peak to peak."""
+    return np.pi * np.asarray(frequency, float) * np.asarray(capacitance, float) * np.asarray(voltage, float)
+
+
+def inertial_pull(mass: ArrayLike, frequency: ArrayLike, travel: ArrayLike) -> Array:
+    """Peak inertial force of a mass moved by a sine of peak-to-peak travel: ``m (2 pi f)^2 Y/2``, N.
+
+    A stack is pulled by its share of this unless it is preloaded by more.
+    """
+    return np.asarray(mass, float) * (2 * np.pi * np.asarray(frequency, float)) ** 2 * np.asarray(travel, float) / 2
+
+
+def _hull_edges(points: Array) -> tuple[Array, Array]:
+    """Outward normals (n, 2) and offsets (n,) of the convex hull of points in the plane."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(points)
+    except QhullError:
+        raise InputError("friction drive: the pads lie on one line and cannot carry the stage") from None
+    return hull.equations[:, :2], -hull.equations[:, 2]
+
+
+def _positive(name: str, value: float, unit: str) -> None:
+    if not value > 0:
+        raise InputError(f"friction drive: {name}: {value:g} {unit} must be above 0")

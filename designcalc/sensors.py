@@ -1,0 +1,60 @@
+"""What a sensor can resolve, reach and hand over, and what differencing and misalignment make of it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stagecad.parameters.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+def count_size(span: ArrayLike, bits: ArrayLike) -> Array:
+    """Step of a converter over a span (m): ``span/2^bits``, m; bits 1 to 32."""
+    n = np.asarray(bits, float)
+    if not np.all((n >= 1) & (n <= 32)):
+        raise InputError("sensors: bits: must lie in 1 to 32")
+    return np.asarray(span, float) / 2**n
+
+
+def filtered_noise(noise: ArrayLike, bandwidth: ArrayLike, cutoff: ArrayLike) -> Array:
+    """Rms of white noise after a narrower filter of the same kind: ``noise sqrt(cutoff/bandwidth)``, m.
+
+    Gain after the filter changes neither signal nor noise in metres; it only makes the converter's count finer.
+
+    Args:
+        noise: rms within the bandwidth, m.
+        bandwidth, cutoff: Hz, cutoff at most the bandwidth.
+    """
+    wide, narrow = np.asarray(bandwidth, float), np.asarray(cutoff, float)
+    if not np.all((narrow > 0) & (narrow <= wide)):
+        raise InputError("sensors: cutoff: must lie above 0 and at most at the bandwidth")
+    return np.asarray(noise, float) * np.sqrt(narrow / wide)
+
+
+def velocity_noise(count: ArrayLike, rate: ArrayLike) -> Array:
+    """Rms velocity error of differencing a quantised position: ``count/sqrt(6) rate``, m/s.
+
+    Two independent roundings of count/sqrt(12) each; it grows with the sampling rate.
+
+    Args:
+        count: step of the position, m.
+        rate: samples per second, Hz.
+    """
+    return np.asarray(count, float) / np.sqrt(6.0) * np.asarray(rate, float)
+
+
+def lag_error(speed: ArrayLike, bandwidth: ArrayLike) -> Array:
+    """Position error of a first-order sensor at constant speed: ``v/(2 pi f)``, m."""
+    return np.asarray(speed, float) / (2 * np.pi * np.asarray(bandwidth, float))
+
+
+def abbe_error(offset: ArrayLike, angle: ArrayLike) -> Array:
+    """``offset sin(angle)``, m: the measured line stands off the line that matters (m) and the stage turns (rad)."""
+    return np.asarray(offset, float) * np.sin(np.asarray(angle, float))
+
+
+def cosine_error(travel: ArrayLike, misalignment: ArrayLike) -> Array:
+    """``travel (1 - cos(angle))``, m, computed without cancellation as ``2 travel sin^2(angle/2)``."""
+    return 2 * np.asarray(travel, float) * np.sin(np.asarray(misalignment, float) / 2) ** 2

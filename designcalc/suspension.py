@@ -1,0 +1,73 @@
+"""The suspensions the thesis weighed: porous air bearing, passive magnets, ball on spring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stagecad.parameters.errors import InputError
+
+Array = NDArray[np.float64]
+
+_MU_0 = 1.25663706127e-6
+
+
+@dataclass(frozen=True)
+class AirBearing:
+    """Catalogue point of a porous air bearing, SI units."""
+
+    diameter: float
+    load: float
+    stiffness: float
+    supply: float
+    """gauge pressure, Pa"""
+    gap: float
+
+    @property
+    def load_ratio(self) -> float:
+        """Load over supply pressure times area: 0.2 to 0.5 for a sound porous pad."""
+        return self.load / (self.supply * np.pi / 4 * self.diameter**2)
+
+    @property
+    def stiffness_ratio(self) -> float:
+        """Stiffness times gap over load; 1 to 2 about the optimum gap (load ~ gap^-1 to gap^-2)."""
+        return self.stiffness * self.gap / self.load
+
+    @property
+    def roughness_limit(self) -> float:
+        """A quarter of the gap, m: largest peak-to-valley roughness (Slocum 1992, chapter 9)."""
+        return self.gap / 4
+
+
+def dipole_hessian(moment_1: ArrayLike, moment_2: ArrayLike, separation: ArrayLike) -> Array:
+    """Stiffness matrix of one rigid magnet near another: second derivatives of ``U = -m2 . B1(r)``, N/m.
+
+    ``U = mu0/(4 pi) [m1.m2/r^3 - 3 (m1.r)(m2.r)/r^5]``. Its trace is zero wherever there is no other magnet (Earnshaw):
+    a direction that holds is paid for by one that does not. Magnets of any shape are sums of such dipoles.
+
+    Args:
+        moment_1, moment_2: magnetic moments, A m^2, shape (3,), fixed in direction.
+        separation: from 1 to 2, m, shape (3,), not zero.
+
+    Returns:
+        (3, 3) matrix d2U/dr_i dr_j; positive eigenvalues are stable directions.
+    """
+    a, b, r = (np.asarray(v, float) for v in (moment_1, moment_2, separation))
+    d = float(np.linalg.norm(r))
+    if d == 0:
+        raise InputError("suspension: the magnets are in one place")
+    n, unit = r / d, np.eye(3)
+    ab, an, bn = a @ b, a @ n, b @ n
+    nn = np.outer(n, n)
+    sym_ab = np.outer(a, b) + np.outer(b, a)
+    sym_an = np.outer(a, n) + np.outer(n, a)
+    sym_bn = np.outer(b, n) + np.outer(n, b)
+    hessian = -3 * ab * (unit - 5 * nn) - 3 * sym_ab + 15 * (an * sym_bn + bn * sym_an) + 15 * an * bn * (unit - 7 * nn)
+    return _MU_0 / (4 * np.pi) * hessian / d**5
+
+
+def series_stiffness(*stiffnesses: float) -> float:
+    """Springs in series, N/m: the softest rules."""
+    return 1 / sum(1 / k for k in stiffnesses)

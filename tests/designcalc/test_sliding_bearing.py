@@ -1,0 +1,79 @@
+"""Pads: thin-film contact against its integral, statics, and averaging against random surfaces."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from designcalc import sliding_bearing as bearing
+from stagecad.parameters.errors import InputError
+
+
+def test_film_contact_carries_its_load_and_stiffness_is_the_slope():
+    R, t, M = 2.0, 2e-6, 1.2e9
+    film = bearing.film_contact(5.0, R, t, M)
+    load, _ = quad(lambda r: 2 * np.pi * r * M / t * (film.indentation - r**2 / (2 * R)), 0, float(film.radius))
+    assert load == pytest.approx(5.0, rel=1e-9)
+    more, less = (bearing.film_contact(5.0 * s, R, t, M) for s in (1 + 1e-5, 1 - 1e-5))
+    slope = 5.0 * 2e-5 / float(more.indentation - less.indentation)
+    assert float(film.stiffness) == pytest.approx(slope, rel=1e-6)
+
+
+def test_confined_modulus_is_hookes_law_without_side_strain():
+    E, nu = 0.5e9, 0.46
+    compliance = np.array([[1, -nu, -nu], [-nu, 1, -nu], [-nu, -nu, 1]]) / E
+    assert bearing.confined_modulus(E, nu) == pytest.approx(np.linalg.inv(compliance)[0, 0])
+    with pytest.raises(InputError, match="poisson"):
+        bearing.confined_modulus(E, 0.5)
+
+
+def test_pad_loads_balance_force_and_moment():
+    for pads in ([(-0.025, 0.115), (0.025, 0.115), (0, -0.115)], [(-1, -1), (1, -1), (1, 1), (-1, 1)]):
+        centre = (0.003, 0.01)
+        loads = bearing.pad_loads(pads, 20.0, centre)
+        assert loads.sum() == pytest.approx(20.0)
+        np.testing.assert_allclose(loads @ np.array(pads, float), 20.0 * np.array(centre))
+    np.testing.assert_allclose(bearing.pad_loads([(-1, -1), (1, -1), (1, 1), (-1, 1)], 8.0, (0, 0)), 2.0)
+
+
+def test_pad_stiffness_is_the_response_of_a_rigid_plate():
+    pads, k = np.array([(-0.025, 0.115), (0.025, 0.115), (0.0, -0.115)]), np.array([3e6, 4e6, 5e6])
+    found = bearing.pad_stiffness(pads, k)
+    rows = np.column_stack([np.ones(3), pads])
+    full = rows.T @ (k[:, None] * rows)
+    reduced = full[1:, 1:] - np.outer(full[1:, 0], full[0, 1:]) / full[0, 0]  # free to heave
+    assert found.normal == pytest.approx(full[0, 0])
+    assert (found.pitch, found.roll) == pytest.approx((reduced[0, 0], reduced[1, 1]))
+
+
+def test_averaged_roughness_is_that_of_a_random_surface():
+    rng = np.random.default_rng(7)
+    correlation, step, n = 8.0, 1.0, 1024
+    frequency = np.fft.fftfreq(n, step) * 2 * np.pi
+    kx, ky = np.meshgrid(frequency, frequency)
+    filtered = np.fft.ifft2(
+        np.fft.fft2(rng.standard_normal((n, n))) * np.exp(-(kx**2 + ky**2) * correlation**2 / 8)
+    ).real
+    surface = filtered / filtered.std()
+    length, width = 128, 64
+    patches = surface.reshape(n // width, width, n // length, length).mean(axis=(1, 3))
+    ra = float(np.mean(np.abs(surface)))
+    expected = bearing.averaged_roughness(ra, correlation, length, width)
+    assert float(np.sqrt(np.mean(patches**2))) == pytest.approx(float(expected), rel=0.2)  # 128 patches: +-6 %
+
+
+def test_averaged_profile_keeps_slow_and_stops_fast():
+    x = np.arange(0, 0.1, 1e-4)
+    for wavelength in (0.05, 0.001):
+        ridden = bearing.averaged_profile(np.sin(2 * np.pi * x / wavelength), 1e-4, 0.02)
+        half = np.pi * 0.02 / wavelength
+        transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
+        assert np.ptp(ridden) / 2 == pytest.approx(abs(transfer), abs=0.01)
+    with pytest.raises(InputError, match="3 or more"):
+        bearing.averaged_profile(x, 1e-4, 1.0)
+
+
+def test_wear_and_heat_are_proportions():
+    assert float(bearing.wear_distance(2e-6, 1e-15, 2e5)) == pytest.approx(1e4)
+    assert float(bearing.friction_heat(0.1, 20.0, 0.2)) == pytest.approx(0.4)

@@ -1,0 +1,136 @@
+"""Thermal, sensors, height adjustment, fasteners, suspensions and error budget, each against something of its own."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from designcalc import error_budget, fastener, height_adjustment, sensors, suspension, thermal
+from stagecad.parameters.errors import InputError
+
+SENSORS = tomllib.loads((Path(__file__).parents[1] / "reference" / "sensors.toml").read_text())
+
+
+def test_lvdt_and_probe_have_the_thesis_numbers():
+    lvdt, probe = SENSORS["lvdt"], SENSORS["probe"]
+    assert float(sensors.count_size(lvdt["range"], lvdt["bits"])) == pytest.approx(lvdt["count"], rel=1e-2)
+    noise = sensors.filtered_noise(probe["noise"], probe["bandwidth"], probe["cutoff"])
+    assert float(noise) == pytest.approx(probe["filtered"], rel=5e-3)
+    count = sensors.count_size(probe["range"] / probe["gain"], probe["bits"])
+    assert float(count) == pytest.approx(probe["count"], rel=5e-3)
+
+
+def test_velocity_noise_is_that_of_a_rounded_ramp():
+    rng = np.random.default_rng(1)
+    count, rate = 6.2e-6, 1000.0
+    start = rng.uniform(0, 1, 40000)
+    step = rng.uniform(0, 50, 40000)
+    velocity = (np.round(start + step) - np.round(start)) * count * rate
+    error = velocity - step * count * rate
+    assert float(np.std(error)) == pytest.approx(float(sensors.velocity_noise(count, rate)), rel=2e-2)
+
+
+def test_cosine_error_keeps_its_digits():
+    assert float(sensors.cosine_error(0.2, 1e-9)) == pytest.approx(0.2 * 0.5e-18, rel=1e-12)
+    assert float(sensors.abbe_error(0.02, 1e-5)) == pytest.approx(2e-7, rel=1e-9)
+
+
+def test_bimetal_strip_bows_as_its_fibres():
+    """Two layers, fibres in equilibrium: force and moment balance solved directly over a fine stack of fibres."""
+    t1, e1, a1, t2, e2, a2 = 0.0254, 410e9, 4e-6, 0.09, 145e9, 1.3e-6
+    n = 4000
+    y = (np.arange(n) + 0.5) / n * (t1 + t2)
+    modulus, alpha = np.where(y < t1, e1, e2), np.where(y < t1, a1, a2)
+    rows = np.array([[np.sum(modulus), np.sum(modulus * y)], [np.sum(modulus * y), np.sum(modulus * y**2)]])
+    _, curvature = np.linalg.solve(rows, [np.sum(modulus * alpha), np.sum(modulus * alpha * y)])
+    assert thermal.bow_of_layers(0.28, t1, e1, a1, t2, e2, a2) == pytest.approx(abs(curvature) * 0.28**2 / 8, rel=1e-3)
+
+
+def test_bolt_preload_change_balances_the_joint():
+    change = thermal.preload_change(0.0143, 11.7e-6, 4e-6, 3e8, 3e9)
+    free = (4e-6 - 11.7e-6) * 0.0143
+    assert change / 3e8 + change / 3e9 == pytest.approx(free)
+
+
+def test_wedge_of_the_thesis_screw():
+    drive = height_adjustment.wedge_drive(25.4e-3 / 8, 1 / 20, 20e-3)
+    assert drive.lift_per_turn == pytest.approx(159e-6, rel=2e-3)
+    assert drive.lift_per_degree == pytest.approx(0.44e-6, rel=5e-3)
+    assert drive.range == pytest.approx(1e-3)
+    # at the locking friction a push of zero just holds: the down-going force changes sign
+    angle, rub = math.atan(1 / 20), math.atan(drive.locking_friction)
+    assert math.tan(angle - rub) - math.tan(rub) == pytest.approx(0.0, abs=1e-12)
+    assert height_adjustment.screw_force(100.0, 1 / 20, 0.0) == pytest.approx(5.0)
+
+
+def test_three_eighths_thread_has_its_tabulated_areas():
+    """ASME B1.1: 3/8-16 UNC has a tensile stress area of 0.0775 in^2 and a basic pitch diameter of 0.3344 in."""
+    thread = fastener.UnifiedThread(0.375 * 25.4e-3, 25.4e-3 / 16)
+    assert thread.stress_area / 25.4e-3**2 == pytest.approx(0.0775, abs=1e-4)
+    assert thread.pitch_diameter / 25.4e-3 == pytest.approx(0.3344, abs=1e-4)
+    # a 60-degree thread at its basic size is 7/8 pitch wide at the major, 3/4 at the internal minor diameter
+    assert fastener.strip_area_of_bed(thread, 0.01) == pytest.approx(math.pi * thread.diameter * 0.01 * 7 / 8, rel=1e-3)
+    minor = thread.internal_minor_diameter
+    assert fastener.strip_area_of_screw(thread, 0.01) == pytest.approx(math.pi * minor * 0.01 * 3 / 4, rel=1e-3)
+    with pytest.raises(InputError, match="engagement"):
+        fastener.strip_area_of_bed(thread, 0.0)
+
+
+def test_earnshaw_by_energy_differences():
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        a, b, r = rng.normal(size=3), rng.normal(size=3), rng.normal(size=3) + np.array([0, 0, 3.0])
+
+        def energy(place, a=a, b=b):
+            d = np.linalg.norm(place)
+            return 1e-7 * (a @ b / d**3 - 3 * (a @ place) * (b @ place) / d**5)
+
+        h, unit = 1e-3, np.eye(3)
+        rough = [
+            [
+                (
+                    energy(r + h * (unit[i] + unit[j]))
+                    - energy(r + h * (unit[i] - unit[j]))
+                    - energy(r - h * (unit[i] - unit[j]))
+                    + energy(r - h * (unit[i] + unit[j]))
+                )
+                / (4 * h**2)
+                for j in range(3)
+            ]
+            for i in range(3)
+        ]
+        exact = suspension.dipole_hessian(a, b, r)
+        np.testing.assert_allclose(exact, rough, rtol=1e-4, atol=1e-5 * np.abs(exact).max())
+        assert abs(np.trace(exact)) < 1e-12 * np.abs(exact).max()
+        assert np.linalg.eigvalsh(exact)[0] < 0
+
+
+def test_air_bearing_of_the_catalogue():
+    pad = suspension.AirBearing(25.4e-3, 90.0, 24.5e6, 413e3, 5e-6)
+    assert 0.2 < pad.load_ratio < 0.5
+    assert 1.0 < pad.stiffness_ratio < 2.0
+    assert pad.roughness_limit == pytest.approx(1.25e-6)
+
+
+def test_transforms_are_rigid_and_those_of_scipy():
+    turn, about, point = (0.3, -0.2, 0.5), (0.1, 0.2, -0.1), np.array([0.4, 0.0, 0.3])
+    part = error_budget.Contribution("x", "test", (1e-3, 0, 2e-3), turn, about)
+    expected = Rotation.from_rotvec(turn).apply(point - about) + about + [1e-3, 0, 2e-3] - point
+    np.testing.assert_allclose(error_budget.error_at(part, point), expected, atol=1e-15)
+
+
+def test_budget_adds_squares_of_random_and_sizes_of_fixed():
+    parts = [
+        error_budget.Contribution("a", "s", (3e-9, 0, 0)),
+        error_budget.Contribution("b", "s", (4e-9, 0, 0)),
+        error_budget.Contribution("c", "s", (-1e-9, 0, 0), random=False),
+        error_budget.Contribution("tilt", "s", rotation=(0, 1e-6, 0)),
+    ]
+    rows, total = error_budget.budget(parts, (0.0, 0.0, 0.02))
+    assert [row[0].name for row in rows] == ["tilt", "b", "a", "c"]
+    assert total[0] == pytest.approx(math.sqrt(9e-18 + 16e-18 + (0.02 * 1e-6) ** 2) + 1e-9)
