@@ -128,7 +128,7 @@ def _checked(path: Path, effect: Effect) -> Effect:
         if _try_law(path, f"{where}: slope {kind}", law, effect):
             slopes[kind] = _broadcast(law)
     if effect.signal is not None:
-        _try_signal(path, f"{where}: signal", effect)
+        _try_signal(path, f"{where}: signal", effect.signal, effect)
     return replace(effect, **changed, slopes=slopes)
 
 
@@ -197,10 +197,10 @@ def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) ->
     return value.shape == ()
 
 
-def _try_signal(path: Path, where: str, effect: Effect) -> None:
+def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effect) -> None:
     import numpy as np
 
-    value = _number(where, _call(path, where, effect.signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
+    value = _number(where, _call(path, where, signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
     if value.shape != (ROWS,):
         raise InputError(f"{where}: gives shape {value.shape} for a signal of {ROWS} rows; must be ({ROWS},)")
     if not np.all(np.isfinite(value)):

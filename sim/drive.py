@@ -1,7 +1,7 @@
 """What moves the axis in a simulation: a force, a spring that is pulled, or a prescribed motion.
 
-All are one form, mass * v' = s(t) + amplitude cos(frequency t + phase) - stiffness x - friction, with s linear in pieces; the
-integrator steps from knot to knot of s, so a corner or a jump in it costs no accuracy.
+All are one form, mass * v' = s(t) + amplitude cos(frequency t + phase) - stiffness x - friction, with s linear in
+pieces; the integrator steps from knot to knot of s, so a corner or a jump in it costs no accuracy.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Adaptive stiff integration of one axis: Rodas5P with the exact Jacobian, compiled once for every model.
 
-State y = [position, velocity, travelled, contact age | z_1 .. z_n | work of the core, of the other forces, of the drive].
+State y = [position, velocity, travelled, contact age | z_1 .. z_n | works of the core, other forces, drive].
 The states of a core meet the rest only through velocity and friction level, so W = I/(gamma h) - J is an arrowhead with
 a small head: one linear solve costs O(number of states), and one stage O(number of effects).
 
@@ -28,8 +28,7 @@ DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 NHEAD, NWORK, NOUT, NAXIS = 4, 3, 6, 10
 
 
-@intrinsic
-def _call_effect(context: Any, address: Any, axis: Any, p: Any, out: Any, slopes: Any) -> Any:
+def _effect_call(context: Any, address: Any, axis: Any, p: Any, out: Any, slopes: Any) -> Any:
     """Call an effect's kernel at `address`; the arrays are given by the addresses of their first elements."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -42,10 +41,7 @@ def _call_effect(context: Any, address: Any, axis: Any, p: Any, out: Any, slopes
     return types.void(*[types.int64] * 5), generate
 
 
-@intrinsic
-def _call_core(
-    context: Any, address: Any, z: Any, v: Any, g: Any, p: Any, out: Any, n: Any, slopes: Any
-) -> Any:
+def _core_call(context: Any, address: Any, z: Any, v: Any, g: Any, p: Any, out: Any, n: Any, slopes: Any) -> Any:
     """Call a core's kernel at `address`."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -60,7 +56,13 @@ def _call_core(
     return types.void(*[types.int64] * 2, types.float64, types.float64, *[types.int64] * 4), generate
 
 
-def _forces(t, y, z, direction, slopes, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out, out, slope):
+_call_effect: Any = intrinsic(_effect_call)
+_call_core: Any = intrinsic(_core_call)
+
+
+def _forces(
+    t, y, z, direction, slopes, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out, out, slope
+):
     """Level and forces at one instant.
 
     out = [level, core force, other force]; slope rows by (position, velocity, travelled, age, time): of the level, of
@@ -187,7 +189,22 @@ def _integrate(
             keep = y[1]
             y[1] = v
             _forces(
-                t, y, z, direction, 1, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out, here, slope
+                t,
+                y,
+                z,
+                direction,
+                1,
+                effects,
+                p_at,
+                core,
+                core_p_at,
+                n,
+                surroundings,
+                axis,
+                laws,
+                core_out,
+                here,
+                slope,
             )
             y[1] = keep
         sign = 1.0 if v >= 0.0 else -1.0
@@ -232,11 +249,7 @@ def _integrate(
                 for j in range(NHEAD):
                     effective[j] += into[k] * by_head[k, j] * ratio[k]
             pivot = (
-                s
-                - effective[1]
-                - effective[0] / s
-                - effective[2] * sign / s
-                - effective[3] * age_out / (s - age_own)
+                s - effective[1] - effective[0] / s - effective[2] * sign / s - effective[3] * age_out / (s - age_own)
             )
             finite = True
             for i in range(STAGES):
@@ -328,8 +341,7 @@ def _integrate(
                     for _ in range(60):
                         middle = 0.5 * (low + high)
                         there = (1.0 - middle) * y[1] + middle * (
-                            fresh[1]
-                            + (1.0 - middle) * (dense[0, 1] + middle * (dense[1, 1] + middle * dense[2, 1]))
+                            fresh[1] + (1.0 - middle) * (dense[0, 1] + middle * (dense[1, 1] + middle * dense[2, 1]))
                         )
                         if there * y[1] > 0.0:
                             low = middle

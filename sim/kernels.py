@@ -3,8 +3,8 @@
 A built-in law is compiled by numba, once, from a small generated module that unpacks pointers into the law's named
 arguments. A user's own law, or one that numba cannot compile, is called back in Python through the same signature.
 
-    effect(axis, p, out, slopes):  out[law, 0] value, out[law, 1..5] slopes by position, velocity, travelled, contact age
-                                   and time, for the laws level, factor, force
+    effect(axis, p, out, slopes):  for the laws level, factor, force: out[law, 0] value, out[law, 1..5] slopes by
+                                   position, velocity, travelled, contact age and time
     core(z, v, g, p, out, n, slopes): out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
 """
 
@@ -74,14 +74,28 @@ def depends_on(effect: Effect, law: str, quantity: str) -> bool:
 
 def carried(effect: Effect) -> set[str]:
     """The quantities of the axis that an effect's level, factor and force depend on."""
-    return {quantity for quantity in (*BY, "acceleration", "reversal_distance") for law in LAWS
-            if depends_on(effect, law, quantity)}
+    return {
+        quantity
+        for quantity in (*BY, "acceleration", "reversal_distance")
+        for law in LAWS
+        if depends_on(effect, law, quantity)
+    }
 
 
 def unsupported(effect: Effect) -> str | None:
     """Why an effect cannot be integrated in time, or None."""
     if effect.memory is not None:
-        return "changes the motion along a record, and has no law in time"
+        return "changes the motion along a whole record, and has no law at one instant"
+    if effect.signal is not None:
+        return "acts on a signal: apply its `signal` to the drive's input or to the simulated measurement instead"
+    instant = Axis(0.1, 1e-3, 1e-3, 0.0, 1.0, 20.0, 0.1, 1e-3, 1e-3, 1.0)
+    for law in LAWS:
+        function = getattr(effect, law)
+        try:
+            if function is not None:
+                float(function(instant, effect.values()))
+        except Exception as error:
+            return f"has a {law} that cannot be had at one instant ({type(error).__name__}: {error})"
     for quantity in sorted(carried(effect) & {"acceleration", "reversal_distance"}):
         return f"depends on {quantity}, which a simulation does not carry"
     return None
@@ -115,7 +129,7 @@ def _load(text: str, name: str, files: list[str]) -> Any:
     return module
 
 
-_EFFECT_TEXT = '''\
+_EFFECT_TEXT = """\
 from numba import carray, njit
 from sim.effect import Axis
 from sim.library import find
@@ -132,7 +146,7 @@ def kernel(axis, p, out, slopes):
     here = Axis({here})
     values = Values({values})
 {lines}
-'''
+"""
 
 
 def _effect_text(effect: Effect) -> str:
@@ -207,9 +221,9 @@ def _compiled_effect(name: str) -> Kernel | None:
 def effect_kernel(effect: Effect) -> Kernel:
     """The kernel of one effect; see the head of this file for its signature."""
     if _is_built_in(effect):
-        kernel = _compiled_effect(effect.name)
-        if kernel is not None:
-            return kernel
+        compiled = _compiled_effect(effect.name)
+        if compiled is not None:
+            return compiled
     plan = _slope_plan(effect)
     laws = [(i, getattr(effect, law)) for i, law in enumerate(LAWS)]
     fields = len(Axis._fields)
@@ -248,7 +262,7 @@ def effect_kernel(effect: Effect) -> Kernel:
     return Kernel(address, False, callback, errors)
 
 
-_CORE_TEXT = '''\
+_CORE_TEXT = """\
 from numba import carray, njit
 from sim.library import find
 
@@ -267,7 +281,7 @@ def kernel(z, v, g, p, out, n, slopes):
         r[k, 0], r[k, 1] = law(k, state[k], v, g, values)
         if slopes:
             r[k, 2], r[k, 3], r[k, 4], r[k, 5], r[k, 6], r[k, 7] = element_slopes(k, state[k], v, g, values)
-'''
+"""
 
 
 @functools.cache
@@ -299,9 +313,9 @@ def core_kernel(effect: Effect) -> Kernel:
     if core is None:
         raise InputError(f"effect '{effect.name}' has no core: it does not turn a friction level into a force")
     if _is_built_in(effect):
-        kernel = _compiled_core(effect.name)
-        if kernel is not None:
-            return kernel
+        compiled = _compiled_core(effect.name)
+        if compiled is not None:
+            return compiled
     size = len(effect.parameters)
     errors: list[BaseException] = []
 

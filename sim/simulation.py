@@ -13,7 +13,7 @@ from sim.model import Model
 from stagecad.parameters.errors import InputError
 
 
-class SimulationFailure(RuntimeError):
+class SimulationError(RuntimeError):
     """An integration that could not be carried on: the message says when, in what state, and why."""
 
 
@@ -90,7 +90,7 @@ def simulate(
 
     Raises:
         InputError: an argument out of range, or an effect that cannot be integrated.
-        SimulationFailure: the step became too small, a law gave a number that is not finite, or too many steps.
+        SimulationError: the step became too small, a law gave a number that is not finite, or too many steps.
     """
     from sim import integrator, kernels
 
@@ -101,9 +101,7 @@ def simulate(
         raise InputError(f"simulation: mass = {mass:g} kg; must be positive")
     if not 1e-13 <= tolerance <= 1e-2:
         raise InputError(f"simulation: tolerance = {tolerance:g}; must lie between 1e-13 and 1e-2")
-    acting = [
-        (effect, p) for effect, p in zip(model.effects, model.values) if effect.acts_on not in ("drive", "sensor", "piezo")
-    ]
+    acting = list(zip(model.effects, model.values))
     for effect, _ in acting:
         reason = kernels.unsupported(effect)
         if reason:
@@ -193,7 +191,9 @@ def _stored(acting: list[tuple[Any, Any]], core_at: int | None, bristles: np.nda
     effect, p = acting[core_at]
     if effect.core.stored is None:
         return np.full(level.size, math.nan)
-    return sum((effect.core.stored(k, bristles[:, k], level, p) for k in range(bristles.shape[1])), np.zeros(level.size))
+    return sum(
+        (effect.core.stored(k, bristles[:, k], level, p) for k in range(bristles.shape[1])), np.zeros(level.size)
+    )
 
 
 def _fail(outcome: int, report: np.ndarray, model: Model, errors: list[BaseException]) -> None:
@@ -205,7 +205,7 @@ def _fail(outcome: int, report: np.ndarray, model: Model, errors: list[BaseExcep
     reason = reasons.get(outcome, "unknown reason")
     if errors:
         reason += f" ({type(errors[0]).__name__}: {' '.join(str(errors[0]).split())})"
-    raise SimulationFailure(
+    raise SimulationError(
         f"simulation of {', '.join(model.names)} stopped at t = {report[1]:.9g} s, position {report[5]:.6g} m, "
         f"velocity {report[6]:.6g} m/s: {reason}"
     ) from (errors[0] if errors else None)

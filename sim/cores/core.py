@@ -38,8 +38,8 @@ class Core:
         scale: typical size of a state, to set the absolute tolerance of an integration; a function of `p`.
         state: what the state is, with its unit.
         elements: how many states; a function of `p`.
-        stored: energy held in the spring of element k, `stored(k, z, g, p)` in J, of the shape of z and g; None where no
-            energy function exists.
+        stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
+            function exists.
     """
 
     name: str

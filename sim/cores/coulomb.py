@@ -4,7 +4,7 @@ resolution. So the force is defined at rest: it holds its last value in a dwell.
 The state is the bristle's force f itself. With the stretch s at the level and a relaxation time tau that keeps the
 landing from ringing, the bristle is the causal one of a0 = g/s, a1 = tau g/s:
 
-    phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s,   core force = phi
+    phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s = (g v - |v| f)/(s + tau |v|),   core force = phi
 
 |phi| never exceeds the level, and the core is passive at any speed.
 """
@@ -27,8 +27,8 @@ def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
         return 0.0, 0.0
     s = p.stretch
     w = RELAXATION / s
-    phi = (z + w * g * v) / (1.0 + w * abs(v))
-    return (g * v - abs(v) * phi) / s, phi
+    below = 1.0 + w * abs(v)
+    return (g * v - abs(v) * z) / (s * below), (z + w * g * v) / below
 
 
 def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
@@ -38,16 +38,9 @@ def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, 
     w = RELAXATION / s
     sign = 1.0 if v >= 0.0 else -1.0
     below = 1.0 + w * abs(v)
-    phi = (z + w * g * v) / below
-    phi_z, phi_v, phi_g = 1.0 / below, w * (g - sign * phi) / below, w * v / below
-    return (
-        -abs(v) * phi_z / s,
-        (g - sign * phi - abs(v) * phi_v) / s,
-        (v - abs(v) * phi_g) / s,
-        phi_z,
-        phi_v,
-        phi_g,
-    )
+    room = g - sign * z
+    rate_z, rate_v, rate_g = -abs(v) / (s * below), room / (s * below * below), v / (s * below)
+    return rate_z, rate_v, rate_g, 1.0 / below, w * room / (below * below), w * v / below
 
 
 @compiled

@@ -17,9 +17,7 @@ from sim.simulation import Simulation, simulate
 AMPLITUDE = 1e-3
 LEVEL = 1e-3
 """Velocity at which the loop's width is read, m/s."""
-CASES = {
-    f"w{w}_v0_{name}": (float(w), mean) for w in (25, 10, 1) for name, mean in (("1.5mm_s", 1.5e-3), ("0", 0.0))
-}
+CASES = {f"w{w}_v0_{name}": (float(w), mean) for w in (25, 10, 1) for name, mean in (("1.5mm_s", 1.5e-3), ("0", 0.0))}
 """Case name -> frequency, rad/s, and mean velocity, m/s."""
 
 

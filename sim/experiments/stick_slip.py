@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -92,6 +93,6 @@ def _jump(run: Simulation, slips: np.ndarray) -> float | None:
     """Position gained from one stick to the next: between the middles of the two sticks about the second slip."""
     if slips.size < 3:
         return None
-    middle = [0.5 * (a + b) for a, b in zip(slips[:-1], slips[1:])]
+    middle = [0.5 * (a + b) for a, b in pairwise(slips)]
     stuck = np.interp(middle, run.time, run.position)
     return float(np.mean(np.diff(stuck)))

@@ -111,7 +111,7 @@ def test_hysteresis_agrees_with_another_integrator(core, case):
 
     @njit
     def right(t, y):
-        force, rate = friction(mean + 1e-3 * math.sin(frequency * t), y[0])
+        _, rate = friction(mean + 1e-3 * math.sin(frequency * t), y[0])
         return np.array([rate])
 
     found = solve(right, np.zeros(1), run.time)

@@ -1,0 +1,118 @@
+"""`stagecad effects`: the library of physical effects, printed from its declarations."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from workbench.options import Run, common_options
+
+
+@click.command("effects")
+@click.argument("name", required=False)
+@click.option(
+    "--custom",
+    "custom_files",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="FILE.py",
+    help="A file of your own effects, checked and listed with the built-in ones; may be repeated.",
+)
+@common_options
+def command(run: Run, name: str | None, custom_files: tuple[Path, ...]) -> None:
+    """List the physical effects, or tell all about one: NAME, NAME:VARIANT."""
+    from sim.custom import load_all_custom
+    from sim.library import find, library
+
+    custom = load_all_custom(custom_files)
+    if name is None:
+        effects = [*library().values(), *custom]
+        _list(run, effects)
+        run.emit([_document(effect) for effect in effects])
+        return
+    effect = find(name, custom)
+    _tell(run, effect)
+    run.emit(_document(effect))
+
+
+def _document(effect: Any) -> dict[str, Any]:
+    return {
+        "name": effect.name,
+        "meaning": effect.meaning,
+        "equation": effect.equation,
+        "acts_on": effect.acts_on,
+        "core": effect.core is not None,
+        "shows": effect.shows,
+        "coordinates": list(effect.coordinates),
+        "needs": list(effect.needs),
+        "source": effect.source,
+        "parameters": [
+            {
+                "name": f"{effect.name}.{parameter.name}",
+                "unit": parameter.unit,
+                "default": {"value": parameter.default, "unit": parameter.unit},
+                "low": {"value": parameter.low, "unit": parameter.unit},
+                "high": {"value": parameter.high, "unit": parameter.unit},
+                "meaning": parameter.meaning,
+                "source": parameter.source,
+                "role": parameter.role,
+                "fixed": parameter.fixed,
+            }
+            for parameter in effect.parameters
+        ],
+        "variants": [variant.name for variant in effect.variants],
+    }
+
+
+def _list(run: Run, effects: list[Any]) -> None:
+    from rich.table import Table
+
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for heading in ("effect", "acts on", "meaning", "parameters"):
+        table.add_column(heading, overflow="fold")
+    for effect in effects:
+        kind = f"{effect.acts_on} (core)" if effect.core is not None else effect.acts_on
+        names = ", ".join(p.name if p.unit == "1" else f"{p.name} \\[{p.unit}]" for p in effect.parameters)
+        table.add_row(effect.name, kind, effect.meaning, names)
+    run.console.print(table)
+
+
+def _tell(run: Run, effect: Any) -> None:
+    from rich.table import Table
+
+    lines = [("", effect.meaning), ("law", effect.equation), ("shows", effect.shows), ("acts on", effect.acts_on)]
+    if effect.core is not None:
+        lines.append(("core", f"turns the friction level into a force; state: {effect.core.state}"))
+    if effect.coordinates:
+        lines.append(("seen against", ", ".join(effect.coordinates)))
+    if effect.needs:
+        lines.append(("needs", ", ".join(effect.needs)))
+    lines.append(("source", effect.source))
+    if effect.variants:
+        lines.append(("variants", ", ".join(variant.name for variant in effect.variants)))
+    grid = Table(box=None, show_header=False, pad_edge=False)
+    grid.add_column(style="bold", no_wrap=True)
+    grid.add_column(overflow="fold")
+    grid.add_row(effect.name, lines[0][1], style="bold")
+    for label, text in lines[1:]:
+        if text:
+            grid.add_row(label, text)
+    run.console.print(grid)
+    if not effect.parameters:
+        return
+    run.console.print()
+    table = Table(box=None, header_style="bold", pad_edge=False)
+    for heading in ("parameter", "default", "bounds", "role", "meaning", "source of default and bounds"):
+        table.add_column(heading, overflow="fold")
+    for parameter in effect.parameters:
+        table.add_row(
+            parameter.name,
+            f"{parameter.default:g} {parameter.unit}" if parameter.unit != "1" else f"{parameter.default:g}",
+            f"{parameter.low:g} .. {parameter.high:g}",
+            f"{parameter.role}, fixed" if parameter.fixed else parameter.role,
+            parameter.meaning,
+            parameter.source,
+        )
+    run.console.print(table)

@@ -1,0 +1,54 @@
+"""Simulations as tables in the records' own form: `name [unit]`, one header row, as CSV or Parquet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from sim.simulation import Simulation
+from stagecad.parameters.atomic import atomic_path
+
+ROWS = 20_001
+
+
+def table_of(run: Simulation, force: str, end: float | None = None) -> dict[str, np.ndarray]:
+    """Columns of one simulation, at most `ROWS` rows; `force` names the drive's column."""
+    count = run.time.size if end is None else int(np.searchsorted(run.time, end, "right"))
+    rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))
+    columns = {
+        "time [s]": run.time,
+        "position [m]": run.position,
+        "velocity [m/s]": run.velocity,
+        "friction_force [N]": run.friction,
+        f"{force} [N]": run.drive,
+        "level [N]": run.level,
+        "bristle [m]": run.bristle[:, 0] if run.bristle.shape[1] else np.zeros(run.time.size),
+        "core_work [J]": run.core_work,
+        "other_work [J]": run.other_work,
+        "stored [J]": run.stored,
+        "kinetic [J]": run.kinetic,
+    }
+    return {name: values[rows] for name, values in columns.items()}
+
+
+def write_table(path: Path, columns: Mapping[str, np.ndarray], kinds: tuple[str, ...]) -> list[Path]:
+    """Write the columns beside `path` as each of `kinds` (csv, parquet); return the files."""
+    import pyarrow
+
+    table = pyarrow.table(dict(columns))
+    written = []
+    for kind in kinds:
+        target = path.with_name(f"{path.name}.{kind}")
+        with atomic_path(target) as temporary:
+            if kind == "csv":
+                from pyarrow import csv
+
+                csv.write_csv(table, temporary, csv.WriteOptions(quoting_style="none"))
+            else:
+                from pyarrow import parquet
+
+                parquet.write_table(table, temporary)
+        written.append(target)
+    return written
