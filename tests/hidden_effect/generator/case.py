@@ -355,7 +355,8 @@ def _accept(rig: _Rig, hidden: list[Hidden], visible: float, also: dict[str, flo
     if not hidden:
         return ["adequate"]
     right = {name for entry in hidden for name in entry.accept}
-    if len(hidden) == 1 and not hidden[0].unlisted and "UNKNOWN" not in hidden[0].name:
+    # Without any Coulomb friction in the base, every effect that scales with it would pass: the plain name is right.
+    if len(hidden) == 1 and not hidden[0].unlisted and hidden[0].name != "coulomb":
         right |= {name for name, left in also.items() if left < 0.3 and name not in rig.base and left < 0.2 * visible}
         if "lag_or_delay" in right:
             right |= LATE

@@ -68,7 +68,7 @@ def _unlisted(name: str, rigs: tuple[str, ...], draw: Drawer, *where: str) -> No
     HIDDEN["UNKNOWN_" + name] = Hidden("UNKNOWN_" + name, rigs, draw, ("unexplained",), where)
 
 
-_listed("coulomb", AXIS, lambda r, b: Draw({"coulomb": b["coulomb"]}, limit=1.0, least=0.02), base=("viscous",))
+_listed("coulomb", AXIS, lambda r, b: Draw({"coulomb": b["coulomb"]}, limit=1.0, least=1.0), base=("viscous",))
 _listed("viscous", AXIS, lambda r, b: Draw({"viscous": _log(r, 4, 40)}), base=("coulomb",))
 _listed(
     "stribeck", AXIS,
