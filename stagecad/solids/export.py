@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stagecad.solids.colours import Colour
+from stagecad.solids.frame import UNMOVED, Frame
 from stagecad.solids.mesh import Mesh
 
 if TYPE_CHECKING:
@@ -33,21 +34,13 @@ ROUGHNESS = 0.7
 
 
 @dataclass(frozen=True)
-class Frame:
-    """Rigid move from a part's coordinates to the assembly's: rotation (3 rows of 3), then shift in mm."""
-
-    rotation: tuple[tuple[float, float, float], ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True)
 class Piece:
     """One part somewhere in an assembly. `name` is the instance's, `part` the part's; a part alone has them equal."""
 
     name: str
     part: str
     colour: Colour
-    frame: Frame = Frame()
+    frame: Frame = UNMOVED
 
 
 def stl_bytes(meshes: Sequence[Mesh]) -> bytes:
@@ -122,7 +115,7 @@ def glb_bytes(name: str, pieces: Sequence[Piece], meshes: dict[str, Mesh]) -> by
             }
             shapes.append({"name": piece.part, "primitives": [primitive]})
         node: dict[str, Any] = {"name": piece.name, "mesh": places[piece.part, piece.colour]}
-        if piece.frame != Frame():
+        if piece.frame != UNMOVED:
             node["matrix"] = _column_major(piece.frame)
         nodes.append(node)
     # The root turns z up into y up; everything below it keeps the machine's own axes.

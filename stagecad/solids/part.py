@@ -30,44 +30,40 @@ cadquery`` to the functions that make geometry: ``material``, ``datums``, ``dime
   a piezo's foot, a way's underside), it points out of the material as well.
 - So a mate is always the same: origins together, normals opposed, x directions parallel.
 
-The assembly (`stagecad.solids.assembly`) relies on these names, all in part coordinates:
+The assembly (`stagecad.solids.assembly`) relies on these names, all in part coordinates. On base, way, stage and
+holder a datum named after another part and a number or side (``way_screw_3``, ``magnet_1``, ``tooth_bar_left``) is the
+seat of one of that part: there are as many in the assembly as there are such datums.
 
-==================  ==================================================================================================
-part                datums (numbers in a pattern count from 1, in the order of rising x, then rising y)
-==================  ==================================================================================================
-base                ``top`` (at actuator 1, x along the travel); ``way_left`` (y > 0), ``way_right`` (y < 0): seats of
-                    the ways' undersides, at the middle of the footprint, x as the way's own x will point;
-                    ``way_left_hole_1`` .. and ``way_right_hole_1`` ..: mouths of the tapped holes;
-                    ``pocket_1``, ``pocket_2``, ``pocket_3``: axis of each actuator pocket at the base's top, normal up;
-                    ``pin_2_bore_K``: mouth of the vertical bore in the floor of pocket K, normal up;
-                    ``pin_1_bore_K``: axis of the horizontal bore of pocket K, where the axis of ``pin_2_bore_K`` meets
-                    it, normal along the bore towards the side face from which it is reached;
-                    ``set_screw_K``: mouth of the set screw's thread on that side face, normal out of it;
-                    ``spring_K``: closed end of the bore, where the spring rests, normal towards the pin;
-                    ``clamp_screw_K``: bearing face (counterbore floor) of the clamp screw of pocket K, normal out;
-                    ``tooth_bar_left`` (y > 0), ``tooth_bar_right``: seats of the tooth bars, x along the travel
-stage               ``pad_1``, ``pad_2``, ``pad_3`` (``pad_4``): crown of each pad, normal down; ``pads``: plane of
-                    the crowns under the middle of the stage, normal down; ``top``: payload face; ``sea``: face of
-                    the sea at the middle, normal down; ``tooth_iron_left``, ``tooth_iron_right``: seats of the irons,
-                    normal down; ``magnet_K``: floors of the magnets' pockets, normal out of the pocket
-bearing_way         ``bottom``: middle of the footprint, normal down, x as the part's x (its +y is the outer side);
-                    ``top``: middle of the lapped bearing face, normal up; ``screw_1`` .. : bearing faces of the
-                    heads on the ledge, normal up. (The right way is the same part turned half a turn about z.)
-holder              ``bottom``: normal down, at its axis; ``axis_top``: top at its axis, normal up; ``piezo_1``,
-                    ``piezo_2``, ``piezo_3``: floors of the bores, normal up
-tip                 ``apex``: normal up; ``piezo_1`` .. ``piezo_3``: seats of the piezos' ends, normal down
-height_pin_1        ``axis``: middle of the wedge face's line on the axis, normal along the axis towards the set screw;
-                    ``wedge``: the wedge face over that point, normal out of it, x along the slope; ``screw_end``,
-                    ``spring_end``: the ends, normals out (``spring_end`` at the floor of the spring's seat)
-height_pin_2        ``wedge``: middle of the sloping end, normal out; ``top``: the end that carries the holder, normal
-                    up; ``axis``: on the axis at the sloping end, normal up
-magnet              ``seat``: the face that goes to the floor of its pocket; ``face``: the other one
-tooth_iron          ``seat``: the face on the stage, normal up; ``teeth``: plane of the tooth crests, normal down
-tooth_bar           ``seat``: the face on the base, normal down; ``teeth``: plane of the crests, normal up
-purchased           ``piezo``: ``foot`` (normal down), ``end`` (apex of its rounded end, normal up); screws: ``seat``
-                    (under the head, normal towards the shank), ``end``; ``set_screw``: ``socket``, ``end``; ``spring``:
-                    ``end_1``, ``end_2`` (as installed)
-==================  ==================================================================================================
+=============  =======================================================================================================
+part           datums (numbers count from 1)
+=============  =======================================================================================================
+base           ``top``: at actuator 1, x along the travel; ``bearing_way_left`` (y > 0), ``bearing_way_right``: seats of
+               the ways' undersides, at the middle of the footprint, x as the way's own x will point;
+               ``pocket_K``: mouth of actuator pocket K, on its axis, normal up, x as the holder's x will point;
+               ``pin_1_bore_K``: where the axes of the two pin bores meet, normal along the horizontal bore towards its
+               side face, x up; ``pin_2_bore_K``: mouth of the vertical bore in the pocket's floor, normal up, x towards
+               that side face; ``spring_K``: end of the bore where the spring rests, normal towards the pin;
+               ``clamp_screw_long_1`` .., ``clamp_screw_short_1`` ..: counterbore floors, normal out; K where it serves
+               pocket K is in the order of the pockets; ``tooth_bar_left``, ``tooth_bar_right``: seats of the bars
+bearing_way    ``bottom``: middle of the footprint, normal down, x as the part's x; ``top``: middle of the bearing
+               face, normal up; ``way_screw_1`` ..: bearing faces of the heads on the ledge, normal up
+stage          ``pad_1`` ..: crown of each pad, normal down; ``pads``: plane of the crowns under the middle of the
+               stage, normal down, x along the travel; ``top``: payload face; ``sea``: face of the sea at the middle,
+               normal down; ``tooth_iron_1`` .., ``magnet_1`` ..: their seats, normal down
+holder         ``bottom``: at its axis, normal down, x as the part's x; ``top``; ``piezo_1`` .. ``piezo_3``: bore floors
+tip            ``apex``: normal up; ``piezo_1`` .. ``piezo_3``: seats of the piezos' ends, normal down, x as part's x
+height_pin_1   ``axis``: where the wedge face is taken at mid-stroke, on the axis; normal along the axis away from the
+               set screw, x towards the wedge face; ``wedge``: on the wedge face over that point, normal out of it;
+               ``screw_end``: normal towards the screw; ``spring_end``: shoulder the spring rests on
+height_pin_2   ``axis``: on the axis at the sloping end, normal down, x towards the set screw; ``wedge``: same point,
+               normal out of the sloping face; ``top``: apex of the upper end, normal up
+magnet         ``seat``: face on its pocket's floor; ``face``: the opposite one
+tooth_iron     ``seat``: face on the stage; ``teeth``: plane of the tooth crests
+tooth_bar      ``seat``: face on the base; ``teeth``: plane of the crests
+purchased      ``piezo``: ``foot`` (normal down), ``end`` (apex of its rounded end); screws: ``seat`` (under the head,
+               normal towards the shank), ``end``; ``set_screw``: ``end`` (pushes the pin), ``socket``; ``spring``:
+               ``end_1``, ``end_2``
+=============  =======================================================================================================
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stagecad.solids.export import Frame, Piece
+from stagecad.solids.export import Piece
+from stagecad.solids.frame import UNMOVED, Frame
 from stagecad.solids.mesh import Mesh
 
 SIZE = (1400, 1000)
@@ -77,7 +78,7 @@ def picture(
 
 def placed(mesh: Mesh, frame: Frame) -> Mesh:
     """The mesh where `frame` puts it."""
-    return mesh if frame == Frame() else mesh.moved(np.array(frame.rotation), np.array(frame.shift))
+    return mesh if frame == UNMOVED else mesh.moved(np.array(frame.rotation), np.array(frame.shift))
 
 
 def _view(viewer: tuple[float, float, float]) -> np.ndarray:
