@@ -1,4 +1,4 @@
-"""A hand-made library of features, as one would write it for a regression: one force balance, and columns named by effect."""
+"""A library of features made by hand for a regression: one force balance, and columns named by effect."""
 
 from __future__ import annotations
 

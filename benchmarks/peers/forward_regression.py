@@ -1,4 +1,4 @@
-"""Forward regression: add the group of columns that lowers the held-out error most, while it does so by two per cent."""
+"""Forward regression: add the group of columns that lowers the held-out error most, by two per cent at least."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""pysindy's sequentially thresholded least squares over the same library; the threshold chosen on the held-out record."""
+"""pysindy's thresholded least squares over the same library; the threshold chosen on the held-out record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One axis with rigid or bristled friction, stepped at 50 us: its velocity given, or pulled by a spring, or by a servo."""
+"""One axis with rigid or bristled friction, in steps of 50 us: at a given velocity, on a spring, or under a servo."""
 
 from __future__ import annotations
 

@@ -27,7 +27,10 @@ _REACH = 0.024
 
 @dataclass(frozen=True)
 class Plan:
-    """What to make. `effects` is empty for nothing hidden, one name, or two; `level` a key of LEVELS."""
+    """What to make. `effects` is empty for nothing hidden, one name, or two; `level` a key of LEVELS.
+
+    With `same_form` a hidden Stribeck curve is a Gaussian, as a model library writes it, in place of a Lorentzian.
+    """
 
     rig: str
     effects: tuple[str, ...] = ()
@@ -36,6 +39,7 @@ class Plan:
     hard: bool = False
     idle: bool | None = None
     rows: int = 20000
+    same_form: bool = False
 
 
 @dataclass(frozen=True)
@@ -472,6 +476,8 @@ def make_case(plan: Plan, rng: np.random.Generator, tries: int = 12) -> Case:
         fit, validate = _draw_record(rng, rig), _draw_record(rng, rig)
         texture_seed = int(rng.integers(2**31))
         draws = [entry.draw(rng, rig.numbers) for entry in hidden]
+        if plan.same_form:
+            draws = [replace(d, fixed={k: v for k, v in d.fixed.items() if k != "stribeck_lorentzian"}) for d in draws]
         strengths: list[float] = []
         for draw in draws:
             strength, _ = _to_size(rng, rig, fit, draw, plan.level, texture_seed)

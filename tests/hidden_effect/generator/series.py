@@ -23,7 +23,7 @@ def _names(rig: str, *, unlisted: bool) -> list[str]:
 
 def _plan(
     rng: np.random.Generator, turn: int, kind: str, *, hard: bool, levels: Sequence[str], rows: int,
-    effects: Sequence[str] | None,
+    effects: Sequence[str] | None, same_form: bool,
 ) -> Plan:
     rig = str(rng.choice(RIGS, p=[0.28, 0.27, 0.27, 0.18]))
     level = str(rng.choice(levels))
@@ -38,7 +38,7 @@ def _plan(
     if kind in ("unexplained", "single"):
         listed = effects or [name for name, entry in HIDDEN.items() if not entry.unlisted]
         name = listed[turn % len(listed)]
-        return Plan(str(rng.choice(HIDDEN[name].rigs)), (name,), level, nuisance, hard, rows=rows)
+        return Plan(str(rng.choice(HIDDEN[name].rigs)), (name,), level, nuisance, hard, rows=rows, same_form=same_form)
     names = _names(rig, unlisted=False)
     level = "strong" if level == "weak" else level
     while True:
@@ -66,12 +66,13 @@ def _one(job: tuple[Path, int, int, int, str, dict]) -> tuple[str, dict]:
 def make_cases(
     folder: Path, seed: int, count: int, kinds: dict[str, float] | None = None, *, hard: float = 0.35,
     levels: Sequence[str] = ("strong", "moderate", "weak"), rows: int = 20000, effects: Sequence[str] | None = None,
-    jobs: int = 1,
+    jobs: int = 1, same_form: bool = False,
 ) -> dict[str, dict]:
     """Write `count` cases below `folder` with `key.json`, and return the key. The seed decides everything.
 
     `kinds` maps single, none, unexplained and pair to their shares (default 0.5, 0.2, 0.17, 0.13); `hard` is the share
-    with coloured noise, gaps, odd units and rates, and rotary axes; `effects` restricts what single cases hide.
+    with coloured noise, gaps, odd units and rates, and rotary axes; `effects` restricts what single cases hide; with
+    `same_form` the laws are those a model library writes, for the coverage of intervals.
     """
     for given, allowed in ((kinds or {}, KINDS), (effects or (), HIDDEN)):
         for name in given:
@@ -84,7 +85,8 @@ def make_cases(
     tough = rng.random(count) < hard
     work = [
         (Path(folder), seed, index, int((drawn[:index] == drawn[index]).sum()), str(drawn[index]),
-         {"hard": bool(tough[index]), "levels": tuple(levels), "rows": rows, "effects": effects})
+         {"hard": bool(tough[index]), "levels": tuple(levels), "rows": rows, "effects": effects,
+          "same_form": same_form})
         for index in range(count)
     ]
     Path(folder).mkdir(parents=True, exist_ok=True)
