@@ -1,0 +1,67 @@
+"""The judge itself: same seed, same records; nothing hidden leaves nothing; it shares no code with what it judges."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from generator import Plan, make_case
+
+ROWS = 4000
+
+
+@pytest.mark.parametrize("rig", ["velocity-drive", "spring-pull", "force-drive", "actuator-tip"])
+def test_the_same_seed_gives_the_same_records(rig: str) -> None:
+    plan = Plan(rig, ("sensor_quantisation",), rows=ROWS, hard=True)
+    one, two = (make_case(plan, np.random.default_rng(5)) for _ in range(2))
+    pd.testing.assert_frame_equal(one.fit, two.fit)
+    pd.testing.assert_frame_equal(one.validate, two.validate)
+    assert one.toml == two.toml
+    assert not one.fit.iloc[:, 1].equals(one.validate.iloc[:, 1])
+
+
+@pytest.mark.parametrize("rig", ["velocity-drive", "spring-pull", "force-drive", "actuator-tip"])
+def test_with_nothing_hidden_the_base_model_leaves_nothing(rig: str) -> None:
+    case = make_case(Plan(rig, rows=ROWS), np.random.default_rng(11))
+    assert case.key["accept"] == ["adequate"]
+    assert case.key["visible"] < 0.1
+
+
+@pytest.mark.parametrize(
+    "level,low,high", [("weak", 1.0, 3.0), ("moderate", 3.0, 10.0), ("strong", 10.0, 60.0)]
+)
+def test_a_hidden_effect_is_brought_to_its_level(level: str, low: float, high: float) -> None:
+    case = make_case(Plan("velocity-drive", ("cable_spring",), level, rows=ROWS), np.random.default_rng(3))
+    assert low <= case.key["visible"] <= high
+
+
+def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> None:
+    """A mass pulled slowly by a spring: it stands until the spring's force reaches the Coulomb force."""
+    from generator.axis import SPRING, AxisTruth, simulate_axis
+    from generator.motions import Motion
+
+    rows, speed, stiffness, coulomb = 2000, 1e-3, 2000.0, 2.0
+    time = np.arange(rows) * 1e-3
+    zero, one = np.zeros(rows), np.ones(rows)
+    run = simulate_axis(
+        SPRING, AxisTruth(mass=1.0, pull_stiffness=stiffness, coulomb=coulomb),
+        Motion(speed * time, speed * one, zero, zero), load=10 * one, temperature=21 * one, factor=one, extra=zero, pitches=np.ones(1), phases=np.zeros(1),
+    )
+    release = coulomb / (stiffness * speed)
+    assert np.all(run.position[time < release - 2e-3] == 0.0)
+    assert run.position[time > release + 0.2].min() > 0.0
+    # With equal static and kinetic friction it follows at v0 (1 - cos w t): never faster than twice v0.
+    assert run.velocity.max() == pytest.approx(2 * speed, rel=0.01)
+
+
+def test_the_generator_imports_nothing_of_the_library() -> None:
+    own = {"stagecad", "designcalc", "drawings", "sim", "sysid", "workbench"}
+    for path in (Path(__file__).parent / "generator").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            if isinstance(node, ast.ImportFrom) and node.level == 0:
+                names.append(node.module or "")
+            assert not own & {name.split(".")[0] for name in names}, path.name
