@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from stagecad.solids.frame import UNMOVED, Frame
+
 if TYPE_CHECKING:
     import cadquery as cq
 
@@ -50,8 +52,11 @@ class Mesh:
         a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
         return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
-    def moved(self, rotation: np.ndarray, shift: np.ndarray) -> Mesh:
-        """The mesh turned by `rotation` (3, 3) and then shifted by `shift` (3,) mm."""
+    def placed(self, frame: Frame) -> Mesh:
+        """The mesh where `frame` puts it."""
+        if frame == UNMOVED:
+            return self
+        rotation, shift = np.array(frame.rotation), np.array(frame.shift)
         return Mesh(
             self.vertices @ rotation.T + shift,
             self.normals @ rotation.T,

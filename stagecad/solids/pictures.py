@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from stagecad.solids.export import Piece
-from stagecad.solids.frame import UNMOVED, Frame
 from stagecad.solids.mesh import Mesh
 
 SIZE = (1400, 1000)
@@ -43,7 +42,7 @@ def picture(
     colours = sorted({piece.colour for piece in pieces})
     points, normals, triangles, tint, edges, ends = [], [], [], [], [], [np.zeros(1, dtype=np.int64)]
     for piece in pieces:
-        mesh = placed(meshes[piece.part], piece.frame)
+        mesh = meshes[piece.part].placed(piece.frame)
         triangles.append(mesh.triangles.astype(np.int64) + sum(len(block) for block in points))
         ends.append(mesh.edge_ends[1:] + ends[-1][-1] if len(mesh.edge_ends) > 1 else ends[-1][:0])
         points.append(mesh.vertices @ view.T)
@@ -74,11 +73,6 @@ def picture(
     memory = io.BytesIO()
     Image.fromarray(pixels).save(memory, format="PNG", optimize=False, compress_level=6)
     return memory.getvalue()
-
-
-def placed(mesh: Mesh, frame: Frame) -> Mesh:
-    """The mesh where `frame` puts it."""
-    return mesh if frame == UNMOVED else mesh.moved(np.array(frame.rotation), np.array(frame.shift))
 
 
 def _view(viewer: tuple[float, float, float]) -> np.ndarray:
