@@ -32,6 +32,7 @@ EXPLODED = {
     "piezo": 45.0,
     "tip": 25.0,
     "tooth_bar": 40.0,
+    "bar_screw": 30.0,
     "stage": 250.0,
     "tooth_iron": 30.0,
     "magnet": 45.0,
@@ -118,7 +119,11 @@ class _Builder:
         yield stage
         if self.design.teeth.fitted:
             for name, seat in self.seats(base, "tooth_bar"):
-                yield self.on(base, seat, "tooth_bar", "seat", name)
+                bar = self.on(base, seat, "tooth_bar", "seat", name)
+                yield bar
+                side = bar.name.removeprefix("tooth_bar")
+                for screw, hole in self.seats(bar, "bar_screw"):
+                    yield self.on(bar, hole, "bar_screw", "seat", screw.replace("screw", f"screw{side}"))
             for part in ("tooth_iron", "magnet"):
                 for name, seat in self.seats(stage, part):
                     yield self.on(stage, seat, part, "seat", name)

@@ -23,12 +23,12 @@ MADE = (
 )
 """Parts that are made from a drawing."""
 
-PURCHASED = ("piezo", "way_screw", "clamp_screw_long", "clamp_screw_short", "set_screw", "spring")
+PURCHASED = ("piezo", "way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "spring")
 """Parts that are bought."""
 
 ASSEMBLY = "assembly"
 
-OF_TEETH = ("magnet", "tooth_iron", "tooth_bar")
+OF_TEETH = ("magnet", "tooth_iron", "tooth_bar", "bar_screw")
 """Parts that only a machine with magnetic teeth has."""
 
 
