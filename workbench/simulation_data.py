@@ -11,12 +11,13 @@ from sim.simulation import Simulation
 from stagecad.parameters.atomic import atomic_path
 
 ROWS = 20_001
+"""At most so many rows a table: 1 kHz over the 20 s of a stick-slip run."""
 
 
-def table_of(run: Simulation, force: str, end: float | None = None) -> dict[str, np.ndarray]:
-    """Columns of one simulation, at most `ROWS` rows; `force` names the drive's column."""
+def table_of(run: Simulation, force: str, end: float | None = None, rows: int = ROWS) -> dict[str, np.ndarray]:
+    """Columns of one simulation, at most `rows` rows up to `end`, s; `force` names the drive's column."""
     count = run.time.size if end is None else int(np.searchsorted(run.time, end, "right"))
-    rows = np.unique(np.linspace(0, count - 1, min(count, ROWS)).astype(int))
+    taken = np.unique(np.linspace(0, count - 1, min(count, rows)).astype(int))
     columns = {
         "time [s]": run.time,
         "position [m]": run.position,
@@ -30,7 +31,7 @@ def table_of(run: Simulation, force: str, end: float | None = None) -> dict[str,
         "stored [J]": run.stored,
         "kinetic [J]": run.kinetic,
     }
-    return {name: values[rows] for name, values in columns.items()}
+    return {name: values[taken] for name, values in columns.items()}
 
 
 def write_table(path: Path, columns: Mapping[str, np.ndarray], kinds: tuple[str, ...]) -> list[Path]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import functools
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,9 @@ import numpy as np
 
 from sim.experiments.friction_models import TITLES
 from sim.experiments.hysteresis import CASES, Hysteresis
+from sim.experiments.passivity import MOTIONS, Audit
 from sim.experiments.presliding import Presliding
-from sim.experiments.stick_slip import SHOWN, StickSlip
+from sim.experiments.stick_slip import PULL, SHOWN, StickSlip
 from sim.experiments.tip import TipEllipse
 from stagecad.parameters.atomic import atomic_path
 
@@ -31,27 +33,36 @@ STYLE: Any = {
 }
 
 
+def styled(draw: Callable[..., list[Path]]) -> Callable[..., list[Path]]:
+    """Decorator: draw in this module's style, and leave matplotlib's own settings alone."""
+
+    @functools.wraps(draw)
+    def drawn(*arguments: Any) -> list[Path]:
+        from matplotlib import rc_context
+
+        with rc_context(STYLE):
+            return draw(*arguments)
+
+    return drawn
+
+
 def _figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
     # Figure and not pyplot: no window system, and nothing global that outlives the figure.
-    from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with rc_context(STYLE):
-        figure = Figure(figsize=(width, height))
-        FigureCanvasAgg(figure)
-        axes = figure.subplots(rows, columns, squeeze=False, **options)
-    return figure, axes
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
 def _save(figure: Any, path: Path) -> Path:
-    from matplotlib import rc_context
-
-    with rc_context(STYLE), atomic_path(path) as temporary:
+    with atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=150, format="png")
     return path
 
 
+@styled
 def draw_tip(folder: Path, results: Mapping[str, Mapping[str, TipEllipse]]) -> list[Path]:
     """Ellipses of the tip, one panel per stroke (Figure 34)."""
     figure, axes = _figure(1, len(results), 4.6 * len(results), 4.4)
@@ -68,6 +79,7 @@ def draw_tip(folder: Path, results: Mapping[str, Mapping[str, TipEllipse]]) -> l
     return [_save(figure, folder / "tip.png")]
 
 
+@styled
 def draw_presliding(folder: Path, results: Mapping[str, Presliding]) -> list[Path]:
     """Position in time, and force against position, for each model (Figures 35 to 37)."""
     figure, axes = _figure(2, len(results), 3.4 * len(results), 5.6, sharey="row")
@@ -83,6 +95,7 @@ def draw_presliding(folder: Path, results: Mapping[str, Presliding]) -> list[Pat
     return [_save(figure, folder / "presliding.png")]
 
 
+@styled
 def draw_hysteresis(folder: Path, results: Mapping[str, Mapping[str, Hysteresis]]) -> list[Path]:
     """Friction force against velocity in the last period, for each model (Figure 38)."""
     figure, axes = _figure(2, len(results), 3.4 * len(results), 5.6, sharey="row")
@@ -103,6 +116,7 @@ def draw_hysteresis(folder: Path, results: Mapping[str, Mapping[str, Hysteresis]
     return [_save(figure, folder / "hysteresis.png")]
 
 
+@styled
 def draw_stick_slip(folder: Path, results: Mapping[str, StickSlip]) -> list[Path]:
     """Position, velocity and forces in time, a figure for each model (Figures 40 to 42)."""
     written = []
@@ -113,19 +127,38 @@ def draw_stick_slip(folder: Path, results: Mapping[str, StickSlip]) -> list[Path
         figure, axes = _figure(4, 1, 7.2, 8.0)
         position, velocity, force, landing = axes[:, 0]
         position.plot(t, run.position[shown], color=ink, label="mass")
-        position.plot(t, 0.1 * t, color="#888888", linewidth=0.8, label="pulled end")
+        position.plot(t, PULL * t, color="#888888", linewidth=0.8, label="pulled end")
         position.set_ylabel("position (m)")
         position.legend(loc="upper left")
         velocity.plot(t, run.velocity[shown], color=ink)
         velocity.set_ylabel("velocity (m/s)")
         force.plot(t, run.drive[shown], color="#888888", linewidth=0.8, label="spring")
         force.plot(t, run.friction[shown], color=ink, label="friction")
-        force.set(ylabel="force (N)", xlabel="time (s)")
+        force.set_ylabel("force (N)")
         force.legend(loc="lower right")
         if result.slips.size:
             near = (run.time > result.slips[0] + 2.5) & (run.time < result.slips[0] + 4.0)
             landing.plot(run.time[near], run.friction[near], color=ink, linewidth=0.8)
-        landing.set(ylabel="friction (N)", xlabel="time (s), about the first landing")
+        landing.set(ylabel="friction (N)", xlabel="time (s)", title="about the first landing")
         figure.suptitle(f"Stick-slip: {TITLES[model]} (Figures 40 to 42)")
         written.append(_save(figure, folder / f"stick-slip_{model}.png"))
     return written
+
+
+@styled
+def draw_passivity(folder: Path, results: Mapping[str, Mapping[str, Audit]]) -> list[Path]:
+    """Heat and force of each model in a fast start, and force at a tip's motion."""
+    figure, axes = _figure(3, 1, 7.2, 7.2)
+    for ink, (model, motions) in zip(INK, results.items()):
+        start, tip = (motions[motion] for motion in MOTIONS)
+        run = start.simulation
+        style = "--" if model == "lugre_causal_as_run" else "-"
+        axes[0, 0].plot(run.time * 1e3, start.heat * 1e6, style, color=ink, label=TITLES[model])
+        axes[1, 0].plot(run.time * 1e3, run.friction, style, color=ink)
+        axes[2, 0].plot(tip.simulation.time * 1e3, tip.simulation.friction, style, color=ink)
+    axes[0, 0].axhline(0.0, color="black", linewidth=0.8)
+    axes[0, 0].set(ylabel="heat (µJ)", xlabel="time (ms)", title="A fast start from near break-away, to 0.2 m/s")
+    axes[0, 0].legend(loc="upper left")
+    axes[1, 0].set(ylabel="friction force (N)", xlabel="time (ms)")
+    axes[2, 0].set(ylabel="friction force (N)", xlabel="time (ms)", title="A tip's motion, 0.2 m/s at 5 kHz")
+    return [_save(figure, folder / "passivity.png")]

@@ -14,7 +14,7 @@ MODELS = ("lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run")
 TITLES = {
     "lugre": "LuGre (Canudas et al.)",
     "lugre_undamped": "No bristle damping",
-    "lugre_causal": "Causal (modified dynamics), as derived",
+    "lugre_causal": "Causal, as derived",
     "lugre_causal_as_run": "Causal, as run (a1 = 0)",
 }
 
