@@ -1,0 +1,302 @@
+"""Which physical effect is missing: every candidate scored and refitted, judged on held-out records, and said honestly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from sysid.base_fit import ranking_error
+from sysid.candidate_list import candidates_of
+from sysid.candidates import Candidate, target_of, try_effect
+from sim.library import find
+from sysid.case import BaseFit, Case, fit_case, load_case, make_case
+from sysid.experiment import DesignValues
+from sysid.misfit import ChannelMisfit, blocks, huber_square, misfit, weighted_residual
+from sysid.model import base_name
+from sysid.residual_maps import ResidualMap, residual_maps
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass
+class Trial:
+    """One effect tried: its refit, and what it does on the held-out records.
+
+    Args:
+        name: of the effect, with variant and channel.
+        candidate: score and refit on the records of the fit.
+        error: ranking error on the held-out records, in deviations.
+        gain: drop of the mean squared loss on the held-out records.
+        significance: of that gain, in standard errors over blocks of time.
+        fit_gain: drop of the mean squared loss on the records of the fit.
+        block_loss: summed loss per block of the held-out records.
+        after_fit, after_validate: misfit by channel.
+    """
+
+    name: str
+    candidate: Candidate
+    error: float
+    gain: float
+    significance: float
+    fit_gain: float
+    block_loss: np.ndarray
+    residual: np.ndarray
+    after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
+    after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
+
+    @property
+    def family(self) -> str:
+        """The name everyone uses."""
+        return base_name(self.name)
+
+
+def try_all(
+    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
+) -> list[Trial]:
+    """Try every candidate on top of a fitted model; best on the held-out records first."""
+    basis, target = target_of(base.fitted)
+    numbers = blocks(case.validate_records, base.weights)
+    count = int(numbers.max()) + 1 if numbers.size else 0
+    before = np.bincount(numbers, huber_square(base.residual), minlength=count)
+    before_fit = ranking_error(base.fitted.fit.residual)
+    candidates = candidates_of(case, present, all_effects)
+    trials = []
+    for k, effect in enumerate(candidates):
+        if progress is not None:
+            progress(effect.name, k, len(candidates))
+        candidate = try_effect(base.fitted, effect, case.fit_records, case.scales, basis, target)
+        if candidate is None:
+            continue
+        residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
+        if not np.isfinite(residual).all():
+            continue
+        loss = np.bincount(numbers, huber_square(residual), minlength=count)
+        trials.append(
+            Trial(
+                name=effect.name,
+                candidate=candidate,
+                error=ranking_error(residual),
+                gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
+                significance=_significance(before - loss),
+                fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
+                block_loss=loss,
+                residual=residual,
+            )
+        )
+    return sorted(trials, key=lambda t: t.error)
+
+
+def _significance(drops: np.ndarray) -> float:
+    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
+    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is missing, and how sure that is.
+
+    Args:
+        case, base: what was diagnosed.
+        trials: every effect tried, best first; one law per effect.
+        verdict: `missing-effect`, `adequate` or `unexplained`.
+        best: the trial named, for `missing-effect`.
+        indistinguishable: effects that these records cannot tell from it.
+        maps: of the residual that the base model leaves.
+        unexplained_share: of the variance above the noise that stays after the best effect.
+        reason: why this verdict, in words.
+        seconds: taken.
+    """
+
+    case: Case
+    base: BaseFit
+    trials: tuple[Trial, ...]
+    verdict: str
+    best: Trial | None
+    indistinguishable: tuple[str, ...]
+    maps: tuple[ResidualMap, ...]
+    unexplained_share: float
+    reason: str
+    before_fit: dict[str, ChannelMisfit]
+    before_validate: dict[str, ChannelMisfit]
+    seconds: float
+
+    @property
+    def effect(self) -> str | None:
+        """The name everyone uses of the effect that is missing; none otherwise."""
+        return self.best.family if self.best is not None else None
+
+
+def diagnose(
+    source: str | Path | Case,
+    all_effects: bool = False,
+    design: DesignValues | None = None,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find which effect is missing from the model of an experiment.
+
+    Args:
+        source: folder of the experiment, its `experiment.toml`, or a case already made.
+        all_effects: try whatever else the library has besides the names everyone uses.
+        design: what a known value of `"design"` stands for.
+        progress: called with a name, a count and a total.
+
+    Raises:
+        InputError: a fault in a file, in one line.
+    """
+    began = perf_counter()
+    case = source if isinstance(source, Case) else load_case(source, design)
+    base = fit_case(case)
+    present = [e.name for e in case.start.effects]
+    trials = try_all(case, base, present, all_effects, progress)
+    quantised = _quantisation(case, base)
+    return judge(case, base, trials, quantised, all_effects, began)
+
+
+def judge(
+    case: Case, base: BaseFit, trials: list[Trial], quantised: Trial | None, all_effects: bool, began: float
+) -> Diagnosis:
+    """The verdict on a base model and the effects tried on it."""
+    before_fit = misfit(base.fitted.model, case.fit_records)
+    before_validate = misfit(base.fitted.model, case.validate_records)
+    best_of_family = one_per_family(trials)
+    for trial in best_of_family[:6]:
+        trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
+        trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
+    over = excess(before_fit, before_validate)
+    maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
+
+    def done(verdict: str, best: Trial | None, ties: tuple[str, ...], left: float, reason: str) -> Diagnosis:
+        ranked = ([best] if best is not None and best not in best_of_family else []) + best_of_family
+        return Diagnosis(
+            case, base, tuple(ranked), verdict, best, ties, tuple(maps), left, reason, before_fit, before_validate,
+            perf_counter() - began,
+        )  # fmt: skip
+
+    if quantised is not None:
+        left = _left(over, excess(quantised.after_fit, quantised.after_validate))
+        return done("missing-effect", quantised, (), left, "the measured values lie on a grid coarser than the noise")
+    best = best_of_family[0] if best_of_family else None
+    worthwhile = best is not None and is_worthwhile(base, best)
+    if best is None or not worthwhile:
+        if over <= ADEQUATE_OVER_NOISE:
+            return done("adequate", None, (), 0.0, "what is left is noise, and no effect lowers it on the held-out record")
+        return done("unexplained", None, (), 1.0, "the misfit is above the noise, and no effect lowers it on the held-out record")
+    ties, best = tied(base, best_of_family)
+    after = excess(best.after_fit, best.after_validate)
+    left = _left(over, after)
+    share = explained_share(base, best)
+    if over <= ADEQUATE_OVER_NOISE and share < 0.5:
+        return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
+    if share >= SHARE_ENOUGH or after <= 1.5:
+        return done("missing-effect", best, ties, left, "explains what can be explained")
+    rest = _second_share(case, base, best, all_effects)
+    if rest >= SHARE_OF_TWO:
+        return done("missing-effect", best, ties, left, "explains its share; another effect explains the rest")
+    return done(
+        "unexplained", None, (), 1.0 - max(share, 0.0),
+        f"the best effect, {best.family}, takes only {100 * share:.0f} % of the misfit, and no second one the rest",
+    )  # fmt: skip
+
+
+ADEQUATE_OVER_NOISE = 1.15
+"""Robust error over noise up to which a model is adequate: the noise itself is known to no better than that."""
+
+SHARE_ENOUGH = 0.90
+"""Share of the loss above the noise from which one effect is the explanation."""
+
+SHARE_OF_TWO = 0.96
+"""Share that two effects must take together, where one alone leaves much."""
+
+LEAST_SIGNIFICANCE = 3.0
+LEAST_GAIN = 0.06
+
+
+def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
+    """Largest error over noise of any channel, on the records of the fit or the held-out ones."""
+    return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
+
+
+def _left(before: float, after: float) -> float:
+    """Share of the variance above the noise that is left."""
+    return float(min(1.0, max(0.0, after**2 - 1.0) / max(before**2 - 1.0, 1e-9)))
+
+
+def one_per_family(trials: Sequence[Trial]) -> list[Trial]:
+    """The best law of each effect; between laws that differ by chance only, the one with fewer parameters."""
+    kept: dict[str, Trial] = {}
+    for trial in trials:
+        other = kept.get(trial.family)
+        if other is None:
+            kept[trial.family] = trial
+        elif _count(trial) < _count(other) and trial.error <= 1.01 * other.error:
+            kept[trial.family] = trial
+    return sorted(kept.values(), key=lambda t: t.error)
+
+
+def _count(trial: Trial) -> int:
+    return len(trial.candidate.fitted.model.unknowns)
+
+
+def is_worthwhile(base: BaseFit, trial: Trial) -> bool:
+    """Whether an effect lowers the held-out loss by more than chance, and by enough to matter."""
+    before = ranking_error(base.residual) ** 2
+    return trial.significance >= LEAST_SIGNIFICANCE and trial.gain >= LEAST_GAIN * before and trial.fit_gain > 0.0
+
+
+def explained_share(base: BaseFit, trial: Trial) -> float:
+    """Share of the held-out loss above the noise that the effect takes away."""
+    before = ranking_error(base.residual) ** 2
+    floor = min(1.0, trial.error**2)
+    return float((before - trial.error**2) / max(before - floor, 1e-9))
+
+
+def tied(base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
+    """Effects whose held-out loss differs from the best one's by chance only, and the simplest of them as the best."""
+    first = ranked[0]
+    gained = ranking_error(base.residual) ** 2 - first.error**2
+    group = [first]
+    for other in ranked[1:]:
+        behind = other.error**2 - first.error**2
+        if behind <= 0.03 * gained and _significance(other.block_loss - first.block_loss) < 2.5:
+            group.append(other)
+    best = min(group, key=lambda t: (_count(t), t.error))
+    names = [t.family for t in group if t is not best][:2]
+    return tuple(names), best
+
+
+def _second_share(case: Case, base: BaseFit, best: Trial, all_effects: bool) -> float:
+    """Share of the loss above the noise that the best pair beginning with `best` takes away."""
+    fitted = best.candidate.fitted
+    on_top = BaseFit(fitted, base.weights, best.residual)
+    present = [*(e.name for e in case.start.effects), best.name]
+    trials = try_all(case, on_top, present, all_effects)
+    if not trials:
+        return explained_share(base, best)
+    return explained_share(base, trials[0])
+
+
+def _quantisation(case: Case, base: BaseFit) -> Trial | None:
+    """The coarse grid of a channel's values as a trial, where it is coarser than the noise the user gave."""
+    if any(name.partition("@")[0] == "sensor_quantisation" for name in case.experiment.effects):
+        return None
+    coarse = [
+        channel for channel, noise in case.noise.items()
+        if noise.quantum is not None and noise.quantum / np.sqrt(12.0) > noise.value
+    ]  # fmt: skip
+    if not coarse:
+        return None
+    names = [*case.experiment.effects, *(["sensor_quantisation"] if len(case.noise) == len(coarse) else [f"sensor_quantisation@{c}" for c in coarse])]
+    other = make_case(case.experiment, case.records, names)
+    refit = fit_case(other)
+    after_fit = misfit(refit.fitted.model, other.fit_records)
+    after = misfit(refit.fitted.model, other.validate_records)
+    before = excess(misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records))
+    if before <= ADEQUATE_OVER_NOISE or excess(after_fit, after) > 0.7 * before:
+        return None
+    error = ranking_error(refit.residual)
+    candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)
+    return Trial(names[-1], candidate, error, 0.0, 99.0, 0.0, np.zeros(1), refit.residual, after_fit, after)

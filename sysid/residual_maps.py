@@ -1,0 +1,248 @@
+"""Where a model fails: its residual against every coordinate, with how much of it each explains, and by what chance.
+
+A coordinate's map is the mean residual in bins of the coordinate, apart for the two directions of motion. It is learned
+on one part of the data and judged on another: on the held-out records where there are any (time and frequency apart,
+which mean nothing in another record), so a coordinate that happens to run with time in one record is not believed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sysid.balance import Balance
+from sysid.misfit import Weighting, misfit
+from sysid.model import Model, Prepared, predict
+from sysid.tip import TipRecord
+
+BINS = 24
+PERMUTATIONS = 500
+BLOCKS = 40
+
+
+@dataclass(frozen=True)
+class ResidualMap:
+    """Residual against one coordinate.
+
+    Args:
+        coordinate: its name.
+        share: of the residual's variance that the map explains where it was not learned, in [0, 1].
+        p_value: chance of such a share were residual and coordinate unrelated (blocks of time permuted).
+        centres: of the bins, (k,), in the coordinate's SI unit.
+        forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
+    """
+
+    coordinate: str
+    share: float
+    p_value: float
+    centres: np.ndarray
+    forward: np.ndarray
+    backward: np.ndarray
+
+
+def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
+    """The coordinates (n,) that a record's residual is held against, by the interface's names; `frequency` aside."""
+    if isinstance(record, TipRecord):
+        first = record.drives[0]
+        rate = np.gradient(np.mean(record.drives, axis=0), record.step)
+        out = {"time": record.time, "input": np.mean(record.drives, axis=0), "velocity": rate}
+        for name, signal in record.measured.items():
+            out[f"position@{name}"] = signal
+        out["acceleration"] = np.gradient(rate, record.step)
+        del first
+        return out
+    axis = record.axis
+    out = {
+        "time": axis.time,
+        "position": axis.position,
+        "velocity": axis.velocity,
+        "direction": axis.direction,
+        "acceleration": axis.acceleration,
+        "distance_since_reversal": axis.reversal_distance,
+        "distance_travelled": axis.travelled,
+        "contact_age": axis.contact_age,
+    }
+    if np.ptp(axis.load) > 0:
+        out["normal_load"] = axis.load
+    if np.ptp(axis.temperature) > 0:
+        out["temperature"] = axis.temperature
+    return out
+
+
+_BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
+
+
+def _edges(values: np.ndarray, coordinate: str, bins: int = BINS) -> np.ndarray:
+    if coordinate == "direction":
+        return np.array([-np.inf, 0.0, np.inf])
+    if coordinate in _BY_RANK:
+        inner = np.unique(np.quantile(values, np.linspace(0, 1, bins + 1)[1:-1]))
+    else:
+        low, high = float(np.min(values)), float(np.max(values))
+        inner = np.linspace(low, high, bins + 1)[1:-1]
+    return np.concatenate([[-np.inf], inner, [np.inf]])
+
+
+def _cells(values: np.ndarray, direction: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    return index + (edges.size - 1) * (direction < 0)
+
+
+def _means(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
+    """Mean residual per cell, drawn towards zero where a cell holds few samples."""
+    number = np.bincount(cells, minlength=count)
+    return np.bincount(cells, residual, minlength=count) / (number + 3.0)
+
+
+def _share(residual: np.ndarray, predicted: np.ndarray) -> float:
+    total = float(residual @ residual)
+    return 1.0 - float(np.sum((residual - predicted) ** 2)) / total if total > 0 else 0.0
+
+
+def residual_maps(
+    model: Model,
+    fit_records: Sequence[Prepared],
+    fit_weights: Weighting,
+    held_out: Sequence[Prepared],
+    held_out_weights: Weighting,
+    seed: int = 0,
+) -> list[ResidualMap]:
+    """Maps of the residual against every coordinate the records have, strongest first.
+
+    Residuals are in noise deviations, winsorised at five robust deviations so that no few samples decide.
+    """
+    rng = np.random.default_rng(seed)
+    maps = []
+    for channel in _worst_channels(model, [*fit_records, *held_out]):
+        learn = _samples(model, fit_records, fit_weights, channel)
+        judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
+        for name in learn[0]:
+            if name != "_direction" and name in judge[0]:
+                maps.append(_map(name, learn, judge, rng))
+        maps.append(_spectrum(model, held_out or fit_records, channel, rng))
+    best: dict[str, ResidualMap] = {}
+    for m in maps:
+        if m.coordinate not in best or m.share > best[m.coordinate].share:
+            best[m.coordinate] = m
+    return order_maps(list(best.values()))
+
+
+def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
+    """Strongest first; time is believed only where no coordinate that carries over to other records comes near it."""
+
+    def strength(m: ResidualMap) -> float:
+        return m.share * (0.6 if m.coordinate in ("time", "distance_travelled") else 1.0)
+
+    return sorted(maps, key=lambda m: -strength(m))
+
+
+def _worst_channels(model: Model, records: Sequence[Prepared]) -> list[str]:
+    """Channels whose misfit, over their noise, is at least half the worst one's."""
+    over = {channel: m.over_noise for channel, m in misfit(model, records).items()}
+    return [channel for channel, value in over.items() if value >= 0.5 * max(over.values())]
+
+
+def _samples(
+    model: Model, records: Sequence[Prepared], weights: Weighting, channel: str
+) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """Coordinates, residual (n,) and block number (n,) at the scored samples of all records and channels."""
+    coordinates: dict[str, list[np.ndarray]] = {}
+    residuals, block_numbers, start = [], [], 0
+    for record, deviations, picks in zip(records, weights.deviations, weights.picks, strict=True):
+        predicted = predict(record, model.effects, model.values)
+        of_record = coordinates_of(record)
+        pick = picks[channel]
+        residuals.append((record.measured[channel][pick] - predicted[channel][pick]) / deviations[channel][pick])
+        block_numbers.append(start + (pick * BLOCKS) // record.size)
+        for name, values in of_record.items():
+            base, _, only = name.partition("@")
+            if not only or only == channel:
+                coordinates.setdefault(base, []).append(values[pick])
+        direction = record.axis.direction if isinstance(record, Balance) else np.ones(record.size)
+        coordinates.setdefault("_direction", []).append(direction[pick])
+        start += BLOCKS
+    residual = np.concatenate(residuals)
+    corner = 5.0 * max(1.4826 * float(np.median(np.abs(residual))), 1.0)
+    merged = {name: np.concatenate(parts) for name, parts in coordinates.items()}
+    merged = {name: values for name, values in merged.items() if values.size == residual.size}
+    return merged, np.clip(residual, -corner, corner), np.concatenate(block_numbers)
+
+
+Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
+
+
+def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:
+    values, residual = learn[0][name], learn[1]
+    own = name in ("time", "distance_travelled")
+    if own:
+        # Means nothing in another record: learned on every other sample of the judged one, judged on the rest.
+        values, residual = judge[0][name], judge[1]
+    edges = _edges(values, name, 2 * BINS if own else BINS)
+    count = 2 * (edges.size - 1)
+    cells = _cells(values, (judge if own else learn)[0]["_direction"], edges)
+    if own:
+        half = np.arange(residual.size) % 2 == 0
+        table = _means(cells[half], residual[half], count)
+        cells_judge, r = cells[~half], residual[~half]
+        block = judge[2][~half]
+    else:
+        table = _means(cells, residual, count)
+        cells_judge = _cells(judge[0][name], judge[0]["_direction"], edges)
+        r, block = judge[1], judge[2]
+    predicted = table[cells_judge]
+    share = _share(r, predicted)
+    p_value = _p_value(share, r, predicted, block, rng)
+    inner = edges[1:-1]
+    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(inner, values)
+    half_count = edges.size - 1
+    return ResidualMap(name, max(share, 0.0), p_value, centres, table[:half_count], table[half_count:])
+
+
+def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
+    low, high = float(np.min(values)), float(np.max(values))
+    full = np.concatenate([[low], inner, [high]])
+    return 0.5 * (full[1:] + full[:-1])
+
+
+def _p_value(
+    share: float, residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator
+) -> float:
+    """Chance of the share, by turning the sign of the residual in whole blocks: correlation within a block stays."""
+    if share <= 0.0:
+        return 1.0
+    inner = np.bincount(block, residual * predicted)
+    own = float(np.sum(predicted**2))
+    total = float(residual @ residual)
+    signs = rng.choice([-1.0, 1.0], size=(PERMUTATIONS, inner.size))
+    shares = (2.0 * signs @ inner - own) / total
+    return float((1 + np.sum(shares >= share)) / (1 + PERMUTATIONS))
+
+
+def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.random.Generator) -> ResidualMap:
+    """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
+    best = ResidualMap("frequency", 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
+    for record in records:
+        predicted = predict(record, model.effects, model.values)
+        y = record.measured[channel]
+        r = np.where(record.valid[channel], y - predicted[channel], 0.0) / record.noise[channel]
+        corner = 5.0 * max(1.4826 * float(np.median(np.abs(r))), 1.0)
+        r = np.clip(r - r.mean(), -corner, corner)
+        power = np.abs(np.fft.rfft(r * np.hanning(r.size))) ** 2
+        frequency = np.fft.rfftfreq(r.size, record.step)
+        total = float(power.sum()) or 1.0
+        band = np.convolve(power, np.ones(3), mode="same")
+        # Below eight cycles a record a line is a drift in disguise.
+        k = 8 + int(np.argmax(band[8:]))
+        share = float(band[k] / total)
+        # Under no line, the largest of n exponentials: P(max > x) = 1 - (1 - exp(-x))^n, generous for colour.
+        local = float(np.median(power[max(8, k // 2) : 2 * k + 9])) / np.log(2.0) + 1e-300
+        p = float(min(1.0, power.size * np.exp(-min(power[k] / local, 700.0))))
+        if share > best.share:
+            rough = 96
+            edges = np.linspace(0, frequency.size, rough + 1).astype(int)
+            mean = np.array([power[a:b].max() for a, b in zip(edges[:-1], edges[1:], strict=True)])
+            centre = 0.5 * (frequency[edges[:-1]] + frequency[np.minimum(edges[1:], frequency.size - 1)])
+            best = ResidualMap("frequency", share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
+    return best
