@@ -142,6 +142,8 @@ def _draw_rig(rng: np.random.Generator, plan: Plan) -> _Rig:
     floor = {"velocity-drive": force, "spring-pull": force}.get(plan.rig, position)
     if how.few_columns and (names & {"backlash", "sensor_lag", "sensor_delay", "sensor_quantisation"}):
         how = replace(how, few_columns=False)
+    if plan.rig == "force-drive" and any(key.startswith("sensor_") for key in names):
+        how = replace(how, few_columns=False)
     return _Rig(
         plan, base, {"coulomb": coulomb, "noise": floor}, how, radius, axis, tip, force, position, tuple(channels)
     )
@@ -422,8 +424,9 @@ def _columns(
     noises = {FORCE[kind]: (rig.noise_force * r, torque)}
     if kind == "velocity-drive":
         columns["position"] = (length, position / r)
-        if not how.few_columns:
-            columns["velocity"] = (length + "/s", run.velocity / r)
+        columns["velocity"] = (length + "/s", run.velocity / r)
+        if how.few_columns:
+            del columns["position" if how.velocity_only else "velocity"]
         columns["friction_force"] = (torque, force * r)
         measured = ["friction_force"]
     elif kind == "spring-pull":
@@ -440,6 +443,11 @@ def _columns(
         columns["position"] = (length, position / r)
         noises = {"position": (rig.noise_position / r, length), **noises}
         measured = ["position", "drive_force"]
+        if how.few_columns:
+            sigma = 2e-4 / r
+            columns["velocity"] = (length + "/s", run.velocity / r + noise(rng, rows, sigma, how))
+            noises["velocity"] = (sigma, length + "/s")
+            measured.append("velocity")
     values = {"normal_load": ("N", record.load, 0.02), "temperature": ("degC", record.temperature, 0.05)}
     for name in rig.channels:
         unit, signal, sigma = values[name]

@@ -21,6 +21,7 @@ class Nuisance:
     drop: float = 0.0
     noise_given: bool = True
     few_columns: bool = False
+    velocity_only: bool = False
     mass: str = "known"
 
 
@@ -39,6 +40,7 @@ def draw_nuisance(rng: np.random.Generator, rig: str, kind: str, *, hard: bool) 
         drop=float(rng.uniform(0.02, 0.08)) if 0.2 <= rate < 0.4 else 0.0,
         noise_given=given,
         few_columns=bool(rng.random() < 0.25),
+        velocity_only=bool(rng.random() < 0.5),
         mass=str(rng.choice(["known", "known", "known", "uncertain", "absent"])),
     )
 
