@@ -24,7 +24,7 @@ from stagecad.solids.cache import Entry, Store
 from stagecad.solids.colours import Colour, colour_of
 from stagecad.solids.export import Piece, glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.mass import Geometry, geometry_of
-from stagecad.solids.registry import module_name, module_of
+from stagecad.solids.registry import PURCHASED, module_name, module_of
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -49,6 +49,20 @@ class MadePart:
     @property
     def material(self) -> str:
         return self._document["material"]
+
+    @property
+    def description(self) -> str:
+        return self._document["description"]
+
+    @property
+    def part_number(self) -> str:
+        """Of the catalogue; empty for a part that is made."""
+        return self._document["part_number"]
+
+    @property
+    def face_areas(self) -> dict[str, float]:
+        """Area of the face on which a pad's datum lies, mm^2, by datum."""
+        return self._document["face_areas"]
 
     @property
     def colour(self) -> Colour:
@@ -79,7 +93,7 @@ class MadePart:
 
 
 def _datum(document: dict[str, Any]) -> Datum:
-    return Datum(**{key: tuple(value) if isinstance(value, list) else value for key, value in document.items()})
+    return Datum(document["name"], tuple(document["origin"]), tuple(document["normal"]), tuple(document["x_direction"]))
 
 
 def _modules(name: str) -> tuple[str, ...]:
@@ -107,11 +121,35 @@ def make_part(store: Store, name: str, design: Any) -> MadePart:
         datums = {key: asdict(datum) for key, datum in module.datums(reading).items()}
         geometry = geometry_of(solid)
         write_solid(solid, folder / "solid.bin")
-        document = {"material": material, "geometry": geometry.as_json(), "datums": datums}
+        bought: Any = module
+        document = {
+            "material": material,
+            "description": bought.description(reading) if name in PURCHASED else _first_sentence(module),
+            "part_number": bought.part_number(reading) if name in PURCHASED else "",
+            "geometry": geometry.as_json(),
+            "datums": datums,
+            "face_areas": _face_areas(solid, datums),
+        }
         (folder / "part.json").write_text(json.dumps(document, indent=1), "utf-8")
         _export(name, solid, geometry.volume, colour_of(material), folder)
 
     return MadePart(name, store.make(name, design, _modules(name), make))
+
+
+def _first_sentence(module: Any) -> str:
+    """What the part is, as its module begins."""
+    return " ".join((module.__doc__ or "").split(". ")[0].rstrip(".").split())
+
+
+def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
+    import cadquery as cq
+
+    areas = {}
+    for name, datum in datums.items():
+        if name.startswith("pad_"):
+            place = cq.Vertex.makeVertex(*datum["origin"])
+            areas[name] = min(solid.Faces(), key=lambda face: face.distance(place)).Area()
+    return areas
 
 
 def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.mass_properties import MassProperties
+from stagecad.solids.frame import Frame, add, scaled
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -88,3 +89,39 @@ def mass_properties(geometry: Geometry, density: float) -> MassProperties:
         inertia=tuple(tuple(value * MM**5 * density for value in row) for row in geometry.second_moments),
         bounding_box=(tuple(value * MM for value in low), tuple(value * MM for value in high)),
     )
+
+
+def density_of(design: Any, material: str) -> float:
+    """Density of a material of the parameter file, kg/m^3."""
+    return design.materials[material].density
+
+
+def placed(properties: MassProperties, frame: Frame) -> MassProperties:
+    """The same body where `frame` puts it. The box of a body that is turned askew encloses its turned box.
+
+    Args:
+        properties: in part coordinates, SI.
+        frame: its shift is in millimetres.
+    """
+    rotation = frame.rotation
+    shift = scaled(frame.shift, MM)
+    inertia = tuple(
+        tuple(
+            sum(rotation[i][a] * properties.inertia[a][b] * rotation[j][b] for a in range(3) for b in range(3))
+            for j in range(3)
+        )
+        for i in range(3)
+    )
+    low, high = properties.bounding_box
+    corners = [
+        add(frame.direction((x, y, z)), shift)
+        for x in (low[0], high[0])
+        for y in (low[1], high[1])
+        for z in (low[2], high[2])
+    ]
+    box = (
+        tuple(min(corner[axis] for corner in corners) for axis in range(3)),
+        tuple(max(corner[axis] for corner in corners) for axis in range(3)),
+    )
+    centre = add(frame.direction(properties.centre_of_mass), shift)
+    return MassProperties(properties.volume, properties.mass, centre, inertia, box)

@@ -59,7 +59,7 @@ height_pin_2   ``axis``: on the axis at the sloping end, normal down, x towards 
                normal out of the sloping face; ``top``: apex of the upper end, normal up
 magnet         ``seat``: face on its pocket's floor; ``face``: the opposite one
 tooth_iron     ``seat``: face on the stage; ``teeth``: plane of the tooth crests
-tooth_bar      ``seat``: face on the base; ``teeth``: plane of the crests; ``bar_screw_1`` ..: bearing faces of the heads
+tooth_bar      ``seat``: face on the base; ``teeth``: plane of the crests; ``bar_screw_1`` ..: under the heads
 purchased      ``piezo``: ``foot`` (normal down), ``end`` (apex of its rounded end); screws: ``seat`` (under the head,
                normal towards the shank), ``end``; ``set_screw``: ``end`` (pushes the pin), ``socket``; ``spring``:
                ``end_1``, ``end_2``

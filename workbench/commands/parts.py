@@ -1,0 +1,119 @@
+"""`stagecad parts`: STEP, STL and GLB of parts and assembly, bill of materials, mass properties."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from workbench.options import Run, common_options
+
+if TYPE_CHECKING:
+    from stagecad.parameters.mass_properties import MassProperties
+    from stagecad.solids.machine import Machine
+
+MANIFEST = "parts_manifest.json"
+BILL = "bill_of_materials"
+
+
+@click.command("parts")
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@common_options
+def command(run: Run, names: tuple[str, ...]) -> None:
+    """Write STEP, STL and GLB of the parts and the assembly, or of those NAMEd only, and print their mass."""
+    from stagecad.solids.registry import chosen
+
+    wanted = chosen(names, run.design)
+    document = write_parts(run, wanted)
+    _tell(run, document)
+    run.emit({"parts": document["parts"], "moving_body": document["moving_body"], "measures": document["measures"]})
+
+
+def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
+    """Make what is missing, write the files of `wanted` that differ, and return the document of the command."""
+    from stagecad.solids.cache import Store
+    from stagecad.solids.outputs import DamagedError
+
+    store = Store()
+    machine = _machine(run, store)
+    try:
+        return _write(run, machine, wanted)
+    except DamagedError as damage:
+        # The cache is the program's own affair: what is damaged there is made again.
+        store.drop(damage.entry)
+        run.note("a stored result was damaged; it is made again")
+        return _write(run, _machine(run, store), wanted)
+
+
+def _machine(run: Run, store: Any) -> Machine:
+    from stagecad.solids.machine import find_machine, make_machine
+
+    machine = find_machine(run.design, store)
+    if machine is not None:
+        return machine
+    from stagecad.solids.registry import part_names
+
+    with run.progress() as progress:
+        task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
+        return make_machine(run.design, store, lambda name: progress.update(task, advance=1, description=name))
+
+
+def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any]:
+    import json
+    from dataclasses import asdict
+
+    from stagecad.solids.bill_of_materials import csv_text
+    from stagecad.solids.bill_of_materials import document as bill_document
+    from stagecad.solids.outputs import write_manifest, write_stored, write_text
+    from stagecad.solids.registry import ASSEMBLY
+
+    files: dict[str, Any] = {}
+    parts: dict[str, Any] = {}
+    for name in wanted:
+        made = machine.assembly if name == ASSEMBLY else machine.parts[name]
+        files.update(dict.fromkeys(made.files, made.entry))
+        mass = machine.whole if name == ASSEMBLY else machine.masses[name]
+        parts[name] = {**mass.as_json(), "files": [str(run.out / file) for file in made.files]}
+    changed = write_stored(run.out, files)
+    hashes = {name: entry.hashes[name] for name, entry in files.items()}
+    if ASSEMBLY in wanted:
+        rows = machine.bill_of_materials
+        texts = {f"{BILL}.csv": csv_text(rows), f"{BILL}.json": json.dumps(bill_document(rows), indent=1) + "\n"}
+        from stagecad.solids.cache import sha256
+
+        for name, text in texts.items():
+            if write_text(run.out / name, text):
+                changed.append(name)
+            hashes[name] = sha256(text.encode("utf-8"))
+        parts[ASSEMBLY]["files"] += [str(run.out / name) for name in texts]
+    write_manifest(run.out / MANIFEST, hashes)
+    units = {"pad_area": "m^2"}
+    measures = {
+        name: {"value": value, "unit": units.get(name, "m")} for name, value in asdict(machine.measures).items()
+    }
+    moving: MassProperties = machine.moving_body
+    return {
+        "parts": parts,
+        "moving_body": moving.as_json(),
+        "measures": measures,
+        "changed": changed,
+        "files": len(hashes),
+    }
+
+
+def _tell(run: Run, document: dict[str, Any]) -> None:
+    """A line for each part: what it weighs and how large it is."""
+    if run.json_target is not None:
+        return
+    width = max(len(name) for name in document["parts"])
+    run.say(f"{'part':{width}}  {'mass':>10}  {'volume':>12}  size")
+    for name, part in document["parts"].items():
+        low, high = part["bounding_box"]["value"]
+        size = " x ".join(f"{1000 * (b - a):.1f}" for a, b in zip(low, high, strict=True))
+        mass, volume = part["mass"]["value"], part["volume"]["value"] * 1e6
+        shown = f"{mass:8.3f} kg" if mass >= 1.0 else f"{1000 * mass:8.2f} g "
+        run.say(f"{name:{width}}  {shown:>10}  {volume:8.2f} cm^3  {size} mm")
+    moving = document["moving_body"]["mass"]["value"]
+    run.say(
+        f"moving body {moving:.3f} kg; {len(document['changed'])} of {document['files']} files written to {run.out}"
+    )
