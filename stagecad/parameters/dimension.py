@@ -13,20 +13,19 @@ from typing import Literal
 
 Point = tuple[float, float, float]
 
-Kind = Literal["linear", "diameter", "radius", "angle", "depth", "chamfer", "thread", "callout"]
+Kind = Literal[
+    "linear", "diameter", "radius", "angle", "depth", "chamfer", "thread", "tap_drill", "thread_depth", "count", "callout"
+]
 """What a dimension measures.
 
-`linear`, `depth`: distance between two anchors. `diameter`, `radius`: of a round feature. `angle`: in degrees.
+`linear`, `depth`: distance between two points. `diameter`, `radius`: of a round feature. `angle`: in degrees.
 `chamfer`: leg of a chamfer, 45 degrees unless the note says otherwise. `thread`: nominal diameter, the note carries
-the designation. `callout`: a note on a feature whose value is a count or a text's number.
+the designation; `tap_drill` and `thread_depth` of the same hole. `count`: number of features of a pattern. `callout`: a
+note on a feature, with the number it speaks of.
 """
 
 View = Literal["top", "bottom", "front", "back", "left", "right", "section", "iso", "any"]
 """The view in which a dimension reads best: `top` looks down z, `front` along +y (x to the right), `right` along -x."""
-
-Anchor = str | Point
-"""Where a dimension is attached: the name of a datum of the same part, or a point in part coordinates."""
-
 
 @dataclass(frozen=True)
 class Datum:
@@ -63,32 +62,37 @@ class Dimension:
     """One dimension of a part, declared beside the feature that needs it.
 
     Args:
-        name: what is measured, unique within the part (`length`, `pocket_depth`).
+        name: what is measured, unique within the part (`length`, `pocket depth`).
         kind: see `Kind`.
-        value: mm, or degrees for an angle; for a callout the number the note speaks of.
+        value: mm, or degrees for an angle; for a count or callout the number it speaks of.
         parameter: key of the parameter file the value comes from (`stage.length`).
-        between: two anchors for linear and depth; centre (and, where it helps, a point on the feature) for round ones.
-        direction: direction measured along, or the axis of a round feature; from anchor to anchor when left out.
+        points: where to look on the part, part coordinates: two for linear and depth; for round ones a point on the axis
+            beside the face, or on the face.
+        direction: direction measured along, or the axis of a round feature; from point to point when left out.
         tolerance: class `X`, `X.X` or `X.XX`; none for a reference dimension or one a standard covers.
         note: callout text that goes with it (`M6x1 - 6H`, `lapped Ra 1 um`).
         count: number of like features it stands for.
         view: where it reads best.
+        feature: name of the feature it belongs to; what belongs to one hole is gathered in one callout.
+        between: names of the datums or features it stands between, where they have names.
     """
 
     name: str
     kind: Kind
     value: float
     parameter: str
-    between: tuple[Anchor, ...] = ()
+    points: tuple[Point, ...] = ()
     direction: Point | None = None
     tolerance: str | None = None
     note: str = ""
     count: int = 1
     view: View = "any"
+    feature: str = ""
+    between: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.kind in ("linear", "depth") and len(self.between) != 2:
-            raise ValueError(f"dimension '{self.name}': a {self.kind} dimension stands between two anchors")
+        if self.kind in ("linear", "depth") and len(self.points) != 2:
+            raise ValueError(f"dimension '{self.name}': a {self.kind} dimension stands between two points")
         if not math.isfinite(self.value):
             raise ValueError(f"dimension '{self.name}': {self.value} is no value")
         if self.count < 1:
