@@ -89,7 +89,9 @@ def read_settings(table: TomlTable, effects: Mapping[str, Effect], rig: RigKind,
         if name not in effects:
             wanted = [f"{effect}.{p.name}" for effect, declared in effects.items() for p in declared.parameters]
             if not name:
-                raise InputError(f"{where}: write 'effect.parameter'{nearest(key, wanted) if wanted else ''}")
+                meant = [full for full in wanted if full.endswith(f".{key}")]
+                near = f"; did you mean '{meant[0]}'?" if meant else nearest(key, wanted) if wanted else ""
+                raise InputError(f"{where}: write 'effect.parameter'{near}")
             raise InputError(f"{where}: the model has no effect '{name}'{nearest(name, effects) if effects else ''}")
         try:
             parameter = effects[name].parameter(parameter_name)

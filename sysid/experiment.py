@@ -187,6 +187,8 @@ def _experiment_file(path: Path) -> Path:
             return path
         folder = path.parent
         beside = [other.name for other in folder.iterdir()] if folder.is_dir() else []
+    except InputError:
+        raise
     except (OSError, ValueError) as error:
         raise InputError(f"{name}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
     near = nearest(path.name, beside) if beside else ""
@@ -246,7 +248,7 @@ def _read_records(top: TomlTable, kind: RigKind, file: Path) -> tuple[tuple[Reco
         opened = open_record_file(file.parent / written, shown_name)
         renamed, units = _texts_by_key(table.table("columns")), _texts_by_key(table.table("units"))
         # Units that a file carries inside serve where the experiment is silent.
-        units = {key: unit for key, unit in opened.units.items() if key in opened.labels} | units
+        units = {key: unit for key, unit in opened.units.items() if key in (*kind.channels, *opened.labels)} | units
         sources, rotary, notes = choose_columns(opened.labels, kind, shown_name, renamed, units, table.where())
         axes += [
             (f"column '{sources[channel].column.label.strip()}' of {written}", turns)

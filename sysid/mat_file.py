@@ -29,9 +29,8 @@ class MatFile(RecordFile):
             raise InputError(f"{name}: is a MAT file of version 7.3 (HDF5); save it with '-v7', or as CSV or Parquet")
         try:
             held = loadmat(io.BytesIO(self.data), squeeze_me=True, struct_as_record=False)
-        except Exception as error:  # scipy raises a dozen kinds on damaged bytes
-            text = str(error).splitlines()[0][:100] if str(error) else type(error).__name__
-            raise InputError(f"{name}: is no MAT file: {text}") from None
+        except Exception:  # scipy raises a dozen kinds on damaged bytes
+            raise InputError(f"{name}: is no MAT file up to version 7, or a damaged one") from None
         variables = {key: value for key, value in held.items() if not key.startswith("__")}
         units = variables.pop("units", None)
         if hasattr(units, "_fieldnames"):

@@ -113,9 +113,10 @@ def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
 
 def _set(table: Any, key: str, value: Any) -> None:
     import tomlkit
+    from tomlkit.items import InlineTable
 
     if key not in table:
-        if isinstance(value, Mapping) and key == "parameters" and not isinstance(table, tomlkit.items.InlineTable):
+        if isinstance(value, Mapping) and key == "parameters" and not isinstance(table, InlineTable):
             inner = tomlkit.table()
             for name, setting in value.items():
                 inner[name] = _inline(setting)

@@ -53,9 +53,9 @@ class RecordFile:
 
 
 def _read_bytes(path: Path, name: str) -> bytes:
+    if _is_folder(path):
+        raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is wanted")
     try:
-        if path.is_dir():
-            raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is wanted")
         data = path.read_bytes()
     except (FileNotFoundError, NotADirectoryError):
         folder = path.parent
@@ -82,15 +82,22 @@ def open_record_file(path: Path, name: str) -> RecordFile:
         InputError: as `RecordFile`.
     """
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in SUFFIXES and not _is_folder(path):
         raise InputError(f"{shown_path(name)}: '{suffix}' is no record format; allowed: .csv, .parquet, .mat")
-    if SUFFIXES[suffix] == "CSV":
+    if SUFFIXES.get(suffix, "CSV") == "CSV":
         return CsvFile(path, name)
     if SUFFIXES[suffix] == "Parquet":
         return ParquetFile(path, name)
     from sysid.mat_file import MatFile
 
     return MatFile(path, name)
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 class CsvFile(RecordFile):
@@ -144,7 +151,7 @@ class CsvFile(RecordFile):
             )
         except pyarrow.ArrowInvalid:
             return self._columns_slowly(indices)
-        arrays = [table.column(name).to_numpy() for name in wanted]
+        arrays = [_to_numpy(table.column(name)) for name in wanted]
         if any(_has_infinity(array) for array in arrays):
             return self._columns_slowly(indices)
         return arrays
@@ -221,8 +228,8 @@ class ParquetFile(RecordFile):
 
         try:
             self.file: Any = parquet.ParquetFile(io.BytesIO(self.data))
-        except (pyarrow.ArrowException, OSError) as error:
-            raise InputError(f"{name}: is no Parquet file: {_first_line(error)}") from None
+        except (pyarrow.ArrowException, OSError):
+            raise InputError(f"{name}: is no Parquet file, or a damaged one") from None
         self.labels = list(self.file.schema_arrow.names)
 
     def columns(self, indices: Sequence[int]) -> list[np.ndarray]:
@@ -231,17 +238,26 @@ class ParquetFile(RecordFile):
 
         try:
             table = self.file.read()
-        except (pyarrow.ArrowException, OSError) as error:
-            raise InputError(f"{self.name}: cannot be read: {_first_line(error)}") from None
+        except (pyarrow.ArrowException, OSError):
+            raise InputError(f"{self.name}: is a damaged Parquet file") from None
         arrays = []
         for index in indices:
             column = table.column(index)
             if not (pyarrow.types.is_integer(column.type) or pyarrow.types.is_floating(column.type)):
                 raise InputError(f"{self.name}: column '{self.labels[index]}': holds {column.type}, numbers are wanted")
-            array = column.cast(pyarrow.float64(), safe=False).to_numpy()
+            array = _to_numpy(column.cast(pyarrow.float64(), safe=False))
             check_finite(array, self.name, self.labels[index])
             arrays.append(array)
         return arrays
+
+
+def _to_numpy(column: Any) -> np.ndarray:
+    """A chunked column as one array. Chunk by chunk, since the column's own conversion loads pandas."""
+    import numpy as np
+
+    if not column.num_chunks:
+        return np.empty(0)
+    return np.concatenate([chunk.to_numpy(zero_copy_only=False) for chunk in column.chunks])
 
 
 def check_finite(array: np.ndarray, file: str, label: str) -> None:
@@ -253,7 +269,3 @@ def check_finite(array: np.ndarray, file: str, label: str) -> None:
         raise InputError(
             f"{file}: row {row + 1}, column '{label}': {array[row]} is not finite; leave a gap empty (NaN)"
         )
-
-
-def _first_line(error: Exception) -> str:
-    return str(error).splitlines()[0][:120] if str(error) else type(error).__name__
