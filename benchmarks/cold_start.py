@@ -1,6 +1,6 @@
 """Cold start: a fresh process that composes a model and integrates it, with an empty and with a warm cache of kernels.
 
-    python -m benchmarks.cold_start
+python -m benchmarks.cold_start
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ print(time.perf_counter() - begin, run.position[-1])
 
 def timed(environment: dict[str, str]) -> tuple[float, float]:
     begin = time.perf_counter()
-    found = subprocess.run(
-        [sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True
-    )
+    found = subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, text=True, check=True)
     return time.perf_counter() - begin, float(found.stdout.split()[1])
 
 

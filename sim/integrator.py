@@ -394,7 +394,7 @@ def _integrate(
     # Forces at the outputs, from the states there.
     segment = 0
     direction = 1.0 if start[1] >= 0.0 else -1.0
-    for i in range(outputs.size):
+    for i in range(forces.shape[0]):
         at = outputs[i]
         while segment + 1 < rates.size and knots[segment + 1] <= at:
             segment += 1

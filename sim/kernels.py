@@ -24,7 +24,7 @@ import numpy as np
 
 from sim import compilation
 from sim.cores.core import Core
-from sim.effect import Axis, Effect
+from sim.effect import Axis, Effect, Parameter
 from sim.library import library
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
@@ -57,18 +57,29 @@ class Kernel:
 def depends_on(effect: Effect, law: str, quantity: str) -> bool:
     """Whether a law's value changes with a quantity of the axis, found by trying it at a few dozen points."""
     function = getattr(effect, law)
-    if function is None:
-        return False
+    return function is not None and quantity in _tried(function, effect.parameters)
+
+
+@functools.lru_cache(maxsize=1024)
+def _tried(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozenset[str]:
+    """The quantities of the axis that a law's value changes with."""
     random = np.random.default_rng(7)
     n = 48
     x, v, a = (random.uniform(-1.0, 1.0, n) * 10.0 ** random.uniform(-6.0, 1.0, n) for _ in range(3))
     t, age, way, back = (10.0 ** random.uniform(-6.0, 2.0, n) for _ in range(4))
     axis = Axis(t, x, v, a, 1.0 + t, 20.0 + t, age, back, way, np.sign(v))
-    p = effect.values()
-    moved = axis._replace(**{quantity: getattr(axis, quantity) * 1.37 + 1e-6})
+    # An amplitude whose default is zero would hide what its law depends on.
+    p = Effect("tried", "", parameters=parameters).values(
+        **{q.name: min(max(1.0, q.low), q.high) for q in parameters if q.default == 0.0}
+    )
     with np.errstate(all="ignore"):
-        return not np.array_equal(
-            np.broadcast_to(function(axis, p), n), np.broadcast_to(function(moved, p), n), equal_nan=True
+        here = np.broadcast_to(law(axis, p), n)
+        return frozenset(
+            quantity
+            for quantity in (*BY, "acceleration", "reversal_distance")
+            if not np.array_equal(
+                here, law(axis._replace(**{quantity: getattr(axis, quantity) * 1.37 + 1e-6}), p), equal_nan=True
+            )
         )
 
 

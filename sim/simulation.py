@@ -66,6 +66,7 @@ def simulate(
     memory_length: float = math.inf,
     tolerance: float = 1e-8,
     energy: bool = False,
+    forces: bool = True,
     longest_step: float = math.inf,
     most_steps: int = 20_000_000,
 ) -> Simulation:
@@ -85,6 +86,7 @@ def simulate(
         memory_length: distance over which a contact's age is renewed, m.
         tolerance: relative error per step, 1e-13 to 1e-2.
         energy: integrate the works as well.
+        forces: give the forces at the output's instants too; without, their arrays are empty.
         longest_step: s.
         most_steps: give up after so many.
 
@@ -135,7 +137,7 @@ def simulate(
     if any("contact_age" in kernels.carried(effect) for effect, _ in acting):
         absolute[3] = tolerance
     states = np.zeros((t.size, start.size))
-    forces = np.zeros((t.size, 4))
+    found = np.zeros((t.size if forces else 0, 4))
     report = np.zeros(5 + start.size)
     integrator.integrate(
         start,
@@ -157,7 +159,7 @@ def simulate(
         longest_step,
         most_steps,
         states,
-        forces,
+        found,
         report,
     )
     if report[0] != integrator.DONE:
@@ -171,14 +173,14 @@ def simulate(
         position=states[:, 0].copy(),
         velocity=states[:, 1].copy(),
         bristle=bristles.copy(),
-        level=forces[:, 0].copy(),
-        core_force=forces[:, 1].copy(),
-        friction=forces[:, 1] + forces[:, 2],
-        drive=forces[:, 3].copy(),
+        level=found[:, 0].copy(),
+        core_force=found[:, 1].copy(),
+        friction=found[:, 1] + found[:, 2],
+        drive=found[:, 3].copy(),
         core_work=work[:, 0].copy() if energy else np.empty(0),
         other_work=work[:, 1].copy() if energy else np.empty(0),
         drive_work=work[:, 2].copy() if energy else np.empty(0),
-        stored=_stored(acting, core_at, bristles, forces[:, 0]),
+        stored=_stored(acting, core_at, bristles, found[:, 0]) if forces else np.empty(0),
         kinetic=0.5 * mass * states[:, 1] ** 2,
         steps=int(report[2]),
         rejected=int(report[3]),

@@ -23,35 +23,34 @@ TITLES = {
 class Friction:
     """Parameters of the friction experiments, SI; the defaults are the thesis's Table 3."""
 
-    coulomb_force: float = 1.0  # Fc, N
-    static_force: float = 1.5  # Fs, N
+    coulomb: float = 1.0  # Fc, N
+    breakaway: float = 1.5  # Fs, N
     stribeck_velocity: float = 1e-3  # vs, m/s
-    stiffness: float = 1e5  # a0, N/m
-    damping: float = math.sqrt(1e5)  # a1, N*s/m
+    bristle_stiffness: float = 1e5  # a0, N/m
+    bristle_damping: float = math.sqrt(1e5)  # a1, N*s/m
     viscous: float = 0.4  # a2, N*s/m
 
     def __post_init__(self) -> None:
-        for name in ("coulomb_force", "stribeck_velocity", "stiffness"):
+        for name in ("coulomb", "stribeck_velocity", "bristle_stiffness"):
             if not (getattr(self, name) > 0.0 and math.isfinite(getattr(self, name))):
                 raise InputError(f"friction.{name} = {getattr(self, name):g}; must be positive")
-        for name in ("damping", "viscous"):
+        for name in ("bristle_damping", "viscous"):
             if not (getattr(self, name) >= 0.0 and math.isfinite(getattr(self, name))):
                 raise InputError(f"friction.{name} = {getattr(self, name):g}; must not be negative")
-        if not self.static_force >= self.coulomb_force:
+        if not self.breakaway >= self.coulomb:
             raise InputError(
-                f"friction.static_force = {self.static_force:g} N; must not be below "
-                f"friction.coulomb_force = {self.coulomb_force:g} N"
+                f"friction.breakaway = {self.breakaway:g} N; must not be below friction.coulomb = {self.coulomb:g} N"
             )
 
     def model(self, core: str) -> Model:
         """The model with the core of that name: core, Stribeck curve, viscous friction."""
         values = {
-            f"{core}.force": self.coulomb_force,
-            f"{core}.stiffness": self.stiffness,
-            "stribeck.force": self.static_force - self.coulomb_force,
+            f"{core}.force": self.coulomb,
+            f"{core}.stiffness": self.bristle_stiffness,
+            "stribeck.force": self.breakaway - self.coulomb,
             "stribeck.velocity": self.stribeck_velocity,
             "viscous.coefficient": self.viscous,
         }
         if core in ("lugre", "lugre_causal"):
-            values[f"{core}.damping"] = self.damping
+            values[f"{core}.damping"] = self.bristle_damping
         return compose([core, "stribeck", "viscous"], values)

@@ -51,7 +51,7 @@ class Audit:
 
 def passive_below(friction: Friction) -> float:
     """Speed up to which model 1 is passive whatever its stretch, 4 a0 g/a1 at the Coulomb level (a0 g = Fc), m/s."""
-    return 4.0 * friction.coulomb_force / friction.damping if friction.damping > 0.0 else math.inf
+    return 4.0 * friction.coulomb / friction.bristle_damping if friction.bristle_damping > 0.0 else math.inf
 
 
 def audit(friction: Friction, core: str, motion: str, tolerance: float = 1e-10) -> Audit:
@@ -61,7 +61,7 @@ def audit(friction: Friction, core: str, motion: str, tolerance: float = 1e-10) 
     if motion == "start":
         # v' = (V w/2) sin(w t), as a cosine.
         wave = (0.5 * SPEED * START_FREQUENCY, START_FREQUENCY, -0.5 * math.pi)
-        end, bristle = math.pi / START_FREQUENCY, SHARE * friction.static_force / friction.stiffness
+        end, bristle = math.pi / START_FREQUENCY, SHARE * friction.breakaway / friction.bristle_stiffness
     else:
         wave = (SPEED * TIP_FREQUENCY, TIP_FREQUENCY, 0.0)
         end, bristle = 10.0 * 2.0 * math.pi / TIP_FREQUENCY, 0.0

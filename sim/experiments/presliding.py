@@ -40,7 +40,7 @@ def presliding(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
         mass: kg.
         tolerance: of the integration.
     """
-    peak = SHARE * friction.static_force
+    peak = SHARE * friction.breakaway
     time = np.linspace(0.0, 4.0, 8001)
     push = drive.force([0.0, 1.0, 3.0, 4.0], [0.0, peak, -peak, 0.0])
     run = simulate(friction.model(core), push, time, mass=mass, tolerance=tolerance, energy=True)
