@@ -127,7 +127,12 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
         if face.Orientation() == TopAbs_REVERSED:
             corners = corners[:, ::-1]
             outward = -outward
-        vertices.append(np.array(points))
+        # At the pole of a sphere a side of a triangle has no length: such a triangle covers nothing and opens the mesh.
+        places = np.array(points)
+        a, b, c = (places[corners[:, i]] for i in range(3))
+        flat = (a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1)
+        corners = corners[~flat]
+        vertices.append(places)
         normals.append(outward)
         triangles.append(corners + count)
         count += len(points)
