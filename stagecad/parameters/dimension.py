@@ -14,7 +14,17 @@ from typing import Literal
 Point = tuple[float, float, float]
 
 Kind = Literal[
-    "linear", "diameter", "radius", "angle", "depth", "chamfer", "thread", "tap_drill", "thread_depth", "count", "callout"
+    "linear",
+    "diameter",
+    "radius",
+    "angle",
+    "depth",
+    "chamfer",
+    "thread",
+    "tap_drill",
+    "thread_depth",
+    "count",
+    "callout",
 ]
 """What a dimension measures.
 
@@ -66,8 +76,8 @@ class Dimension:
         kind: see `Kind`.
         value: mm, or degrees for an angle; for a count or callout the number it speaks of.
         parameter: key of the parameter file the value comes from (`stage.length`).
-        points: where to look on the part, part coordinates: two for linear and depth; for round ones a point on the axis
-            beside the face, or on the face.
+        points: where to look on the part, part coordinates: two for linear and depth; for round ones a point on the
+            axis beside the face, or on the face.
         direction: direction measured along, or the axis of a round feature; from point to point when left out.
         tolerance: class `X`, `X.X` or `X.XX`; none for a reference dimension or one a standard covers.
         note: callout text that goes with it (`M6x1 - 6H`, `lapped Ra 1 um`).

@@ -1,0 +1,236 @@
+"""Dimensions that follow from others, computed in this one place.
+
+Two kinds: values of keys that a parameter file may leave out (`COMPUTED`), and places and envelopes in the assembly
+that no key holds (`Derived`). Millimetres; x along the travel, y across it, z up; the origin is at actuator 1 on the top
+of the base.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+MM = 1e-3
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """How a value that the file leaves out follows from others.
+
+    Args:
+        text: the formula in keys.
+        value: of the tables read so far (attributes as in `Design`); in the unit of its key.
+        tolerance: class of the resulting dimension.
+    """
+
+    text: str
+    value: Callable[[Any], float]
+    tolerance: str | None = None
+
+
+def _pin_1_axis_depth(d: Any) -> float:
+    stack = d.height_pin_1.flat_height + d.height_pin_2.length + d.holder.floor + d.piezo.length + d.actuator.tip_height
+    return stack - d.bearing_way.height - d.pads.height
+
+
+def _bolt_count(d: Any) -> float:
+    way = d.bearing_way
+    # A hair of rounding must not cost a screw.
+    return max(math.floor((way.length - 2 * way.bolt_end) / way.bolt_spacing + 1e-9) + 1, 0)
+
+
+COMPUTED: dict[str, Formula] = {
+    "stage.payload_drill_depth": Formula(
+        "stage.thickness - stage.payload_floor", lambda d: d.stage.thickness - d.stage.payload_floor, "X.X"
+    ),
+    "stage.payload_thread_depth": Formula(
+        "stage.payload_drill_depth - 2 threads.m6_pitch",
+        lambda d: d.stage.payload_drill_depth - 2 * d.threads.m6_pitch,
+        "X.X",
+    ),
+    "stage.iron_pocket_width": Formula(
+        "2 teeth.per_iron teeth.pitch + magnet.thickness + stage.iron_pocket_clearance",
+        lambda d: 2 * d.teeth.per_iron * d.teeth.pitch + d.magnet.thickness + d.stage.iron_pocket_clearance,
+        "X.X",
+    ),
+    "bearing_way.bolt_count": Formula(
+        "(bearing_way.length - 2 bearing_way.bolt_end) / bearing_way.bolt_spacing + 1, rounded down", _bolt_count
+    ),
+    "base.width": Formula(
+        "base.way_gap + 2 bearing_way.width", lambda d: d.base.way_gap + 2 * d.bearing_way.width, "X"
+    ),
+    "base.pin_1_axis_depth": Formula(
+        "height_pin_1.flat_height + height_pin_2.length + holder.floor + piezo.length + actuator.tip_height"
+        " - bearing_way.height - pads.height",
+        _pin_1_axis_depth,
+        "X.XX",
+    ),
+    "base.pocket_depth": Formula(
+        "base.pin_1_axis_depth - height_pin_1.flat_height - height_pin_2.length + base.pocket_clearance",
+        lambda d: (
+            d.base.pin_1_axis_depth - d.height_pin_1.flat_height - d.height_pin_2.length + d.base.pocket_clearance
+        ),
+        "X.X",
+    ),
+    "tooth_bar.height": Formula(
+        "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap",
+        lambda d: (
+            d.bearing_way.height + d.pads.height + d.stage.iron_pocket_depth - d.tooth_iron.height - d.teeth.gap
+        ),
+        "X.XX",
+    ),
+    "spring.installed_length": Formula(
+        "base.pin_1_bore_end - height_pin_1.length / 2", lambda d: d.base.pin_1_bore_end - d.height_pin_1.length / 2
+    ),
+    "piezo.stiffness": Formula(
+        "piezo.blocking_force / piezo.stroke", lambda d: d.piezo.blocking_force / d.piezo.stroke
+    ),
+}
+"""By key, in the order in which they are worked out."""
+
+
+@dataclass(frozen=True)
+class Derived:
+    """Places, heights and envelopes that follow from a design. mm unless a name says otherwise."""
+
+    design: Design
+
+    @property
+    def sea_height(self) -> float:
+        """Height of the sea, and of the tip's apex when it just touches: way and pads."""
+        return self.design.bearing_way.height + self.design.pads.height
+
+    @property
+    def payload_height(self) -> float:
+        """Height of the payload face."""
+        return self.sea_height + self.design.stage.thickness
+
+    @property
+    def wedge_height(self) -> float:
+        """Height of the wedge face at the middle of the adjustment."""
+        return self.design.height_pin_1.flat_height - self.design.base.pin_1_axis_depth
+
+    @property
+    def holder_bottom(self) -> float:
+        """Height of the holder's bottom at the middle of the adjustment."""
+        return self.wedge_height + self.design.height_pin_2.length
+
+    @property
+    def holder_top(self) -> float:
+        """Height of the holder's top at the middle of the adjustment."""
+        return self.holder_bottom + self.design.holder.height
+
+    @property
+    def piezo_plane(self) -> float:
+        """Height of the piezos' ends at the middle of the adjustment."""
+        return self.holder_bottom + self.design.holder.floor + self.design.piezo.length
+
+    @property
+    def tip_apex(self) -> float:
+        """Height of the tip's apex at the middle of the adjustment."""
+        return self.piezo_plane + self.design.actuator.tip_height
+
+    @property
+    def height_adjustment(self) -> float:
+        """How far the tip can be raised or lowered from the middle: half the wedge pin's stroke times its slope."""
+        return self.design.height_pin_1.stroke / 2 * self.design.height_pin_1.slope
+
+    @property
+    def height_per_turn(self) -> float:
+        """Height gained by one turn of the set screw."""
+        return self.design.set_screw.pitch * self.design.height_pin_1.slope
+
+    @property
+    def piezo_circle(self) -> float:
+        """Radius of the circle through the three piezos: R = D / sqrt(3)."""
+        return self.design.actuator.piezo_spacing / math.sqrt(3.0)
+
+    @property
+    def piezo_places(self) -> tuple[Place, Place, Place]:
+        """Axes (x, y) of piezos 1, 2, 3 about the tip's axis."""
+        half, radius = self.design.actuator.piezo_spacing / 2, self.piezo_circle
+        return (-half, -radius / 2), (half, -radius / 2), (0.0, radius)
+
+    @property
+    def actuator_places(self) -> tuple[Place, Place, Place]:
+        """Axes (x, y) of the three actuator pockets: an equilateral triangle, the first at the origin."""
+        spacing = self.design.base.actuator_spacing
+        back = -spacing * math.sqrt(3.0) / 2
+        return (0.0, 0.0), (back, spacing / 2), (back, -spacing / 2)
+
+    @property
+    def fitted_places(self) -> tuple[Place, ...]:
+        """Axes of the actuators that are fitted."""
+        return self.actuator_places[: self.design.actuator.fitted]
+
+    @property
+    def pad_places(self) -> tuple[Place, ...]:
+        """Centres (x, y) of the pads from the middle of the stage."""
+        along, across = self.design.pads.spacing_along / 2, self.design.pads.spacing_across / 2
+        far = ((0.0, -across),) if self.design.pads.count == 3 else ((-along, -across), (along, -across))
+        return ((-along, across), (along, across), *far)
+
+    @property
+    def pad_area_si(self) -> float:
+        """Nominal area of all pads, m^2: the rectangles, less their rounded corners."""
+        pads = self.design.pads
+        return pads.count * (pads.length * pads.width - (4 - math.pi) * pads.corner_radius**2) * MM**2
+
+    @property
+    def way_screw_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the way screws: the left way's (y > 0) first, each by rising x."""
+        way = self.design.bearing_way
+        across = self.design.base.way_gap / 2 + way.width - way.bolt_edge
+        along = [(i - (way.bolt_count - 1) / 2) * way.bolt_spacing for i in range(way.bolt_count)]
+        return tuple((x, side * across) for side in (1, -1) for x in along)
+
+    @property
+    def way_screw_end_margin(self) -> float:
+        """From the last screw of a way to the way's end."""
+        way = self.design.bearing_way
+        return (way.length - (way.bolt_count - 1) * way.bolt_spacing) / 2
+
+    @property
+    def way_screw_engagement(self) -> float:
+        """Length of thread that a way screw has in the base."""
+        return self.design.screws.way.length - self.design.bearing_way.flange_thickness
+
+    @property
+    def travel_ends(self) -> tuple[float, float]:
+        """Positions x of the stage's middle at the ends of the travel."""
+        return -self.design.stage.travel / 2, self.design.stage.travel / 2
+
+    @property
+    def sea_length(self) -> float:
+        """Length of the sea along the travel: the stage's own."""
+        return self.design.stage.length
+
+    @property
+    def sea_width(self) -> float:
+        """Width of the sea: its strip, or the whole underside for two axes."""
+        return self.design.stage.width if self.design.sea.whole_underside else self.design.sea.width
+
+    @property
+    def moving_envelope(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Lowest and highest corner of the box the stage sweeps over its travel, tooth irons included."""
+        stage = self.design.stage
+        reach, low = (stage.length + stage.travel) / 2, self.sea_height - self.design.pads.height
+        if self.design.teeth.fitted:
+            low = min(low, self.sea_height + stage.iron_pocket_depth - self.design.tooth_iron.height)
+        return (-reach, -stage.width / 2, low), (reach, stage.width / 2, self.payload_height)
+
+    @property
+    def iron_width(self) -> float:
+        """Width of one tooth iron: its teeth at their pitch."""
+        return self.design.teeth.per_iron * self.design.teeth.pitch
+
+    @property
+    def magnets(self) -> int:
+        """Number of magnets: one in each iron pocket."""
+        return 2 if self.design.teeth.fitted else 0

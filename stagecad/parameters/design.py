@@ -1,0 +1,428 @@
+"""The machine as a typed, frozen `Design`, read from a parameter file.
+
+Units: an attribute of a table is in millimetres (or degrees) where it is geometry, and in SI otherwise; each table says
+which. Geometry code reads attributes (`design.stage.length`, mm); calculators and simulation ask `design.si(key)`,
+which is SI for every key. This is the one place where the two meet.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, get_type_hints
+
+from stagecad.parameters import hardware_tables, part_tables, physics_tables
+from stagecad.parameters.derived import COMPUTED, Derived
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.parameter_file import FileEntry, ParameterFile, parse_parameter_text, read_parameter_file
+from stagecad.parameters.quantities import from_si, parse_uncertain, to_si
+from stagecad.parameters.table import Declaration, declarations
+
+MATERIALS = "materials"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One key of a design, for tables and reports.
+
+    Args:
+        key: `stage.length`.
+        text: value with its unit, as written (or as computed).
+        value: number as the attribute keeps it, or text, or truth value.
+        unit: of `value`; empty when it has none.
+        tolerance: class, or none.
+        origin: where the value comes from.
+        meaning: one line for people.
+        std: standard deviation in `unit`, where the value carries one.
+    """
+
+    key: str
+    text: str
+    value: Any
+    unit: str
+    tolerance: str | None
+    origin: str
+    meaning: str
+    std: float | None = None
+
+
+@dataclass(frozen=True)
+class Materials(Mapping[str, physics_tables.Material]):
+    """Materials by name."""
+
+    named: tuple[tuple[str, physics_tables.Material], ...]
+
+    def __getitem__(self, name: str) -> physics_tables.Material:
+        for known, material in self.named:
+            if known == name:
+                return material
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return (name for name, _ in self.named)
+
+    def __len__(self) -> int:
+        return len(self.named)
+
+
+@dataclass(frozen=True)
+class Design:
+    """Every number of the machine. One attribute per table of the parameter file, as the tables declare them."""
+
+    stage: part_tables.Stage
+    pads: part_tables.Pads
+    sea: part_tables.Sea
+    bearing_way: part_tables.BearingWay
+    base: part_tables.Base
+    actuator: physics_tables.Actuator
+    tip: part_tables.Tip
+    holder: part_tables.Holder
+    height_pin_1: part_tables.HeightPin1
+    height_pin_2: part_tables.HeightPin2
+    teeth: part_tables.Teeth
+    tooth_bar: part_tables.ToothBar
+    tooth_iron: part_tables.ToothIron
+    magnet: part_tables.Magnet
+    preload: physics_tables.Preload
+    payload: physics_tables.Payload
+    piezo: hardware_tables.Piezo
+    screws: hardware_tables.Screws
+    set_screw: hardware_tables.SetScrew
+    spring: hardware_tables.Spring
+    shim: hardware_tables.Shim
+    threads: hardware_tables.Threads
+    drive: physics_tables.Drive
+    bearing: physics_tables.Bearing
+    friction: physics_tables.Friction
+    sensors: physics_tables.Sensors
+    requirements: physics_tables.Requirements
+    environment: physics_tables.Environment
+    drawing: physics_tables.Drawing
+    materials: Materials
+    entries: tuple[Entry, ...] = field(repr=False)
+    file: str = "thesis.toml"
+    """Name of the file it was read from."""
+
+    @cached_property
+    def derived(self) -> Derived:
+        """Heights, places and envelopes that follow from the parameters."""
+        return Derived(self)
+
+    @cached_property
+    def _by_key(self) -> dict[str, Entry]:
+        return {entry.key: entry for entry in self.entries}
+
+    def entry(self, key: str) -> Entry:
+        """The entry of a key.
+
+        Raises:
+            InputError: no such key; names the nearest.
+        """
+        try:
+            return self._by_key[key]
+        except KeyError:
+            raise InputError(f"no parameter '{key}'{nearest_key(key, self._by_key)}") from None
+
+    def value(self, key: str) -> Any:
+        """Value of a key as its attribute keeps it: mm or degrees for geometry, SI for all else."""
+        return self.entry(key).value
+
+    def si(self, key: str) -> float:
+        """A number in SI, whatever its attribute keeps.
+
+        Raises:
+            InputError: no such key, or it is no number.
+        """
+        entry = self.entry(key)
+        if isinstance(entry.value, bool | str):
+            raise InputError(f"parameter '{key}' = '{entry.text}' is no number")
+        return to_si(float(entry.value), entry.unit)
+
+    def tolerance(self, key: str) -> str | None:
+        """Tolerance class of a dimension; none where it has none."""
+        return self.entry(key).tolerance
+
+    def plus_minus(self, key: str) -> float:
+        """How far a dimension may deviate either way by its tolerance class, mm; 0 where it has none."""
+        name = {"X": "tolerance_x", "X.X": "tolerance_x_x", "X.XX": "tolerance_x_xx"}.get(self.tolerance(key) or "")
+        return getattr(self.drawing, name) if name else 0.0
+
+    def material(self, key: str) -> physics_tables.Material:
+        """Properties of the material that `key` names (`base.material`)."""
+        return self.materials[str(self.value(key))]
+
+    @cached_property
+    def digest(self) -> str:
+        """Sha256 over all values and tolerances: the same for files that differ in text alone."""
+        words = [[entry.key, repr(entry.value), entry.tolerance] for entry in sorted(self.entries, key=lambda e: e.key)]
+        return hashlib.sha256(json.dumps(words).encode()).hexdigest()
+
+
+@cache
+def _tables() -> dict[str, type]:
+    """Every table by its dotted name (`stage`, `screws.way`), materials left out."""
+    found: dict[str, type] = {}
+
+    def walk(prefix: str, table: type) -> None:
+        if declarations(table):
+            found[prefix] = table
+            return
+        hints = get_type_hints(table)
+        for item in fields(table):
+            walk(f"{prefix}.{item.name}", hints[item.name])
+
+    hints = get_type_hints(Design)
+    for item in fields(Design):
+        if item.name not in (MATERIALS, "entries", "file"):
+            walk(item.name, hints[item.name])
+    return found
+
+
+@cache
+def schema() -> dict[str, Declaration]:
+    """Every key a parameter file may have, with what it holds; those of a material as `materials.NAME.density`."""
+    keys = {
+        f"{prefix}.{name}": declaration
+        for prefix, table in _tables().items()
+        for name, declaration in declarations(table).items()
+    }
+    keys.update(
+        (f"{MATERIALS}.NAME.{name}", declaration) for name, declaration in declarations(physics_tables.Material).items()
+    )
+    return keys
+
+
+def _declaration(key: str, known_materials: Iterable[str]) -> Declaration | None:
+    parts = key.split(".")
+    if parts[0] == MATERIALS:
+        if len(parts) != 3 or parts[1] not in known_materials:
+            return None
+        return declarations(physics_tables.Material).get(parts[2])
+    return schema().get(key)
+
+
+def nearest_key(key: str, known: Iterable[str]) -> str:
+    """Ending of a message about an unknown key: the nearest one, or those of its table."""
+    keys = sorted(known)
+    hint = nearest(key, keys)
+    if "did you mean" in hint:
+        return hint
+    table, _, name = key.rpartition(".")
+    siblings = [item for item in keys if item.rpartition(".")[0] == table]
+    if siblings:
+        return f"; keys of [{table}]: {', '.join(item.rpartition('.')[2] for item in siblings)}"
+    same = [item for item in keys if item.rpartition(".")[2] == name]
+    if same:
+        return f"; did you mean '{same[0]}'?"
+    return nearest(key.split(".")[0], {item.split(".")[0] for item in keys})
+
+
+def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *, rules: bool = True) -> Design:
+    """Read a parameter file into a design.
+
+    Args:
+        path: the file; the packaged thesis design when left out.
+        overrides: `KEY=VALUE` texts that replace values of the file, as `--set` takes them.
+        rules: whether the rules across values must hold; without, each value still must be good in itself.
+
+    Raises:
+        InputError: one line that names file, key, value, and what is allowed.
+    """
+    return _design(read_parameter_file(path), overrides, rules)
+
+
+def design_from_text(text: str, name: str, overrides: Sequence[str] = (), *, rules: bool = True) -> Design:
+    """As `load_design`, from the text of a parameter file; `name` is what messages call it."""
+    return _design(parse_parameter_text(text, name), overrides, rules)
+
+
+def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Design:
+    written = dict(file.entries)
+    if file.extends is not None:
+        written = {**read_parameter_file().entries, **written}
+    materials = sorted({key.split(".")[1] for key in written if key.startswith(f"{MATERIALS}.")})
+    known = [key for key in schema() if not key.startswith(f"{MATERIALS}.")]
+    properties = declarations(physics_tables.Material)
+    known += [f"{MATERIALS}.{name}.{item}" for name in materials for item in properties]
+    for key in written:
+        if _declaration(key, materials) is None:
+            raise InputError(f"{file.name}: no parameter '{key}'{nearest_key(key, known)}")
+    for text in overrides:
+        key, entry = _override(text, known, written)
+        written[key] = entry
+    entries: dict[str, Entry] = {}
+    for key in known:
+        declaration = _declaration(key, materials)
+        assert declaration is not None
+        if key in written:
+            entries[key] = _read(key, written[key], declaration, materials)
+        elif not declaration.computed:
+            raise InputError(
+                f"{file.name}: {key} is missing ({declaration.meaning or 'see the packaged design'}); add it, "
+                'or begin the file with extends = "thesis" to take what is missing from the packaged design'
+            )
+    _compute(entries, known, file.name)
+    design = _build(entries, known, materials, file.name)
+    if rules:
+        from stagecad.parameters.rules import require
+
+        require(design)
+    return design
+
+
+def _override(text: str, known: Sequence[str], written: Mapping[str, FileEntry]) -> tuple[str, FileEntry]:
+    key, equals, value = (part.strip() for part in text.partition("="))
+    if not equals or not key or not value:
+        raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
+    if key not in known:
+        raise InputError(f"--set: no parameter '{key}'{nearest_key(key, known)}")
+    before = written.get(key)
+    formula = COMPUTED.get(key)
+    tolerance = before.tolerance if before else formula.tolerance if formula else None
+    return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set")
+
+
+def _read(key: str, entry: FileEntry, declaration: Declaration, materials: Sequence[str]) -> Entry:
+    """An entry of the file checked against the declaration of its key."""
+    value, std, tolerance = entry.value, None, entry.tolerance
+    shown = str(value).lower() if isinstance(value, bool) else str(value)
+    place = entry.place
+    if declaration.kind == "number":
+        value, std = _number(entry, declaration)
+        if tolerance is None and entry.origin is None and declaration.unit == "mm":
+            tolerance = _class_as_written(shown)
+    elif declaration.kind == "count":
+        value = _count(entry, declaration)
+    elif declaration.kind == "switch":
+        if shown not in ("true", "false"):
+            raise InputError(f"{place}: '{shown}' is neither true nor false")
+        value = shown == "true"
+    else:
+        if not isinstance(value, str) or not value.strip() or not value.isprintable():
+            raise InputError(f"{place}: {shown!r} is no line of text")
+        allowed = materials if declaration.kind == "material" else declaration.allowed
+        if allowed and value not in allowed:
+            what = "material" if declaration.kind == "material" else "choice"
+            raise InputError(f"{place}: no {what} '{value}'{nearest(value, allowed)}")
+    if std is not None:
+        std = from_si(std, declaration.unit)
+    origin = entry.origin or "assumed: the file gives no origin"
+    return Entry(key, shown, value, declaration.unit, tolerance, origin, declaration.meaning, std)
+
+
+def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | None]:
+    si, std = parse_uncertain(entry.value, declaration.unit, entry.place)
+    value = _kept(si, declaration.unit)
+    below = value < declaration.low or (value == declaration.low and not declaration.closed)
+    if below or value > declaration.high or math.isinf(value):
+        raise InputError(f"{entry.place}: '{entry.value}' {_bounds(declaration)}")
+    return value, std
+
+
+def _kept(si: float, unit: str) -> float:
+    """SI as the attribute keeps it; a length in mm is freed of the rounding of its way through metres."""
+    value = from_si(si, unit)
+    return round(value, 9) if unit == "mm" and math.isfinite(value) else value
+
+
+def _bounds(declaration: Declaration) -> str:
+    unit = f" {declaration.unit}" if declaration.unit else ""
+    low, high = declaration.low, declaration.high
+    if math.isinf(high):
+        if low == 0.0:
+            return f"must be {'zero or more' if declaration.closed else 'positive'}, and finite"
+        if math.isinf(low):
+            return "must be finite"
+        return f"must be {'at least' if declaration.closed else 'more than'} {low:g}{unit}, and finite"
+    return f"must lie between {low:g} and {high:g}{unit}"
+
+
+def _count(entry: FileEntry, declaration: Declaration) -> int:
+    si, _ = parse_uncertain(entry.value, "", entry.place)
+    if not declaration.low <= si <= declaration.high or si != round(si):
+        raise InputError(
+            f"{entry.place}: '{entry.value}' must be a whole number from {declaration.low:g} to {declaration.high:g}"
+        )
+    return int(si)
+
+
+def _class_as_written(text: str) -> str:
+    """The tolerance class that the decimals of a bare value show."""
+    if not text.rstrip().endswith("mm"):
+        return "X.X"
+    decimals = len(text.partition(".")[2].rstrip(" m"))
+    return ("X", "X.X", "X.XX")[min(decimals, 2)]
+
+
+class _Partial:
+    """Tables while they are being filled: attributes by dotted key."""
+
+    def __init__(self, entries: Mapping[str, Entry], prefix: str = "") -> None:
+        self._entries, self._prefix = entries, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        key = f"{self._prefix}{name}"
+        return self._entries[key].value if key in self._entries else _Partial(self._entries, f"{key}.")
+
+
+def _compute(entries: dict[str, Entry], known: Sequence[str], file: str) -> None:
+    """Add the values that the file leaves out."""
+    for key, formula in COMPUTED.items():
+        if key in entries:
+            continue
+        declaration = schema()[key]
+        value = formula.value(_Partial(entries))
+        if declaration.kind == "count":
+            value = int(value)
+        else:
+            value = _kept(to_si(value, declaration.unit), declaration.unit)
+        shown = f"{value:.10g} {declaration.unit}".strip()
+        if value < declaration.low or (value == declaration.low and not declaration.closed):
+            raise InputError(f"{file}: {key} comes out as {shown}, from {formula.text}; it {_bounds(declaration)}")
+        entries[key] = Entry(
+            key, shown, value, declaration.unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning
+        )
+
+
+def _build(entries: Mapping[str, Entry], known: Sequence[str], materials: Sequence[str], file: str) -> Design:
+    def table(kind: type, prefix: str) -> Any:
+        return kind(**{name: entries[f"{prefix}.{name}"].value for name in declarations(kind)})
+
+    def group(kind: type, prefix: str) -> Any:
+        if declarations(kind):
+            return table(kind, prefix)
+        hints = get_type_hints(kind)
+        return kind(**{item.name: group(hints[item.name], f"{prefix}.{item.name}") for item in fields(kind)})
+
+    hints = get_type_hints(Design)
+    names = [item.name for item in fields(Design) if item.name not in (MATERIALS, "entries", "file")]
+    tables = {name: group(hints[name], name) for name in names}
+    named = tuple((name, table(physics_tables.Material, f"{MATERIALS}.{name}")) for name in materials)
+    ordered = tuple(entries[key] for key in known)
+    return Design(**tables, materials=Materials(named), entries=ordered, file=file)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A key in which two designs differ; none where a design lacks the key."""
+
+    key: str
+    before: Entry | None
+    after: Entry | None
+
+
+def diff(design_a: Design, design_b: Design) -> tuple[Difference, ...]:
+    """Keys whose value, tolerance or origin differ, in the order of the first design."""
+
+    def plain(entry: Entry | None) -> Entry | None:
+        # The same length written as 1 in and as 25.4 mm is no difference.
+        return replace(entry, text="") if entry else None
+
+    keys = [*design_a._by_key, *(key for key in design_b._by_key if key not in design_a._by_key)]
+    pairs = [(key, design_a._by_key.get(key), design_b._by_key.get(key)) for key in keys]
+    return tuple(Difference(key, a, b) for key, a, b in pairs if plain(a) != plain(b))
