@@ -11,6 +11,8 @@ Every case goes through the command line, so what is scored is what a user gets.
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
 import json
 import math
 import shutil
@@ -46,25 +48,14 @@ TIMEOUT = 300.0
 NOTHING = ("adequate", "unexplained")
 
 
-def _in_process(command: list[str]) -> dict[str, Any] | None:
-    """The command's document, by calling the program inside this process; none where it failed."""
-    import contextlib
-    import io
-
-    from workbench.cli import main
+def _in_process(command: list[str]) -> dict[str, Any]:
+    """The command's document, by calling the program inside this process."""
+    from workbench.cli import run
 
     text, errors = io.StringIO(), io.StringIO()
-    code: int | None = 0
-    old = sys.argv
-    sys.argv = ["stagecad", *command]
-    try:
-        with contextlib.redirect_stdout(text), contextlib.redirect_stderr(errors):
-            code = main()
-    except SystemExit as stop:
-        code = stop.code if isinstance(stop.code, int) else 1
-    finally:
-        sys.argv = old
-    if code not in (0, None):
+    with contextlib.redirect_stdout(text), contextlib.redirect_stderr(errors):
+        code = run(command)
+    if code != 0:
         raise RuntimeError(errors.getvalue().strip()[-300:] or f"exit {code}")
     return json.loads(text.getvalue())
 
@@ -82,7 +73,7 @@ def _as_program(command: list[str]) -> dict[str, Any]:
 
 def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> Outcome:
     """Diagnose one case on a copy of it; where `follow`, add what is named till the loop stops, thrice at most."""
-    run: Callable[[list[str]], Any] = _as_program if fresh else _in_process
+    run: Callable[[list[str]], dict[str, Any]] = _as_program if fresh else _in_process
     kind = kind_of(entry)
     out = Outcome(
         folder.name, kind, entry["rig"], entry["effect"], size_of(entry), bool(entry.get("hard")), right=False, said=""

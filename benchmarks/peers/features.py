@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from scipy.ndimage import gaussian_filter1d
+from scipy.signal import lfilter
 
 _UNITS = {
     "s": 1.0, "ms": 1e-3, "m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180,
@@ -131,21 +132,19 @@ def _tip(data: dict[str, np.ndarray]) -> Problem:
 
     def low_pass(signal: np.ndarray, constant: float) -> np.ndarray:
         a = np.exp(-step / constant)
-        from scipy.signal import lfilter
-
-        return lfilter([1 - a], [1, -a], signal)
+        return np.asarray(lfilter([1 - a], [1, -a], signal))
 
     n = u.shape[1]
     one, zero = np.ones(n), np.zeros(n)
     t = data["time"] - data["time"][0]
-    rate = np.gradient(u, step, axis=1)
+    rate = np.stack([np.gradient(one_u, step) for one_u in u])
     y = np.concatenate([data["tip_x"], data["tip_y"]])
     linear = both(*u)
     candidates = {
         "gain_mismatch": both(u[0], -u[1])[:, None],
-        "drive_lag": both(*rate)[:, None],
-        "piezo_hysteresis": both(*(40.0 * np.sign(r) - u_ for r, u_ in zip(rate, u)))[:, None],
-        "piezo_creep": np.column_stack([both(*(low_pass(c, w) for c in u)) for w in (0.3, 1.0, 4.0)]),
+        "drive_lag": both(rate[0], rate[1])[:, None],
+        "piezo_hysteresis": both(40.0 * np.sign(rate[0]) - u[0], 40.0 * np.sign(rate[1]) - u[1])[:, None],
+        "piezo_creep": np.column_stack([both(*(low_pass(u[i], w) for i in (0, 1))) for w in (0.3, 1.0, 4.0)]),
         "sensor_nonlinearity": np.column_stack([linear**2, linear**3]),
         "sensor_drift": np.column_stack([np.concatenate([t, zero]), np.concatenate([zero, t])]),
     }

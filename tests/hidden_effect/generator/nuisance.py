@@ -49,7 +49,7 @@ def noise(rng: np.random.Generator, rows: int, sigma: float, how: Nuisance) -> n
     """Noise of standard deviation `sigma` (outliers come on top of it)."""
     if how.colour > 0.0:
         white = rng.standard_normal(rows + 300)
-        e = lfilter([np.sqrt(1.0 - how.colour**2)], [1.0, -how.colour], white)[300:]
+        e = np.asarray(lfilter([np.sqrt(1.0 - how.colour**2)], [1.0, -how.colour], white))[300:]
     else:
         e = rng.standard_normal(rows)
     if how.kind == "spread":
@@ -70,7 +70,7 @@ def channel_load(rng: np.random.Generator, rows: int) -> np.ndarray:
     t = np.arange(rows) * 1e-3
     slow, fast = rng.uniform(0.08, 0.25), rng.uniform(0.6, 1.6)
     waves = (3.3, slow), (1.7, fast)
-    return 10.0 + sum(size * np.sin(2 * np.pi * (f * t + rng.random())) for size, f in waves)
+    return np.full(rows, 10.0) + sum(size * np.sin(2 * np.pi * (f * t + rng.random())) for size, f in waves)
 
 
 def channel_temperature(rng: np.random.Generator, rows: int) -> np.ndarray:
