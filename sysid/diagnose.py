@@ -48,6 +48,8 @@ class Trial:
     after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
     after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
 
+    p_value: float = 1.0
+
     @property
     def family(self) -> str:
         """The name everyone uses."""
@@ -85,9 +87,17 @@ def try_all(
                 fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
                 block_loss=loss,
                 residual=residual,
+                p_value=_chance(before - loss),
             )
         )
     return sorted(trials, key=lambda t: t.error)
+
+
+def _chance(drops: np.ndarray, flips: int = 2000) -> float:
+    """Chance of so large a total drop, were each block's drop as likely a rise (sign-flip test, (m,) blocks)."""
+    rng = np.random.default_rng(0)
+    signs = rng.choice([-1.0, 1.0], size=(flips, drops.size))
+    return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + flips))
 
 
 def _significance(drops: np.ndarray) -> float:

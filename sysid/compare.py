@@ -1,0 +1,52 @@
+"""The model as it stands against the records: how far above the noise it fails, and where."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from sysid.case import BaseFit, Case, fit_case, load_case
+from sysid.experiment import DesignValues
+from sysid.misfit import ChannelMisfit, misfit
+from sysid.residual_maps import ResidualMap, residual_maps
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A fitted model held against its records.
+
+    Args:
+        case, base: what was compared.
+        fit, validate: misfit by channel on the records of the fit and the held-out ones.
+        maps: of the residual against every coordinate, strongest first.
+        seconds: taken.
+    """
+
+    case: Case
+    base: BaseFit
+    fit: dict[str, ChannelMisfit]
+    validate: dict[str, ChannelMisfit]
+    maps: tuple[ResidualMap, ...]
+    seconds: float
+
+
+def compare(source: str | Path | Case, design: DesignValues | None = None) -> Comparison:
+    """Fit the model of an experiment as it stands and see where it fails.
+
+    Args:
+        source: folder of the experiment, its `experiment.toml`, or a case already made.
+        design: what a known value of `"design"` stands for.
+
+    Raises:
+        InputError: a fault in a file, in one line.
+    """
+    began = perf_counter()
+    case = source if isinstance(source, Case) else load_case(source, design)
+    base = fit_case(case)
+    model = base.fitted.model
+    maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
+    return Comparison(
+        case, base, misfit(model, case.fit_records), misfit(model, case.validate_records), tuple(maps),
+        perf_counter() - began,
+    )  # fmt: skip

@@ -1,0 +1,171 @@
+"""Adding effects one rung at a time: each rung is a fitted model with its errors, and can be gone back to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from sim.library import find
+from stagecad.parameters.errors import InputError, nearest
+from sysid.base_fit import Fitted
+from sysid.candidate_list import candidates_of
+from sysid.candidates import target_of, try_effect
+from sysid.case import BaseFit, Case, fit_case, load_case, make_case
+from sysid.document import both_json, noise_json, parameter_unit, parameters_json
+from sysid.experiment import DesignValues, Experiment
+from sysid.intervals import intervals
+from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
+from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
+from sysid.model import Model, base_name
+
+
+@dataclass(frozen=True)
+class Step:
+    """A rung just added.
+
+    Args:
+        rung: as written.
+        before_fit, before_validate: misfit of the model as it stood.
+        after_fit, after_validate: misfit of the model with the effects added.
+        changed: old parameters that moved by more than their interval, with value before and after, SI.
+        seconds: taken.
+    """
+
+    rung: Rung
+    case: Case
+    base: BaseFit
+    before_fit: dict[str, ChannelMisfit]
+    before_validate: dict[str, ChannelMisfit]
+    after_fit: dict[str, ChannelMisfit]
+    after_validate: dict[str, ChannelMisfit]
+    changed: dict[str, tuple[float, float]]
+    seconds: float
+
+
+def add_effects(source: str | Path, effects: Sequence[str], design: DesignValues | None = None) -> Step:
+    """Add effects to the model of an experiment, fit, and write the next rung and `experiment.toml`.
+
+    An effect named without variant or channel takes the law and the channel that fit best. A core takes the place of
+    the core before it.
+
+    Raises:
+        InputError: an effect that is unknown, there already, or that this rig cannot show; a fault in a file.
+    """
+    began = perf_counter()
+    case = load_case(source, design)
+    base = fit_case(case)
+    experiment = case.experiment
+    before_fit = misfit(base.fitted.model, case.fit_records)
+    before_validate = misfit(base.fitted.model, case.validate_records)
+    base_document = _rung_document(case, base.fitted, before_fit, before_validate)
+    grown_case, fitted = case, base.fitted
+    for name in effects:
+        grown_case, fitted = _grow(grown_case, fitted, name)
+    after_fit = misfit(fitted.model, grown_case.fit_records)
+    after_validate = misfit(fitted.model, grown_case.validate_records)
+    document = _rung_document(grown_case, fitted, after_fit, after_validate)
+    names = [e.name for e in fitted.model.effects] + _quantised(grown_case, fitted)
+    starts = {
+        u.key: (fitted.model.values[u.key], parameter_unit(grown_case, u.key))
+        for u in fitted.model.unknowns
+        if not u.key.startswith("rig.")
+    }
+    hashes = {record.name: record.sha256 for record in case.records}
+    rung = append_rung(experiment, names, starts, document, base_document, hashes)
+    weights = weighting(fitted.model, grown_case.validate_records)
+    residual = weighted_residual(fitted.model, grown_case.validate_records, weights)
+    changed = _moved(base, case, fitted.model)
+    return Step(
+        rung, grown_case, BaseFit(fitted, weights, residual), before_fit, before_validate, after_fit, after_validate,
+        changed, perf_counter() - began,
+    )  # fmt: skip
+
+
+def _quantised(case: Case, fitted: Fitted) -> list[str]:
+    """Quantisation effects of the case that act on the floor alone, and so stand in no prediction."""
+    present = {e.name for e in fitted.model.effects}
+    return [n for n in case.experiment.effects if n.partition("@")[0] == "sensor_quantisation" and n not in present]
+
+
+def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
+    experiment = case.experiment
+    effect = find(name, case.custom)
+    present = [e.name for e in fitted.model.effects]
+    if name in present or (":" not in name and "@" not in name and base_name(name) in {base_name(p) for p in present if "@" not in p}):
+        raise InputError(f"{experiment.path}: model.effects has '{name}' already")
+    if base_name(name) == "sensor_quantisation":
+        return _with_quantisation(case, name)
+    options = [c for c in candidates_of(case, present, all_effects=True) if c.name == name]
+    if not options:
+        options = [c for c in candidates_of(case, present, all_effects=True) if base_name(c.name) == name]
+    if ":" not in name and "@" not in name:
+        family = [c for c in candidates_of(case, present, all_effects=True) if base_name(c.name) == effect.name]
+        options = family or options
+    if not options:
+        can = sorted({base_name(c.name) for c in candidates_of(case, present, all_effects=True)})
+        raise InputError(
+            f"{experiment.path}: effect '{name}' cannot show on a {case.kind} rig with these records"
+            f"{nearest(name, can)}"
+        )
+    basis, target = target_of(fitted)
+    tried = [try_effect(fitted, option, case.fit_records, case.scales, basis, target, starts=3, iterations=40) for option in options]
+    good = [c for c in tried if c is not None]
+    if not good:
+        raise InputError(f"{experiment.path}: effect '{name}' changes nothing in what these records measured")
+    best = min(good, key=lambda c: (c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns))))
+    from sysid.base_fit import fit_model
+
+    return case, fit_model(best.fitted.model, case.fit_records, iterations=40)
+
+
+def _with_quantisation(case: Case, name: str) -> tuple[Case, Fitted]:
+    other = make_case(case.experiment, case.records, [*case.experiment.effects, name])
+    if all(n.quantum is None for n in other.noise.values()):
+        raise InputError(f"{case.experiment.path}: effect '{name}': the measured values lie on no grid")
+    return other, fit_case(other).fitted
+
+
+def _moved(base: BaseFit, case: Case, model: Model) -> dict[str, tuple[float, float]]:
+    found = intervals(base.fitted, case.fit_records).by_key
+    out = {}
+    for key, interval in found.items():
+        now = model.values.get(key)
+        if now is not None and not interval.low <= now <= interval.high:
+            out[key] = (interval.value, now)
+    return out
+
+
+def _rung_document(
+    case: Case, fitted: Fitted, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
+) -> dict[str, Any]:
+    return {
+        "effects": [e.name for e in fitted.model.effects] + _quantised(case, fitted),
+        "form": case.form,
+        "noise": noise_json(case),
+        "before": both_json(case, fit, validate),
+        "parameters": parameters_json(case, fitted),
+    }
+
+
+def ladder_json(experiment: Experiment) -> list[dict[str, Any]]:
+    """Rungs of an experiment, 000 the model before anything was added, each with its own error under `before`."""
+    rungs = read_ladder(experiment)
+    return [
+        {
+            "rung": rung.number,
+            "effects": list(rung.effects),
+            "added": list(rung.document.get("added", ())),
+            "before": rung.document.get("before", {}),
+            "parameters": rung.document.get("parameters", {}),
+            "noise": rung.document.get("noise", {}),
+        }
+        for rung in rungs
+    ]
+
+
+def current_ladder(experiment: Experiment) -> tuple[list[dict[str, Any]], bool]:
+    """The rungs, and whether `[model]` was edited by hand since the last of them."""
+    return ladder_json(experiment), edited_by_hand(experiment, read_ladder(experiment))

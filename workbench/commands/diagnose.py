@@ -1,0 +1,38 @@
+"""`stagecad diagnose`: which physical effect is missing, ranked, and what cannot be told apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from workbench.options import Run, common_options
+
+
+@click.command("diagnose")
+@click.argument("experiment", type=click.Path(path_type=Path))
+@click.option("--all-effects", is_flag=True, help="Try whatever else the library has, besides the names everyone uses.")
+@click.option("--figures/--no-figures", default=True, help="Draw the figures and the HTML report into OUT.")
+@common_options
+def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:
+    """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
+    from sysid.diagnose import diagnose
+    from sysid.document import diagnosis_json
+    from workbench.design_values import design_values
+    from workbench.loop_text import say_diagnosis
+
+    with run.progress() as progress:
+        task = progress.add_task("fitting the model as it stands", total=1)
+        found = diagnose(
+            experiment,
+            all_effects,
+            design_values(run),
+            lambda name, k, total: progress.update(task, description=name, completed=k, total=total),
+        )
+    document = diagnosis_json(found)
+    say_diagnosis(run, found, document["ranking"])
+    if figures:
+        from workbench.loop_report import write_diagnosis
+
+        run.say(f"report: {write_diagnosis(run, found, document)}")
+    run.emit(document)

@@ -1,0 +1,35 @@
+"""`stagecad ladder`: the error after each effect added so far, as a table and a figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from workbench.options import Run, common_options
+
+
+@click.command("ladder")
+@click.argument("experiment", type=click.Path(path_type=Path))
+@click.option("--figures/--no-figures", default=True, help="Draw the figure into OUT.")
+@common_options
+def command(run: Run, experiment: Path, figures: bool) -> None:
+    """Show the error after each effect added so far to the model of EXPERIMENT."""
+    from sysid.experiment import load_experiment
+    from sysid.ladder import current_ladder
+    from workbench.design_values import design_values
+    from workbench.loop_text import ladder_table
+
+    found = load_experiment(experiment, design_values(run))
+    rungs, edited = current_ladder(found)
+    if not rungs:
+        run.say(f"{found.folder}: nothing added yet; 'stagecad diagnose {found.folder}' says what is missing")
+    else:
+        run.console.print(ladder_table(rungs))
+        if edited:
+            run.note("note: [model] was edited by hand since the last rung")
+        if figures:
+            from workbench.loop_report import write_ladder
+
+            run.say(f"figure: {write_ladder(run, found.folder.name, rungs)}")
+    run.emit(rungs)

@@ -1,0 +1,197 @@
+"""What the commands of the loop say to a person: short tables and sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from rich.table import Table
+
+from stagecad.parameters.quantities import format_quantity
+from sysid.case import Case
+from sysid.compare import Comparison
+from sysid.diagnose import Diagnosis
+from sysid.document import channel_unit, public_key, worst_channel
+from sysid.ladder import Step
+from sysid.misfit import ChannelMisfit
+from workbench.options import Run
+
+COORDINATE_WORDS = {
+    "time": "time",
+    "frequency": "one frequency",
+    "position": "position",
+    "velocity": "velocity",
+    "direction": "direction of motion",
+    "acceleration": "acceleration",
+    "distance_since_reversal": "distance since the last reversal",
+    "distance_travelled": "distance travelled",
+    "contact_age": "time of contact at rest",
+    "normal_load": "normal load",
+    "temperature": "temperature",
+    "input": "input",
+}
+
+
+def plain(value: float, unit: str) -> str:
+    """A quantity for people; a plain number without a unit."""
+    return f"{value:.4g}" if unit in ("", "1") else format_quantity(value, unit)
+
+
+def misfit_table(case: Case, rows: Iterable[tuple[str, Mapping[str, ChannelMisfit]]], title: str) -> Table:
+    """Errors by record set and channel."""
+    table = Table(title=title, title_justify="left")
+    for name in ("records", "channel", "rms", "over noise", "fit"):
+        table.add_column(name, justify="left" if name in ("records", "channel") else "right")
+    for label, by_channel in rows:
+        for channel, m in by_channel.items():
+            table.add_row(
+                label, channel, plain(m.rms, channel_unit(case, channel)), f"{m.over_noise:.2f} x", f"{m.fit_percent:.2f} %"
+            )
+    return table
+
+
+def parameter_table(parameters: Mapping[str, Mapping[str, Any]], title: str = "Parameters") -> Table:
+    """Fitted values with their 95 % intervals."""
+    table = Table(title=title, title_justify="left")
+    for name in ("parameter", "value", "95 % interval", ""):
+        table.add_column(name, justify="right" if name in ("value",) else "left")
+    for key, q in parameters.items():
+        low, high = q.get("low"), q.get("high")
+        told = low is not None and high is not None and abs(low) != float("inf")
+        interval = f"{plain(low, q['unit'])} .. {plain(high, q['unit'])}" if told and low is not None and high is not None else "not told by these records"
+        table.add_row(key, plain(q["value"], q["unit"]), interval, "at its bound" if q.get("at_bound") else "")
+    return table
+
+
+def where_table(maps: Sequence[Any]) -> Table:
+    """Coordinates the residual depends on."""
+    table = Table(title="Where it fails: the residual depends on", title_justify="left")
+    table.add_column("coordinate")
+    table.add_column("share of its variance", justify="right")
+    table.add_column("chance", justify="right")
+    for m in [m for m in maps if m.share > 0.005][:6]:
+        chance = "< 0.001" if m.p_value <= 0.002 else f"{m.p_value:.3f}"
+        table.add_row(m.coordinate, f"{100 * m.share:.0f} %", chance)
+    return table
+
+
+def noise_line(case: Case) -> str:
+    """The noise floor in words."""
+    parts = []
+    measured = set(case.fit_records[0].measured) | {"position"}
+    for channel, noise in case.noise.items():
+        if channel in measured:
+            parts.append(f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})")
+    band = getattr(case.fit_records[0], "whole", None)
+    text = "noise: " + ", ".join(parts)
+    if band is not None and band.width > 0:
+        text += f"; compared below {0.1325 / band.width:.3g} Hz, what the position's noise allows"
+    return text
+
+
+def say_comparison(run: Run, comparison: Comparison, parameters: Mapping[str, Any]) -> None:
+    """Print a comparison."""
+    case = comparison.case
+    for note in case.notes:
+        run.note(f"note: {note}")
+    run.say(noise_line(case))
+    rows = [("fit", comparison.fit), ("held out", comparison.validate)]
+    effects = ", ".join(e.name for e in comparison.base.fitted.model.effects) or "no effects"
+    run.console.print(misfit_table(case, rows, f"Model as it stands: {effects}"))
+    run.console.print(parameter_table(parameters))
+    for key in comparison.base.fitted.fit.dead:
+        run.say(f"{public_key(key)} changes nothing in these records")
+    over = max((m.over_noise for m in (*comparison.fit.values(), *comparison.validate.values())), default=1.0)
+    if over <= 1.15:
+        run.say(f"{over:.2f} x the noise: what is left is noise.")
+        return
+    run.console.print(where_table(comparison.maps))
+    strongest = next((m for m in comparison.maps if m.share > 0.02), None)
+    where = f"; it fails with {COORDINATE_WORDS[strongest.coordinate]}" if strongest else ""
+    run.say(f"{over:.3g} x above the noise{where}.")
+
+
+def say_diagnosis(run: Run, diagnosis: Diagnosis, ranking: Sequence[Mapping[str, Any]]) -> None:
+    """Print a diagnosis."""
+    case = diagnosis.case
+    for note in case.notes:
+        run.note(f"note: {note}")
+    run.say(noise_line(case))
+    table = Table(title="Effects tried, best on the held-out records first", title_justify="left")
+    for name in ("effect", "error it would leave", "over noise", "reduction", "expected", "chance", "law"):
+        table.add_column(name, justify="left" if name in ("effect", "law") else "right")
+    for row in ranking[:8]:
+        error = row.get("validate_error")
+        chance = row["p_value"]
+        table.add_row(
+            row["effect"],
+            plain(error["value"], error["unit"]) if error else "",
+            f"{row['over_noise']:.2f} x" if "over_noise" in row else "",
+            f"{100 * row['reduction']:.1f} %" if row.get("reduction") is not None else "",
+            f"{100 * row['expected_reduction']:.1f} %",
+            f"< {chance['below']}" if isinstance(chance, dict) else f"{chance:.3f}",
+            row.get("law", ""),
+        )
+    run.console.print(table)
+    if diagnosis.verdict == "missing-effect":
+        assert diagnosis.best is not None
+        channel = worst_channel(case, diagnosis.before_validate)
+        before = diagnosis.before_validate[channel]
+        after = diagnosis.best.after_validate[channel]
+        unit = channel_unit(case, channel)
+        run.say(
+            f"missing: {diagnosis.effect} ({plain(before.rms, unit)} -> {plain(after.rms, unit)} in {channel} on the "
+            f"held-out records; {before.over_noise:.3g} x -> {after.over_noise:.3g} x the noise)"
+        )
+        if diagnosis.indistinguishable:
+            run.say(f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}")
+        if diagnosis.unexplained_share > 0.05:
+            run.say(f"{100 * diagnosis.unexplained_share:.0f} % of the misfit stays; add it and diagnose again.")
+    elif diagnosis.verdict == "adequate":
+        run.say(f"adequate: {diagnosis.reason}.")
+    else:
+        depends = [m for m in diagnosis.maps if m.share > 0.02][:2]
+        words = " and ".join(COORDINATE_WORDS[m.coordinate] for m in depends) or "nothing that was recorded"
+        run.say(f"unexplained: {diagnosis.reason}. What is left depends on {words}.")
+
+
+def say_step(run: Run, step: Step, parameters: Mapping[str, Any]) -> None:
+    """Print what adding effects did."""
+    case = step.case
+    rows = [
+        ("fit, before", step.before_fit),
+        ("fit, after", step.after_fit),
+        ("held out, before", step.before_validate),
+        ("held out, after", step.after_validate),
+    ]
+    added = ", ".join(step.rung.document.get("added", ())) or ", ".join(step.rung.effects)
+    run.console.print(misfit_table(case, rows, f"Rung {step.rung.number:03d}: + {added}"))
+    run.console.print(parameter_table(parameters))
+    for key, (old, new) in step.changed.items():
+        unit = parameters.get(public_key(key), {}).get("unit", "")
+        run.say(f"{public_key(key)} moved from {plain(old, unit)} to {plain(new, unit)}")
+    run.say(f"wrote {step.rung.path} and {case.experiment.path}")
+
+
+def ladder_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
+    """The error after each effect added so far."""
+    table = Table(title="Ladder", title_justify="left")
+    for name in ("rung", "added", "channel", "fit rms", "held-out rms", "fit over noise", "held-out over noise"):
+        table.add_column(name, justify="left" if name in ("rung", "added", "channel") else "right")
+    for rung in rungs:
+        fit, held = rung["before"].get("fit", {}), rung["before"].get("validate", {})
+        first = True
+        for channel, m in fit.items():
+            h = held.get(channel)
+            added = ", ".join(rung["added"]) or ("the model before anything was added" if rung["rung"] == 0 else "by hand")
+            table.add_row(
+                f"{rung['rung']:03d}" if first else "",
+                added if first else "",
+                channel,
+                plain(m["rms"]["value"], m["rms"]["unit"]),
+                plain(h["rms"]["value"], h["rms"]["unit"]) if h else "",
+                f"{m['over_noise']:.2f} x",
+                f"{h['over_noise']:.2f} x" if h else "",
+            )
+            first = False
+    return table
