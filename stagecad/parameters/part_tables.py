@@ -128,8 +128,8 @@ class Base:
     clamp_lug: float = mm("width of the lug that holds the clamp screw's thread")
     clamp_neck: float = mm("thickness of the flexure on which the finger turns")
     clamp_relief_hole: float = mm("at the end of the relief slot, beside the neck")
-    clamp_finger_1: float = number("angle of the finger around pocket 1", "deg", high=180)
-    clamp_finger_2: float = number("angle of the fingers around pockets 2 and 3", "deg", high=180)
+    clamp_neck_angle_1: float = number("of the neck about pocket 1, from the way to the screw's head", "deg", high=180)
+    clamp_neck_angle_2: float = number("of the necks about pockets 2 and 3, likewise", "deg", high=180)
     clamp_floor_slot: float = mm("of the arc slot that parts finger and floor")
     lead_channel_width: float = mm("of the channels for the piezos' leads")
     lead_channel_depth: float = mm("of the channels for the piezos' leads")
@@ -236,7 +236,9 @@ class ToothBar:
     relief: float = mm("of the bar's underside between its feet")
     root_fillet: float = mm("where the low ends meet the bar")
     screw_hole: float = mm("clearance hole of the bar's screws")
+    screw_span: float = mm("between the screws of both ends, along")
     screw_spacing: float = mm("between the two screws of an end, across")
+    channel_depth: float = mm("of the channel under the magnet, from the crests; as wide as the magnet")
     edge_chamfer: float = mm("of edges")
 
 
