@@ -151,7 +151,7 @@ def _shade(facing: np.ndarray, colour: np.ndarray) -> np.ndarray:
     half = key + np.array([0.0, 0.0, 1.0], np.float32)
     half /= np.linalg.norm(half)
     shine = np.clip(normal @ half, 0.0, 1.0) ** 30
-    light = 0.46 + 0.20 * sky + 0.44 * diffuse
+    light = 0.52 + 0.18 * sky + 0.40 * diffuse
     return colour * light[:, None] + 0.10 * shine[:, None]
 
 

@@ -8,11 +8,13 @@ as their `repr` (exact for floats).
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import is_dataclass
 from typing import Any
 
 Steps = tuple[tuple[Any, ...], ...]
 """Way to a value: ("attribute", name), ("item", key) or ("call", positional, ((name, value), ...)), in order."""
+
+LEAVES = (bool, int, float, str, tuple, list, frozenset)
+"""Types whose `repr` says all there is to them; anything else is looked into."""
 
 
 class Reading:
@@ -32,10 +34,10 @@ class Reading:
 
     def _reading_found(self, value: Any, step: tuple[Any, ...]) -> Any:
         steps = (*self._reading_steps, step)
-        if isinstance(value, Mapping) or (is_dataclass(value) and not isinstance(value, type)) or callable(value):
-            return Reading(value, self._reading_notes, steps)
-        self._reading_notes[steps] = repr(value)
-        return value
+        if value is None or isinstance(value, LEAVES):
+            self._reading_notes[steps] = repr(value)
+            return value
+        return Reading(value, self._reading_notes, steps)
 
     def _reading_whole(self) -> Any:
         """The bare value, noted as a whole: for what looks at a table in full."""
