@@ -63,7 +63,7 @@ def simulate(
     bristle: Any = None,
     load: float = math.nan,
     temperature: float = math.nan,
-    memory_length: float = math.inf,
+    memory_length: float | None = None,
     tolerance: float = 1e-8,
     energy: bool = False,
     forces: bool = True,
@@ -83,7 +83,8 @@ def simulate(
         position, velocity: initial, m and m/s (velocity: that of the drive when it imposes the motion, else zero).
         bristle: initial state of the core's elements, shape (elements,); zero by default.
         load, temperature: constant normal load (N) and temperature (degC) for laws that depend on them.
-        memory_length: distance over which a contact's age is renewed, m.
+        memory_length: distance over which a contact's age is renewed, m: by default that of the effect which has one,
+            else infinite.
         tolerance: relative error per step, 1e-13 to 1e-2.
         energy: integrate the works as well.
         forces: give the forces at the output's instants too; without, their arrays are empty.
@@ -120,6 +121,8 @@ def simulate(
         core_kernel = kernels.core_kernel(effect)
         elements = int(effect.core.elements(p))
         scale = float(effect.core.scale(p))
+    if memory_length is None:
+        memory_length = next((p.memory_length for _, p in acting if hasattr(p, "memory_length")), math.inf)
     feedback = 0.0 if drive.prescribes else 1.0
     if velocity is None:
         velocity = drive.initial_velocity

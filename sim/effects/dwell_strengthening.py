@@ -11,6 +11,9 @@ from sim.effect import Axis, Effect, Parameter, Scan
 
 
 def _age(axis: Axis, p: Any) -> Any:
+    if np.ndim(axis.position) == 0:
+        # At one instant of a simulation: the age is a state of the axis, by the same law.
+        return axis.contact_age
     from sim.record_kernels import contact_age
 
     return contact_age(axis.time, axis.position, p.memory_length)

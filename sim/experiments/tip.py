@@ -65,4 +65,6 @@ def tip_ellipse(piezo_spacing: float, tip_height: float, stroke: float, phase: f
         tilt -= math.pi
     elif tilt <= -math.pi / 2 + 1e-12:
         tilt += math.pi
+    if abs(tilt) < 1e-12:
+        tilt = 0.0
     return TipEllipse(angle / FREQUENCY, x, y, float(halves[0]), float(halves[1]), tilt)

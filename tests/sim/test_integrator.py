@@ -91,6 +91,22 @@ def test_travel_and_contact_age_are_carried():
     assert np.allclose(run.level, 1.0 + 0.5 * np.exp(-0.2 * time / 0.1), rtol=1e-9)
 
 
+def test_static_friction_that_rises_with_dwell_delays_the_slip():
+    """A mass pulled from rest after a wait: it slips once the pull exceeds the level that the age has built up."""
+    names = ["coulomb", "dwell_strengthening"]
+    values = {"dwell_strengthening.force": 0.1, "dwell_strengthening.cut_off": 0.05}
+    slips = []
+    for wait in (0.1, 10.0):
+        push = drive.force([0.0, wait, wait + 4.0], [0.0, 0.0, 4.0])
+        time = np.linspace(0.0, wait + 4.0, 8001)
+        run = simulate(compose(names, values), push, time)
+        begin = np.argmax(run.position > 1e-7)  # ten stretches of the Coulomb bristle, a hundredth of the memory length
+        slips.append(float(run.drive[begin]))
+        age = time[begin]
+        assert slips[-1] == pytest.approx(1.0 + 0.1 * math.log1p(age / 0.05), rel=0.02)
+    assert slips[1] > slips[0] + 0.1
+
+
 def test_more_effects_than_one_of_each_kind_meet_in_level_and_force():
     names = ["lugre", "stribeck", "viscous", "quadratic_drag", "cable_spring", "magnetic_cogging", "constant_bias"]
     names += ["position_dependent_friction", "load_dependent_friction", "temperature_dependent_friction"]
