@@ -13,9 +13,13 @@ from sysid.cycles import trimmed_rms
 
 MAD_TO_STD = 1.482602218505602
 ORDERS = range(1, 9)
-WINDOWS = (16, 32, 64, 128)
+WINDOWS = (16, 24, 32, 64, 128)
+SHORT = 32
 DEGREE = 3
-CORRELATIONS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.93, 0.96, 0.98, 0.99)
+CORRELATIONS = (*np.arange(0.0, 0.9, 0.05).round(2).tolist(), *np.arange(0.9, 0.995, 0.01).round(2).tolist())
+LONGEST = 0.9
+"""Noise that remembers more than ten samples cannot be told from a signal that moves."""
+AGREES = 0.08
 FILTERED_FALL = 1.25
 """White noise keeps its size from one order of differences to the next; falling by this much still at the eighth order
 tells that nothing white is left in the log."""
@@ -33,11 +37,13 @@ class Colour:
         value: standard deviation.
         correlation: of neighbouring samples.
         filtered: the log has no white part, `value` is a lower bound.
+        white: standard deviation of white noise that would give the same differences of neighbours.
     """
 
     value: float
     correlation: float
     filtered: bool
+    white: float
 
 
 def segments(time: np.ndarray, values: np.ndarray, step: float) -> list[np.ndarray]:
@@ -53,12 +59,13 @@ def difference_scale(differences: np.ndarray) -> float:
     return float(MAD_TO_STD * np.median(np.abs(differences)))
 
 
-def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None) -> Colour | None:
+def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None, flat: bool = False) -> Colour | None:
     """Noise of a signal given in stretches.
 
     Args:
         pieces: stretches, each of shape (n,).
         quantum: grid the values lie on; medians are no measure on a coarse grid, whose own noise is taken off.
+        flat: the stretches hold noise and slow drift alone, so that long windows tell its colour too.
 
     Returns:
         None where the stretches are too short altogether (fewer than 64 samples).
@@ -68,17 +75,18 @@ def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None) -> Col
     scales = [_order_scale(pieces, order) for order in ORDERS]
     floor = scales[-1]
     if quantum is not None and floor < 3.0 * quantum:
-        return Colour(_under_quantum(pieces, quantum), 0.0, False)
+        value = _under_quantum(pieces, quantum)
+        return Colour(value, 0.0, False, value)
     if floor <= 0.0:
-        return Colour(0.0, 0.0, False)
+        return Colour(0.0, 0.0, False, 0.0)
     if scales[-3] > FILTERED_FALL**2 * floor:
-        return Colour(floor, 0.0, True)
+        return Colour(floor, 0.0, True, floor)
     order, white = next(
         (order, scale)
         for order, scale, after in zip(ORDERS, scales, [*scales[1:], floor])
         if scale <= 1.06 * after or order == ORDERS[-1]
     )
-    return _coloured([_without_outliers(piece, white) for piece in pieces], order, white)
+    return _coloured([_without_outliers(piece, white) for piece in pieces], order, white, flat)
 
 
 def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:
@@ -103,25 +111,41 @@ def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
     return np.where(np.abs(piece - middle) > 6.0 * scale, middle, piece)
 
 
-def _coloured(pieces: Sequence[np.ndarray], order: int, white: float) -> Colour:
+def _coloured(pieces: Sequence[np.ndarray], order: int, white: float, flat: bool) -> Colour:
     """Compare the scatter in windows with the differences, and find the autoregression that gives both."""
     measured = {}
     for length in WINDOWS:
         scatter = _window_scatter(pieces, length)
         if scatter:
             measured[length] = scatter
-    if len(measured) < 3 or measured[min(measured)] <= 1.1 * white:
-        return Colour(white, 0.0, False)
-    best = (np.inf, 0.0)
-    for correlation in CORRELATIONS:
-        size = white / _difference_share(order, correlation)
-        errors = [np.log(scatter / (size * _window_share(w, correlation))) for w, scatter in measured.items()]
-        best = min(best, (float(np.max(np.abs(errors))), correlation))
-    misfit, correlation = best
-    # A signal that bends within the windows grows without levelling off, and no autoregression gives that.
-    if misfit > 0.12 or correlation == 0.0:
-        return Colour(white, 0.0, False)
-    return Colour(white / _difference_share(order, correlation), correlation, False)
+    short = [length for length in measured if length <= SHORT]
+    if len(short) < 3 or 2 * SHORT not in measured or measured[short[0]] <= 1.1 * white:
+        return Colour(white, 0.0, False, white)
+    used = list(measured) if flat else short
+    errors = {
+        correlation: {
+            length: float(np.log(scatter * _difference_share(order, correlation) / white / _seen(length, correlation)))
+            for length, scatter in measured.items()
+        }
+        for correlation in CORRELATIONS
+        if flat or correlation <= LONGEST
+    }
+    size = 1.0
+    if flat:
+        # Differences and windows each tell the size; the colour on which they agree best is the one.
+        spread = {c: float(np.std([0.0, *error.values()])) for c, error in errors.items()}
+        best = min(spread, key=lambda correlation: spread[correlation])
+        size = float(np.exp(np.mean([0.0, *errors[best].values()])))
+    else:
+        # A signal that bends adds to every window, the more the longer it is: the least colour that agrees is nearest.
+        sizes = {c: max(abs(error[length]) for length in used) for c, error in errors.items()}
+        best = next(c for c, size in sizes.items() if size <= max(AGREES, min(sizes.values())))
+    misfit = errors[best]
+    # A bend grows with the fourth power of the window, far faster than any autoregression; and no window holds less.
+    levels_off = misfit[2 * SHORT] < 0.4 and all(value > -0.25 for value in misfit.values())
+    if max(abs(misfit[length]) for length in used) > 0.2 or not levels_off:
+        return Colour(white, 0.0, False, white)
+    return Colour(size * white / _difference_share(order, best), best, False, white)
 
 
 def _window_scatter(pieces: Sequence[np.ndarray], length: int) -> float | None:
@@ -134,9 +158,12 @@ def _window_scatter(pieces: Sequence[np.ndarray], length: int) -> float | None:
     rest = rows - (rows @ basis) @ basis.T
     freedom = length - DEGREE - 1
     variances = np.sum(rest**2, axis=1) / freedom
-    # Quarter point of a chi-square over its mean (Wilson and Hilferty 1931).
-    quarter = (1.0 - 2.0 / (9.0 * freedom) - 0.67449 * np.sqrt(2.0 / (9.0 * freedom))) ** 3
-    return float(np.sqrt(np.quantile(variances, 0.25) / quarter))
+    return float(np.sqrt(np.quantile(variances, 0.25) / _quarter(freedom)))
+
+
+def _quarter(freedom: float) -> float:
+    """Quarter point of a chi-square over its mean (Wilson and Hilferty 1931)."""
+    return (1.0 - 2.0 / (9.0 * freedom) - 0.67449 * np.sqrt(2.0 / (9.0 * freedom))) ** 3
 
 
 @cache
@@ -148,10 +175,16 @@ def _difference_share(order: int, correlation: float) -> float:
 
 
 @cache
-def _window_share(length: int, correlation: float) -> float:
-    """Scatter about a cubic in a window, of an autoregression of unit size."""
+def _seen(length: int, correlation: float) -> float:
+    """What `_window_scatter` gives for an autoregression of unit size.
+
+    Correlated samples have fewer degrees of freedom (Welch and Satterthwaite), and so a lower quarter point.
+    """
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), DEGREE + 1))
     lags = np.abs(np.subtract.outer(np.arange(length), np.arange(length)))
-    matrix = correlation**lags
-    rest = np.trace(matrix) - np.trace(basis.T @ matrix @ basis)
-    return float(np.sqrt(rest / (length - DEGREE - 1)))
+    project = np.eye(length) - basis @ basis.T
+    matrix = project @ correlation**lags @ project
+    total = float(np.trace(matrix))
+    freedom = total**2 / float(np.sum(matrix**2))
+    white_freedom = length - DEGREE - 1
+    return float(np.sqrt(total / white_freedom * _quarter(freedom) / _quarter(white_freedom)))

@@ -85,8 +85,12 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     step = float(np.median([record.step for record in holding]))
     quanta = [find_quantum([record.channels[channel]]) for record in holding]
     quantum = max((found for found in quanta if found is not None), default=None)
-    colours = [_colour(record, channel, found) for record, found in zip(holding, quanta)]
-    colour = _together([found for found in colours if found is not None])
+    if quantum is None:
+        colour = colour_of([piece for record in holding for piece in _pieces(record, channel)])
+    else:
+        # A record on a grid and one that is not are two sensors, or one that was worked on.
+        apart = [colour_of(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
+        colour = _together([found for found in apart if found is not None])
     irregular = colour is None
     if colour is None:
         colour = _irregular(holding, channel)
@@ -101,7 +105,8 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
         if filtered:
             note += f"; the log was filtered, so the {colour.value:.2g} {unit} between neighbours says nothing"
-            colour = Colour(scatter, float(np.median([item.correlation for item in repeats])), True)
+            memory = float(np.median([item.correlation for item in repeats]))
+            colour = Colour(scatter, memory, True, colour.white)
         return _noise(scatter, unit, "repeats", colour, step, quantum, note)
     quiet = _quiet(holding, channel, colour, quantum)
     if quiet is not None:
@@ -123,8 +128,8 @@ def _rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0
 
 
-def _colour(record: Record, channel: str, quantum: float | None) -> Colour | None:
-    return colour_of(segments(record.time, record.channels[channel], record.step), quantum)
+def _pieces(record: Record, channel: str) -> list[np.ndarray]:
+    return segments(record.time, record.channels[channel], record.step)
 
 
 def _together(colours: Sequence[Colour]) -> Colour | None:
@@ -134,6 +139,7 @@ def _together(colours: Sequence[Colour]) -> Colour | None:
         _rms([colour.value for colour in colours]),
         float(np.median([colour.correlation for colour in colours])),
         all(colour.filtered for colour in colours),
+        _rms([colour.white for colour in colours]),
     )
 
 
@@ -163,7 +169,8 @@ def _irregular(records: Sequence[Record], channel: str) -> Colour:
         parts.append(miss / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
     if not parts or sum(part.size for part in parts) < 8:
         raise InputError(f"channel '{channel}' has too few samples to tell its noise; give it under [noise]")
-    return Colour(difference_scale(np.concatenate(parts)), 0.0, False)
+    value = difference_scale(np.concatenate(parts))
+    return Colour(value, 0.0, False, value)
 
 
 def _quiet(
@@ -185,9 +192,9 @@ def _quiet(
         pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
     if sum(piece.size for piece in pieces) < 1000:
         return None
-    colour = colour_of(pieces, quantum)
-    # Something still moves there, or the stretches hold only part of the noise: the whole record tells more.
-    if colour is None or colour.filtered or not 0.5 * overall.value < colour.value < 1.25 * overall.value:
+    colour = colour_of(pieces, quantum, flat=True)
+    # Where neighbours differ otherwise than in the whole record, the stretches do not hold the same noise.
+    if colour is None or colour.filtered or not 0.6 * overall.white < colour.white < 1.25 * overall.white:
         return None
     return colour
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-SHARPNESS = 0.98
+SHARPNESS = 0.995
 """Mean resultant of the values' phases on the grid: 1 on the grid, 0 when they lie anywhere; rounding costs little."""
 
 

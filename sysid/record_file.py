@@ -252,12 +252,19 @@ class ParquetFile(RecordFile):
 
 
 def _to_numpy(column: Any) -> np.ndarray:
-    """A chunked column as one array. Chunk by chunk, since the column's own conversion loads pandas."""
+    """A chunked column of floats as one array, off its buffers: pyarrow's own conversion loads pandas, 0.3 s."""
     import numpy as np
 
-    if not column.num_chunks:
-        return np.empty(0)
-    return np.concatenate([chunk.to_numpy(zero_copy_only=False) for chunk in column.chunks])
+    parts = [np.empty(0)]
+    for chunk in column.chunks:
+        validity, data = chunk.buffers()
+        rows = slice(chunk.offset, chunk.offset + len(chunk))
+        values = np.frombuffer(data, dtype=np.float64)[rows] if data is not None else np.full(len(chunk), np.nan)
+        if validity is not None:
+            valid = np.unpackbits(np.frombuffer(validity, dtype=np.uint8), bitorder="little")[rows]
+            values = np.where(valid, values, np.nan)
+        parts.append(values)
+    return np.concatenate(parts)
 
 
 def check_finite(array: np.ndarray, file: str, label: str) -> None:
