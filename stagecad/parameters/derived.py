@@ -1,8 +1,8 @@
 """Dimensions that follow from others, computed in this one place.
 
 Two kinds: values of keys that a parameter file may leave out (`COMPUTED`), and places and envelopes in the assembly
-that no key holds (`Derived`). Millimetres; x along the travel, y across it, z up; the origin is at actuator 1 on the top
-of the base.
+that no key holds (`Derived`). Millimetres; x along the travel, y across it, z up; the origin is at actuator 1 on
+the top of the base.
 """
 
 from __future__ import annotations

@@ -96,6 +96,7 @@ class Design:
     spring: hardware_tables.Spring
     shim: hardware_tables.Shim
     threads: hardware_tables.Threads
+    making: part_tables.Making
     drive: physics_tables.Drive
     bearing: physics_tables.Bearing
     friction: physics_tables.Friction
@@ -210,6 +211,13 @@ def nearest_key(key: str, known: Iterable[str]) -> str:
     """Ending of a message about an unknown key: the nearest one, or those of its table."""
     keys = sorted(known)
     hint = nearest(key, keys)
+    if key in {item.split(".")[0] for item in keys}:
+        return f"; [{key}] is a table: name a key in it, like '{next(item for item in keys if item.startswith(key))}'"
+    table, _, name = key.rpartition(".")
+    if table.startswith(f"{MATERIALS}."):
+        materials = {item.split(".")[1] for item in keys if item.startswith(f"{MATERIALS}.")}
+        if table.split(".")[1] not in materials:
+            return nearest(table.split(".")[1], materials).replace("did you mean", "did you mean material")
     if "did you mean" in hint:
         return hint
     table, _, name = key.rpartition(".")

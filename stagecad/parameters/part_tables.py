@@ -52,6 +52,8 @@ class Pads:
     root_fillet: float = mm("where a pad grows out of the stage")
     spacing_along: float = mm("between the pads on one way")
     spacing_across: float = mm("between the pads of the two ways")
+    ratio: float = number("of a pad's length to its width")
+    ratio_deviation: float = number("of that ratio that is still accepted", high=1)
 
 
 @dataclass(frozen=True)
@@ -279,3 +281,13 @@ class Teeth:
     bar_spacing: float = mm("between the two bars")
     saturation: float = number("flux density at which the iron saturates", "T")
     profile: str = choice("of the teeth", "square")
+
+
+@dataclass(frozen=True)
+class Making:
+    """What a workshop needs of any part."""
+
+    least_wall: float = mm("of material around a hole, pocket or edge")
+    least_floor: float = mm("left under the drill's point of a blind hole")
+    engagement: float = number("least length of engaged thread over the screw's diameter")
+    largest_fit: float = mm("clearance that still guides a pin or holder")
