@@ -1,0 +1,122 @@
+"""Tip on stage: pressure, stiffness, and the thesis's printed contact formulas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+
+from designcalc.checks.check import Check
+from designcalc.checks.machine import stack_stiffness, stroke_ellipse, tip_contact, tip_load
+from designcalc.checks.reading import Reading, show
+from designcalc.hertz import peak_mises, point_shear_peak
+
+_JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
+
+
+def checks(r: Reading) -> Iterator[partial[Check]]:
+    """Every check of the tip's contact."""
+    yield partial(pressure, r)
+    yield partial(swallowed_stroke, r)
+    yield partial(contact_stiffness, r)
+    yield partial(printed_pressure, r)
+    yield partial(printed_approach, r)
+
+
+def pressure(r: Reading) -> Check:
+    load = tip_load(r)
+    contact = tip_contact(r, load)
+    ratio = contact.semi_axis_minor / contact.semi_axis_major
+    limits = [
+        r.material(part, "strength") / float(peak_mises(ratio, r.material(part, "poisson_ratio")))
+        for part in ("tip", "stage")
+    ]
+    peak = float(contact.peak_pressure)
+    shear = point_shear_peak(contact, r.material("stage", "poisson_ratio"))
+    radius = r("tip.nose_radius")
+    grow = radius * (peak / min(limits)) ** 1.5
+    return r.check(
+        "tip contact pressure",
+        peak,
+        min(limits),
+        "Pa",
+        "at most",
+        _JOHNSON + "; first yield below the surface, section 6.1",
+        "p0 = (6 F E*^2/(pi^3 R^2))^(1/3) <= Sy/(largest von Mises stress over p0)",
+        f"F = {show(load, 'N')}, R = {show(radius, 'm')}: p0 = {show(peak, 'Pa')}, limit {show(min(limits), 'Pa')}",
+        f"nose radius of at least {show(grow, 'm')} (pressure falls as R^(-2/3)), or a harder tip",
+        note=f"peak shear {show(float(shear.shear), 'Pa')} at a depth of {show(float(shear.depth), 'm')}",
+    )
+
+
+def swallowed_stroke(r: Reading) -> Check:
+    contact = tip_contact(r, tip_load(r))
+    rise = float(stroke_ellipse(r).normal)
+    return r.check(
+        "tip stroke swallowed by contact",
+        float(contact.approach),
+        0.2 * rise,
+        "m",
+        "at most",
+        _JOHNSON + "; a fifth of the rise left as rule of thumb",
+        "delta = 3 F K/(2 pi a E*) <= 0.2 Y, Y the rise of the ellipse",
+        f"delta = {show(float(contact.approach), 'm')}, Y = {show(rise, 'm')}",
+        "a larger nose radius, or a smaller phase (higher ellipse)",
+    )
+
+
+def contact_stiffness(r: Reading) -> Check:
+    contact = tip_contact(r, tip_load(r))
+    stack = stack_stiffness(r)
+    return r.check(
+        "tip contact against piezo stiffness",
+        float(contact.stiffness),
+        0.5 * stack,
+        "N/m",
+        "at least",
+        _JOHNSON + "; catalogue line of the piezo",
+        "dF/ddelta = 1.5 F/delta >= k_piezo/2, so that the contact takes less than two thirds of the give",
+        f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
+        "a larger nose radius, or more preload (stiffness grows as (F R)^(1/3))",
+    )
+
+
+def printed_pressure(r: Reading) -> Check:
+    contact = tip_contact(r, tip_load(r))
+    a, b = float(contact.semi_axis_major), float(contact.semi_axis_minor)
+    right = float(contact.peak_pressure)
+    printed = 3 * float(contact.load) / (3 * np.pi * a * b)
+    return r.check(
+        "printed contact pressure, appendix A",
+        printed / right,
+        1.0,
+        "",
+        "at least",
+        "load = integral of the pressure over the ellipse",
+        "q = 3F/(3 pi c d) over 3F/(2 pi c d)",
+        f"printed {show(printed, 'Pa')}, right {show(right, 'Pa')}",
+        "read 3F/(2 pi c d)",
+        thesis=f"q = 3F/(3 pi c d) gives {show(printed, 'Pa')} where the tip has {show(right, 'Pa')}",
+    )
+
+
+def printed_approach(r: Reading) -> Check:
+    """The printed ``delta ~ F^(1/3)`` is the law of the semi-axes: F must go as delta^1.5."""
+    contact = tip_contact(r, tip_load(r))
+    right = float(contact.approach)
+    load, radius = float(contact.load), r("tip.nose_radius")
+    e_star = load / (4 / 3 * np.sqrt(radius) * right**1.5)
+    printed = 0.75 * (3 * load * (radius / 2) / (2 * e_star)) ** (1 / 3)
+    return r.check(
+        "printed contact approach, appendix A",
+        printed / right,
+        1.0,
+        "",
+        "at most",
+        "energy: F = dU/ddelta needs delta ~ F^(2/3)",
+        "lambda (3 F Re/(2 Ee))^(1/3) over lambda (2 F^2/(3 Re Ee^2))^(1/3), lambda = 0.75 (ball on a flat)",
+        f"printed {show(printed, 'm')}, right {show(right, 'm')}",
+        "read delta = lambda (2 F^2/(3 Re Ee^2))^(1/3)",
+        thesis=f"the printed formula, that of the semi-axes, gives {show(printed, 'm')} instead of {show(right, 'm')}",
+    )

@@ -1,0 +1,168 @@
+"""Magnetic teeth: where the chosen ones stand on the map, preload, saturation, and what they take from the pads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from scipy.optimize import root_scalar
+
+from designcalc.checks.check import Check
+from designcalc.checks.machine import TeethWork, normal_stiffness, teeth
+from designcalc.checks.reading import Reading, show
+from designcalc.magnetic_teeth import teeth_field, working_point
+
+_FIELD = "field of one cell by mode matching (K_x = -d2W/dx2, K_z = d2W/de2)"
+CIRCUITS = 2  # one pocket with its magnet over each of the two bars
+
+
+def checks(r: Reading) -> Iterator[partial[Check]]:
+    """Every check of the teeth; none where no teeth are fitted."""
+    if not r.design.teeth.fitted:
+        return
+    yield partial(rule_of_thumb, r)
+    yield partial(lateral, r)
+    yield partial(preload, r)
+    yield partial(preload_share, r)
+    yield partial(saturation, r)
+    yield partial(against_pads, r)
+
+
+def rule_of_thumb(r: Reading) -> Check:
+    """The thesis: the ratio is largest at l/p = 0.4. The field says it rises steadily towards thin teeth."""
+    pitch, gap, depth = r("teeth.pitch"), r("teeth.gap"), r("teeth.groove_depth")
+    at_rule = teeth_field(pitch, 0.4 * pitch, gap, depth).lateral_over_normal
+    thin = teeth_field(pitch, 0.2 * pitch, gap, depth).lateral_over_normal
+    return r.check(
+        "rule 'tooth width 0.4' as an optimum",
+        at_rule / thin,
+        1.0,
+        "",
+        "at least",
+        _FIELD,
+        "(K_x/K_z at l/p = 0.4)/(K_x/K_z at l/p = 0.2) >= 1 if 0.4 were the best",
+        f"e/p = {gap / pitch:.3g}: {at_rule:.4g} at 0.4, {thin:.4g} at 0.2",
+        "choose l/p by K_x itself, flat-topped at 0.2 to 0.35, as far down as iron saturation and machining allow",
+        thesis="'l/p about 0.4 of the gap e' mixes up dimensions; K_x/K_z has no optimum in l/p, it rises as l/p falls",
+    )
+
+
+def lateral(r: Reading) -> Check:
+    work = teeth(r)
+    widths = np.arange(0.10, 0.81, 0.05)
+    fields = [teeth_field(work.pitch, w * work.pitch, work.gap, work.depth, functions=8) for w in widths]
+    values = np.array([f.lateral_stiffness for f in fields])
+    best = int(np.argmax(values))
+    return r.check(
+        "lateral stiffness of the teeth against the best width",
+        work.field.lateral_stiffness / values[best],
+        0.85,
+        "",
+        "at least",
+        _FIELD,
+        "K_x(l)/max K_x over l/p at this gap",
+        f"l/p = {work.width / work.pitch:.3g}, e/p = {work.gap / work.pitch:.3g}: K_x/K_z = "
+        f"{work.field.lateral_over_normal:.4g}; best K_x at l/p = {widths[best]:.2f}",
+        f"tooth width of {show(float(widths[best] * work.pitch), 'm')}",
+    )
+
+
+def preload(r: Reading) -> Check:
+    work = teeth(r)
+    pull = CIRCUITS * work.point.attraction
+    wanted = r("preload.force")
+    return r.check(
+        "attraction of the magnets as preload",
+        pull,
+        wanted,
+        "N",
+        "at least",
+        _FIELD + ", magnet on its recoil line",
+        "F = -dV/de, V = F_m^2/2 P/(1 + R P)",
+        f"gap flux density {show(work.point.gap_flux_density, 'T')}, two pockets pull {show(pull, 'N')}",
+        "a smaller gap, a longer iron, or a stronger magnet",
+    )
+
+
+def preload_share(r: Reading) -> Check:
+    work = teeth(r)
+    pull = CIRCUITS * work.point.attraction
+    wanted = r("preload.force")
+    gap, thickness = gap_for(work, 1.5 * wanted), thickness_for(work, 1.5 * wanted)
+    wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
+    return r.check(
+        "attraction of the magnets beyond the preload asked for",
+        pull,
+        1.5 * wanted,
+        "N",
+        "at most",
+        _FIELD + ", magnet on its recoil line",
+        "F <= 1.5 x preload asked for (friction grows with it)",
+        f"two pockets pull {show(pull, 'N')}, asked for {show(wanted, 'N')}",
+        f"{wider}, a magnet {show(thickness, 'm')} thick, or ask for the preload that the magnets give",
+        note="leakage beside the gap is left out: the real pull is smaller",
+    )
+
+
+def gap_for(work: TeethWork, pull: float) -> float | None:
+    """Gap at which the magnets pull as much as `pull`, m; none up to five pitches."""
+
+    def excess(logarithm: float) -> float:
+        gap = float(np.exp(logarithm))
+        field = teeth_field(work.pitch, work.width, gap, work.depth, functions=6)
+        return CIRCUITS * working_point(field, work.circuit, work.pitch, work.width).attraction / pull - 1
+
+    low, high = float(np.log(work.gap)), float(np.log(5 * work.pitch))
+    if excess(low) < 0 or excess(high) > 0:
+        return None
+    return float(np.exp(_root(excess, low, high)))
+
+
+def thickness_for(work: TeethWork, pull: float) -> float:
+    """Magnet thickness (of the same cross-section) at which the magnets pull as much as `pull`, m."""
+
+    def excess(logarithm: float) -> float:
+        circuit = replace(work.circuit, thickness=float(np.exp(logarithm)))
+        return CIRCUITS * working_point(work.field, circuit, work.pitch, work.width).attraction / pull - 1
+
+    high = float(np.log(work.circuit.thickness))
+    return float(np.exp(_root(excess, high - 20, high))) if excess(high) > 0 else work.circuit.thickness
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Root between two places of unlike sign, to 0.1 % of an exponent: a proposal needs no more."""
+    return float(root_scalar(function, bracket=(low, high), xtol=1e-3).root)
+
+
+def saturation(r: Reading) -> Check:
+    work = teeth(r)
+    return r.check(
+        "flux density in the teeth",
+        work.point.tooth_flux_density,
+        0.8 * r("teeth.saturation"),
+        "T",
+        "at most",
+        _FIELD + "; all flux of a pitch gathered in its tooth",
+        "B p/l <= 0.8 B_sat",
+        f"{show(work.point.gap_flux_density, 'T')} x {work.pitch / work.width:.3g}",
+        "wider teeth, or a thinner magnet",
+    )
+
+
+def against_pads(r: Reading) -> Check:
+    work = teeth(r)
+    soft = CIRCUITS * work.point.normal_stiffness
+    stiffness = normal_stiffness(r)
+    return r.check(
+        "negative stiffness of the teeth against the pads'",
+        soft,
+        0.1 * stiffness,
+        "N/m",
+        "at most",
+        _FIELD + "; pads as crowned contacts",
+        "K_z <= K_pads/10",
+        f"{show(soft, 'N/m')} against {show(stiffness, 'N/m')}",
+        "a wider gap",
+    )

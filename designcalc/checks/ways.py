@@ -1,0 +1,241 @@
+"""Bearing ways on their bolts: stiffness, spacing, and what one nanometre of smoothness allows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+
+from designcalc.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
+from designcalc.checks.check import Check
+from designcalc.checks.machine import moved_mass, rail
+from designcalc.checks.reading import Reading, show
+from designcalc.fastener import (
+    UnifiedThread,
+    head_pressure,
+    preload_of_torque,
+    strip_area_of_bed,
+    strip_area_of_screw,
+)
+from designcalc.thermal import bow_of_layers, preload_change
+
+_APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
+
+
+def checks(r: Reading) -> Iterator[partial[Check]]:
+    """Every check of the bolted ways."""
+    yield partial(spacing, r)
+    yield partial(stiffness, r)
+    yield partial(force_ripple, r)
+    yield partial(engagement, r)
+    yield partial(stripping, r)
+    yield partial(screw_stress, r)
+    yield partial(edge_margin, r)
+    yield partial(head, r)
+    yield partial(heat_of_joint, r)
+
+
+def _ratios(r: Reading) -> tuple[float, float]:
+    diameter = r("screws.way.diameter")
+    return r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
+
+
+def spacing(r: Reading) -> Check:
+    way = rail(r)
+    M, tau = _ratios(r)
+    best = best_spacing_ratio(way, tau)
+    reached = float(total_stiffness(way, M, tau)) / float(total_stiffness(way, best, tau))
+    return r.check(
+        "bolt spacing against its optimum",
+        reached,
+        0.95,
+        "",
+        "at least",
+        _APPENDIX,
+        "K(M)/K(M_best), K = N/[1/K_bs + 1/(J (K_joint + K_bolt))], M = spacing/Db",
+        f"M = {M:.3g}, best {best:.3g} with the real materials",
+        f"bolt spacing of {show(best * way.bolt_diameter, 'm')}",
+        note=f"optimum at M = {best:.3g}; the curve is flat about it",
+    )
+
+
+def stiffness(r: Reading) -> Check:
+    way = rail(r)
+    M, tau = _ratios(r)
+    K = float(total_stiffness(way, M, tau))
+    steel = r("materials.steel.youngs_modulus")
+    sheet = replace(way, rail_modulus=steel, bed_modulus=steel, bolt_modulus=steel, poisson=0.3)
+    printed = float(total_stiffness(sheet, M, tau))
+    return r.check(
+        "bearing way stiffness",
+        K,
+        r.given("way stiffness of the sheet at M = 2", 150e6, "N/m", "thesis appendix B: 150 to 190 N/um"),
+        "N/m",
+        "at least",
+        _APPENDIX,
+        "K = N/[1/K_bs + 1/(J (K_joint + K_bolt))], N = L/(M Db)",
+        f"M = {M:.3g}, t/Db = {tau:.3g}: {show(K, 'N/m')}; bolt joint "
+        f"{show(float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter, 'N/m')}",
+        "a stiffer bed, or a thicker way",
+        thesis=f"the sheet takes steel throughout: {show(printed, 'N/m')}; way, base and screws as specified "
+        f"give {show(K, 'N/m')}",
+        note="one-sided cantilever: a lower bound for a way bedded over its width",
+    )
+
+
+def force_ripple(r: Reading) -> Check:
+    way = rail(r)
+    M, tau = _ratios(r)
+    K = 2 * float(total_stiffness(way, M, tau))
+    smooth = r("requirements.smoothness")
+    ripple = moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction")
+    return r.check(
+        "smoothness against the tip's own pulsation",
+        ripple,
+        K * smooth,
+        "N",
+        "at most",
+        "elastic deflection of the two ways under the load the tip takes off them each cycle",
+        "m a/mu <= K x 1 nm, K of both ways",
+        f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; {show(K, 'N/m')} x {show(smooth, 'm')} = "
+        f"{show(K * smooth, 'N')}",
+        f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take smoothness with "
+        "the drive at rest",
+        thesis="1 nm smoothness beside a tip that pulses with the weight: one way's 150-190 N/um allow 0.15-0.19 N",
+        requirement="Table 1: smoothness",
+    )
+
+
+def engagement(r: Reading) -> Check:
+    diameter, long = r("screws.way.diameter"), r("screws.way.length")
+    depth = long - r("bearing_way.flange_thickness")
+    return r.check(
+        "thread engagement of the way's screws",
+        depth / diameter,
+        1.0,
+        "",
+        "at least",
+        "rule of one diameter in steel-like beds",
+        "(screw length - flange)/Db >= 1",
+        f"({show(long, 'm')} - {show(depth and long - depth, 'm')})/{show(diameter, 'm')} = {depth / diameter:.3g}",
+        f"flange of at most {show(long - diameter, 'm')}",
+    )
+
+
+def _thread(r: Reading) -> UnifiedThread:
+    return UnifiedThread(r("screws.way.diameter"), r("screws.way.pitch"))
+
+
+def _preload(r: Reading) -> float:
+    return preload_of_torque(
+        r("screws.way.torque"),
+        r("screws.way.diameter"),
+        r.given("nut factor", 0.2, "", "assumed: dry steel, Shigley table 8-15"),
+    )
+
+
+def stripping(r: Reading) -> Check:
+    thread, force = _thread(r), _preload(r)
+    depth = r("screws.way.length") - r("bearing_way.flange_thickness")
+    # shear strength 0.577 of yield (von Mises)
+    bed = 0.577 * r.material("base", "strength") * strip_area_of_bed(thread, depth)
+    screw = 0.577 * r("screws.way.proof_stress") * strip_area_of_screw(thread, depth)
+    hold = min(bed, screw)
+    return r.check(
+        "stripping of the way's threads",
+        force,
+        hold / 2,
+        "N",
+        "at most",
+        "ASME B1.1 shear areas; factor 2",
+        "F = T/(K d) <= 0.577 Sy A_s/2",
+        f"F = {show(force, 'N')}; bed {show(bed, 'N')}, screw {show(screw, 'N')}",
+        f"torque of at most {show(hold / 2 / force * r('screws.way.torque'), 'N*m')}",
+    )
+
+
+def screw_stress(r: Reading) -> Check:
+    thread, force = _thread(r), _preload(r)
+    stress = force / thread.stress_area
+    return r.check(
+        "preload stress of the way's screws",
+        stress,
+        0.5 * r("screws.way.proof_stress"),
+        "Pa",
+        "at most",
+        "ASME B1.1 stress area; thesis 2.3.2: torque not exceedingly high, so half of yield",
+        "F/A_t <= Sy/2",
+        f"{show(force, 'N')}/{thread.stress_area * 1e6:.3g} mm^2",
+        "less torque",
+    )
+
+
+def edge_margin(r: Reading) -> Check:
+    edge, hole = r("bearing_way.bolt_edge"), r("bearing_way.bolt_hole")
+    wall = edge - hole / 2
+    return r.check(
+        "ceramic left beside the way's bolt holes",
+        wall,
+        0.25 * hole,
+        "m",
+        "at least",
+        "practice for ceramics: a quarter of the hole at least, compressed by the head",
+        "a - d/2 >= d/4",
+        f"{show(edge, 'm')} - {show(hole / 2, 'm')} = {show(wall, 'm')}",
+        f"bolt line at {show(0.75 * hole, 'm')} or more from the edge",
+        thesis="a = 10 mm leaves no room for a counterbore in the SiC: the heads sit on an outer ledge",
+    )
+
+
+def head(r: Reading) -> Check:
+    force = _preload(r)
+    pressure = head_pressure(force, r("screws.way.head_diameter"), r("bearing_way.bolt_hole"))
+    return r.check(
+        "pressure under the screw heads on the way",
+        pressure,
+        r.material("bearing_way", "strength") / 2,
+        "Pa",
+        "at most",
+        "mean pressure; half the bending strength, far below what the ceramic bears in compression",
+        "F/(pi/4 (Dh^2 - d^2)) <= Sb/2",
+        f"{show(force, 'N')} -> {show(pressure, 'Pa')}",
+        "a washer, or less torque",
+    )
+
+
+def heat_of_joint(r: Reading) -> Check:
+    way = rail(r)
+    _, tau = _ratios(r)
+    flange = r("bearing_way.flange_thickness")
+    joint = float(joint_stiffness(way, tau).joint_per_diameter) * way.bolt_diameter
+    change = abs(
+        preload_change(
+            flange,
+            r.material("screws.way", "expansion"),
+            r.material("bearing_way", "expansion"),
+            joint,
+            way.joint_ratio * joint,
+        )
+    )
+    force = _preload(r)
+    bow = bow_of_layers(
+        way.length,
+        way.height,
+        way.rail_modulus,
+        r.material("bearing_way", "expansion"),
+        r("base.height"),
+        way.bed_modulus,
+        r.material("base", "expansion"),
+    )
+    return r.check(
+        "way's bolt preload over 10 K",
+        10 * change,
+        0.2 * force,
+        "N",
+        "at most",
+        "springs of bolt and clamped parts in series",
+        "(alpha_bolt - alpha_way) t dT/(1/k_b + 1/k_j) <= F/5",
+        f"{show(10 * change, 'N')} of {show(force, 'N')}",
+        "longer bolts (more give)",
+        note=f"bonded, way and base would bow {show(bow, 'm')} per kelvin; screws that let the way slip bow it less",
+    )
