@@ -133,7 +133,7 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
     """
     file = _experiment_file(Path(path))
     name = shown_path(str(file))
-    text, top = read_toml(file, name)
+    data, text, top = read_toml(file, name)
     top.allow(("schema", "rig", "model", "record", "noise"))
     _check_schema(top)
     for key, example in (("rig", "[rig]"), ("model", "[model]"), ("record", "[[record]]")):
@@ -168,7 +168,7 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
         records=records,
         noise=noise,
         text=text,
-        sha256=hashlib.sha256(file.read_bytes()).hexdigest(),
+        sha256=hashlib.sha256(data).hexdigest(),
     )
 
 

@@ -182,8 +182,9 @@ def _seen(length: int, correlation: float) -> float:
     """
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), DEGREE + 1))
     lags = np.abs(np.subtract.outer(np.arange(length), np.arange(length)))
-    project = np.eye(length) - basis @ basis.T
-    matrix = project @ correlation**lags @ project
+    full = correlation**lags
+    across = basis @ (basis.T @ full)
+    matrix = full - across - across.T + basis @ (across @ basis).T
     total = float(np.trace(matrix))
     freedom = total**2 / float(np.sum(matrix**2))
     white_freedom = length - DEGREE - 1

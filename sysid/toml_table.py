@@ -108,22 +108,23 @@ class TomlTable:
         return [TomlTable(self.file, f"{key} {number}", item) for number, item in enumerate(value, start=1)]
 
 
-def read_toml(path: Path, shown_name: str) -> tuple[str, TomlTable]:
+def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
     """Read a TOML file.
 
     Returns:
-        Its text, and the whole of it as a table.
+        Its bytes, its text, and the whole of it as a table.
 
     Raises:
         InputError: unreadable, not UTF-8, or not TOML, with line and column.
     """
     try:
-        text = path.read_bytes().decode("utf-8-sig")
+        data = path.read_bytes()
+        text = data.decode("utf-8-sig")
     except OSError as error:
         raise InputError(f"{shown_name}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{shown_name}: byte {error.start} is not UTF-8; save the file as UTF-8") from None
     try:
-        return text, TomlTable(shown_name, "", tomllib.loads(text))
+        return data, text, TomlTable(shown_name, "", tomllib.loads(text))
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{shown_name}: not valid TOML: {error}") from None
