@@ -127,7 +127,7 @@ def choose_columns(
                 f"{nearest(wanted, [column.name for column in columns])}"
             )
         if len(found) > 1:
-            notes.append(f"{file}: column '{wanted}' stands {len(found)} times; the first serves")
+            notes.append(f"column '{wanted}' stands {len(found)} times; the first serves")
         if found:
             by_channel[channel] = found[0]
     _check_present(by_channel, rig, columns, file)
@@ -135,7 +135,7 @@ def choose_columns(
     for column in columns:
         if column.index not in used and column.name not in by_channel:
             what = "is not used by this kind of rig" if column.name in CHANNELS else "is not known"
-            notes.append(f"{file}: column '{column.label.strip()}' {what}; left out")
+            notes.append(f"column '{column.label.strip()}' {what}; left out")
     sources: dict[str, Source] = {}
     rotary: dict[str, bool] = {}
     for channel, column in by_channel.items():

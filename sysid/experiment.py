@@ -389,7 +389,12 @@ def _design_value(design: DesignValues | None, key: str, rotary: bool, where: st
     if rotary:
         raise InputError(f"{where}: the design is of a linear axis; write the quantity")
     if callable(design):
-        return float(design(key))
+        try:
+            return float(design(key))
+        except InputError as error:
+            # What the design has to say about a key of this file is said with the file.
+            file = where.partition(": ")[0] + ": " if str(error).startswith("rig.") else ""
+            raise InputError(f"{file}{error}") from None
     if key not in design:
         raise InputError(f"{where}: the design has no '{key}'{nearest(key, design)}")
     return float(design[key])

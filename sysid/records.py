@@ -32,7 +32,7 @@ class Record:
         channels: SI values of shape (n,) by channel, NaN in gaps; `time` is not among them.
         units: SI unit by channel.
         rotary: whether the axis turns.
-        notes: what the reader has to tell: columns left out, gaps, rows left out, a split.
+        notes: what the reader has to tell of this file: columns left out, gaps, rows left out, a split.
         sha256: of the file's bytes.
         step: median of the time steps, s.
         uniform: whether every step equals the median within a hundredth.
@@ -151,7 +151,7 @@ def _window(
             f"{spec.where}: the window from {low:g} s to {high:g} s holds {kept.size} rows of {name}, which runs from "
             f"{time[0]:g} s to {time[-1]:g} s; at least {MINIMUM_ROWS} are wanted"
         )
-    notes.append(f"{spec.file}: {kept.size} of {time.size} rows lie in the window")
+    notes.append(f"{kept.size} of {time.size} rows lie in the window")
     return kept, {channel: array[inside] for channel, array in values.items()}
 
 
@@ -164,10 +164,10 @@ def _check_values(
         gaps = int(np.count_nonzero(np.isnan(array)))
         if gaps == array.size:
             # An idle optional channel may be left empty; one the rig lives on may not, unless its partner serves.
-            notes.append(f"{spec.file}: column '{label}' holds no number; left out")
+            notes.append(f"column '{label}' holds no number; left out")
             continue
         if gaps:
-            notes.append(f"{spec.file}: column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
+            notes.append(f"column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
         kept[channel] = array
     for group in (*rig.inputs, *rig.measured):
         if not any(channel in kept for channel in group):
@@ -187,7 +187,7 @@ def _hold_out(records: list[Record]) -> list[Record]:
                 "add a record with role = 'validate'"
             )
         share = f"{HELD_OUT_SHARE:.0%}"
-        note = f"{record.file}: no record validates, so its last {share} in time (from {cut:.6g} s) is held out"
+        note = f"no record validates, so its last {share} in time (from {cut:.6g} s) is held out"
         split.append(_part(record, slice(0, first), note))
         held = replace(_part(record, slice(first, None), note), role="validate", name=f"{record.name}#held-out")
         split.append(replace(held, continues=record.name))
