@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib.util
 import io
 import json
 import math
@@ -50,6 +51,11 @@ NOTHING = ("adequate", "unexplained")
 
 def _in_process(command: list[str]) -> dict[str, Any]:
     """The command's document, by calling the program inside this process."""
+    if command[0] == "diagnose" and importlib.util.find_spec("workbench.commands.diagnose") is None:
+        from sysid.diagnose import diagnose
+        from sysid.document import diagnosis_json
+
+        return diagnosis_json(diagnose(command[1]))
     from workbench.cli import run
 
     text, errors = io.StringIO(), io.StringIO()
@@ -233,7 +239,7 @@ def main() -> None:
             if a.json:
                 a.json.write_text(json.dumps([asdict(row[0]) | {"peers": row[1]} for row in rows], indent=1))
         if a.coverage:
-            from benchmarks.coverage import coverage_table
+            from benchmarks.interval_coverage import coverage_table
 
             print(coverage_table(a.coverage, a.seed, Path(scratch) / "coverage", a.jobs))
 

@@ -79,6 +79,8 @@ def kind_of(entry: dict[str, Any]) -> str:
 
 def size_of(entry: dict[str, Any]) -> str:
     """Level of what is visible over the noise."""
+    if entry["effect"] == "none":
+        return "-"
     visible = float(entry.get("visible", 0.0))
     return "strong" if visible >= 10.0 else "moderate" if visible >= 3.0 else "weak" if visible >= 1.0 else "faint"
 
