@@ -124,7 +124,7 @@ def make_part(store: Store, name: str, design: Any) -> MadePart:
         bought: Any = module
         document = {
             "material": material,
-            "description": bought.description(reading) if name in PURCHASED else _first_sentence(module),
+            "description": bought.description(reading) if name in PURCHASED else _first_line(module),
             "part_number": bought.part_number(reading) if name in PURCHASED else "",
             "geometry": geometry.as_json(),
             "datums": datums,
@@ -136,9 +136,9 @@ def make_part(store: Store, name: str, design: Any) -> MadePart:
     return MadePart(name, store.make(name, design, _modules(name), make))
 
 
-def _first_sentence(module: Any) -> str:
+def _first_line(module: Any) -> str:
     """What the part is, as its module begins."""
-    return " ".join((module.__doc__ or "").split(". ")[0].rstrip(".").split())
+    return (module.__doc__ or "").strip().splitlines()[0].rstrip(".")
 
 
 def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
