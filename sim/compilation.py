@@ -12,11 +12,15 @@ import contextlib
 import functools
 import hashlib
 import os
+import shutil
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
+
+KEPT_DAYS = 60
 
 
 def _usable(folder: Path) -> bool:
@@ -50,6 +54,22 @@ def _digest(path: str) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
+def key_folder(files: Iterable[str]) -> Path:
+    """The cache folder of functions that depend on these source files; those unused for `KEPT_DAYS` are removed."""
+    root = cache_folder()
+    folder = root / source_key(files)
+    with contextlib.suppress(OSError):
+        new = not folder.exists()
+        folder.mkdir(parents=True, exist_ok=True)
+        os.utime(folder)
+        if new:
+            oldest = time.time() - KEPT_DAYS * 86400.0
+            for other in root.iterdir():
+                if other.stat().st_mtime < oldest:
+                    shutil.rmtree(other, ignore_errors=True)
+    return folder
+
+
 def source_key(files: Iterable[str]) -> str:
     """Key of a compiled function: a hash over the source files it depends on, numba's and Python's version."""
     import numba
@@ -81,16 +101,14 @@ def compile_function(function: Callable[..., Any], also: Iterable[str] = (), **o
     """`function` compiled by `numba.njit`, cached on disk; `also` names further source files it depends on."""
     numba = _numba_parts()
     code = function.__code__
-    folder = cache_folder() / source_key([code.co_filename, __file__, *also])
-    with _caching_in(folder):
+    with _caching_in(key_folder([code.co_filename, __file__, *also])):
         return numba.njit(cache=True, error_model="numpy", **options)(function)
 
 
 def compile_callback(function: Callable[..., Any], signature: Any, also: Iterable[str] = ()) -> Any:
     """`function` compiled to a C callback (`.address`) with `signature`, cached on disk."""
     numba = _numba_parts()
-    folder = cache_folder() / source_key([function.__code__.co_filename, __file__, *also])
-    with _caching_in(folder):
+    with _caching_in(key_folder([function.__code__.co_filename, __file__, *also])):
         return numba.cfunc(signature, cache=True, error_model="numpy")(function)
 
 

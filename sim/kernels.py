@@ -129,10 +129,9 @@ def _slope_plan(effect: Effect) -> list[tuple[int, int, str]]:
 
 def _load(text: str, name: str, files: list[str]) -> Any:
     """Write a generated module into the cache folder, keyed by all it depends on, and import it."""
-    folder = compilation.cache_folder() / compilation.source_key([*files, __file__, compilation.__file__])
+    folder = compilation.key_folder([*files, __file__, compilation.__file__])
     path = folder / f"{name}.py"
     if not path.exists() or path.read_text(encoding="utf-8") != text:
-        folder.mkdir(parents=True, exist_ok=True)
         atomic_write_text(path, text)
     spec = importlib.util.spec_from_file_location(f"sim_kernel_{name}", path)
     assert spec is not None and spec.loader is not None

@@ -200,6 +200,25 @@ def test_the_cache_is_keyed_by_the_source_of_the_law(tmp_path, monkeypatch):
     assert list((tmp_path / "cache").rglob("*.nbi"))
 
 
+def test_kernels_long_unused_are_removed_when_new_ones_are_made(tmp_path, monkeypatch):
+    import os
+
+    from sim import compilation
+
+    monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path))
+    compilation.cache_folder.cache_clear()
+    try:
+        root = compilation.cache_folder()
+        for name, age in (("old", 400), ("recent", 1)):
+            (root / name).mkdir()
+            stamp = (root / name).stat().st_mtime - 86400.0 * age
+            os.utime(root / name, (stamp, stamp))
+        kept = compilation.key_folder([__file__])
+        assert sorted(folder.name for folder in root.iterdir()) == sorted([kept.name, "recent"])
+    finally:
+        compilation.cache_folder.cache_clear()
+
+
 def test_the_cache_falls_back_where_it_cannot_be_written(tmp_path, monkeypatch):
     from sim import compilation
 
