@@ -23,6 +23,7 @@ Kind = Literal[
     "thread",
     "tap_drill",
     "thread_depth",
+    "slope",
     "count",
     "callout",
 ]
@@ -30,12 +31,14 @@ Kind = Literal[
 
 `linear`, `depth`: distance between two points. `diameter`, `radius`: of a round feature. `angle`: in degrees.
 `chamfer`: leg of a chamfer, 45 degrees unless the note says otherwise. `thread`: nominal diameter, the note carries
-the designation; `tap_drill` and `thread_depth` of the same hole. `count`: number of features of a pattern. `callout`: a
+the designation; `tap_drill` and `thread_depth` of the same hole. `slope`: tangent of the angle
+between a face and the direction. `count`: number of features of a pattern. `callout`: a
 note on a feature, with the number it speaks of.
 """
 
 View = Literal["top", "bottom", "front", "back", "left", "right", "section", "iso", "any"]
 """The view in which a dimension reads best: `top` looks down z, `front` along +y (x to the right), `right` along -x."""
+
 
 @dataclass(frozen=True)
 class Datum:
