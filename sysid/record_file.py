@@ -127,6 +127,8 @@ class CsvFile(RecordFile):
         self.labels = next(csv.reader([header]), [])
         if not any(label.strip() for label in self.labels):
             raise InputError(f"{name}: row 1: the header is empty; wanted: time [s], position [m], ...")
+        if header.lstrip().startswith(("#", "%", "//")):
+            raise InputError(f"{name}: row 1: is a comment, the header is wanted there: time [s], position [m], ...")
         if all(_number(label) is not None for label in self.labels):
             raise InputError(f"{name}: row 1: holds numbers, a header is wanted: time [s], position [m], ...")
 
@@ -177,15 +179,12 @@ class CsvFile(RecordFile):
         columns: list[list[float]] = [[] for _ in indices]
         for row, cells in rows:
             if len(cells) != width:
-                numbers = [
-                    index for index in indices if index < len(cells) and re.fullmatch(r"-?\d+", cells[index].strip())
-                ]
-                hint = (
-                    "; is the decimal sign a comma? a point is wanted"
-                    if len(cells) > width and len(numbers) > 1
-                    else ""
-                )
-                raise InputError(f"{self.name}: row {row}: has {len(cells)} cells, the header has {width}{hint}")
+                whole = sum(re.fullmatch(r"-?\d+", cell.strip()) is not None for cell in cells)
+                # A comma too many at the end of a row is no decimal comma.
+                decimal = len(cells) > width and whole > 1 and cells[-1].strip() != ""
+                hint = "; is the decimal sign a comma? a point is wanted" if decimal else ""
+                has = f"{len(cells)} cell{'s' * (len(cells) != 1)}"
+                raise InputError(f"{self.name}: row {row}: has {has}, the header has {width}{hint}")
             for column, index in zip(columns, indices):
                 cell = cells[index].strip()
                 value = math.nan if cell in _EMPTY else _number(cell)

@@ -168,6 +168,8 @@ def _check_values(
             continue
         if gaps:
             notes.append(f"column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
+        elif np.ptp(array) == 0.0:
+            notes.append(f"column '{label}' never changes")
         kept[channel] = array
     for group in (*rig.inputs, *rig.measured):
         if not any(channel in kept for channel in group):

@@ -44,7 +44,8 @@ class TomlTable:
         self.file = file
         self.name = name
         if not isinstance(data, dict):
-            raise InputError(f"{file}: '{name}' is {kind_of(data)}, a table is wanted: write [{name}]")
+            example = f"[{name}]" if " " not in name else "{...}" if "." in name else f"[[{name.partition(' ')[0]}]]"
+            raise InputError(f"{file}: {name}: {shown(data)} is {kind_of(data)}, a table is wanted: write {example}")
         self.data: Mapping[str, Any] = data
 
     def where(self, key: str = "") -> str:

@@ -41,6 +41,7 @@ CSV = "time [s],pull_position [m],position [m],spring_force [N]\n" + "".join(
 
 def _write(folder: Path, case: dict) -> None:
     toml = EXPERIMENT.replace(*case["toml"]) if "toml" in case else EXPERIMENT
+    toml = case.get("prepend", "") + toml
     csv = case.get("whole_csv", CSV)
     csv = csv.replace(*case["csv"]) if "csv" in case else csv
     assert (toml, csv) != (EXPERIMENT, CSV) or set(case) & {"encoding", "delete"}, "the case changes nothing"
