@@ -31,8 +31,8 @@ class Check:
     """A value, its limit, and the verdict.
 
     `margin` is the part of the limit that is left: ``(limit - value)/|limit|`` where the value must stay below, with
-    the sign turned where it must reach the limit; negative when the check fails. With a limit of zero it is the distance
-    itself, in the unit of the value.
+    the sign turned where it must reach the limit; negative when the check fails. With a limit of zero it is the
+    distance itself, in the unit of the value.
     """
 
     name: str

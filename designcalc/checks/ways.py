@@ -97,8 +97,8 @@ def force_ripple(r: Reading) -> Check:
         "at most",
         "elastic deflection of the two ways under the load the tip takes off them each cycle",
         "m a/mu <= K x 1 nm, K of both ways",
-        f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; {show(K, 'N/m')} x {show(smooth, 'm')} = "
-        f"{show(K * smooth, 'N')}",
+        f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; "
+        f"{show(K, 'N/m')} x {show(smooth, 'm')} = {show(K * smooth, 'N')}",
         f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take smoothness with "
         "the drive at rest",
         thesis="1 nm smoothness beside a tip that pulses with the weight: one way's 150-190 N/um allow 0.15-0.19 N",

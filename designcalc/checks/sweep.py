@@ -1,0 +1,179 @@
+"""How the margins move when one parameter is swept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from designcalc.checks import run_checks
+from designcalc.checks.check import Check
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.mass_properties import MassProperties
+from stagecad.parameters.quantities import from_si, parse_quantity
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+DEFAULT_POINTS = 11
+
+
+@dataclass(frozen=True)
+class Range:
+    """What is swept: a key, and its values in the unit that its attribute keeps."""
+
+    key: str
+    unit: str
+    values: tuple[float, ...]
+
+    def override(self, value: float) -> str:
+        """`KEY=VALUE` as `--set` takes it."""
+        return f"{self.key}={value!r} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Point:
+    """One value of a sweep."""
+
+    value: float
+    """SI"""
+    checks: tuple[Check, ...]
+    refused: str = ""
+    """why the design does not stand with this value; then there are no checks"""
+
+
+def read_range(text: str, design: Design) -> Range:
+    """Read `KEY=LOW:HIGH[:N]`, N at least 2 (11 when left out).
+
+    Raises:
+        InputError: another form, an unknown key, a wrong quantity, or a key that is no number.
+    """
+    key, equals, rest = (part.strip() for part in text.partition("="))
+    parts = [part.strip() for part in rest.split(":")]
+    if not equals or len(parts) not in (2, 3) or not all(parts):
+        raise InputError(f"--sweep '{text}': write KEY=LOW:HIGH or KEY=LOW:HIGH:N, like stage.thickness=8mm:20mm:13")
+    entry = design.entry(key)
+    if isinstance(entry.value, str | bool):
+        raise InputError(f"--sweep '{text}': {key} = '{entry.text}' is no number")
+    low, high = (from_si(parse_quantity(part, entry.unit, f"--sweep {key}"), entry.unit) for part in parts[:2])
+    try:
+        count = int(parts[2]) if len(parts) == 3 else DEFAULT_POINTS
+    except ValueError:
+        count = 0
+    if not 2 <= count <= 10000:
+        raise InputError(f"--sweep '{text}': the number of points must be a whole number from 2 to 10000")
+    if not np.isfinite([low, high]).all() or low == high:
+        raise InputError(f"--sweep '{text}': the ends must be finite and differ")
+    # Twelve digits keep 'stage.thickness=12 mm' out of 12.000000000000002.
+    values = [float(f"{v:.12g}") for v in np.linspace(low, high, count)]
+    if isinstance(entry.value, int):
+        values = [float(v) for v in dict.fromkeys(round(v) for v in values)]
+        return Range(key, entry.unit, tuple(values))
+    return Range(key, entry.unit, tuple(values))
+
+
+def body_of(design: Design, base: Design, base_body: MassProperties | None) -> MassProperties | None:
+    """Mass properties of the moving body for a changed design, without making its solids.
+
+    The base design's body, measured, with the mass of the plain plate's change added: exact for a longer, wider or
+    thicker plate but for the features cut through it.
+    """
+    if base_body is None:
+        return None
+    change = _plate(design) - _plate(base)
+    if change == 0:
+        return base_body
+    scale = (base_body.mass + change) / base_body.mass
+    inertia = np.asarray(base_body.inertia, float) * scale
+    return MassProperties(
+        base_body.volume * scale, base_body.mass + change, base_body.centre_of_mass, inertia, base_body.bounding_box
+    )
+
+
+def sweep(
+    swept: Range,
+    load: Callable[[str], Design],
+    base: Design,
+    base_body: MassProperties | None,
+    advance: Callable[[], None] = lambda: None,
+    body: Callable[[Design], MassProperties | None] | None = None,
+) -> list[Point]:
+    """Run the checks at every value of a range.
+
+    Args:
+        swept: the range.
+        load: design with one more override, `KEY=VALUE`.
+        base: the design as it stands.
+        base_body: its moving body.
+        advance: called after each point.
+        body: moving body of a changed design; `body_of` when left out.
+
+    Returns:
+        a point for each value; one that breaks a rule of the design says so instead of its checks.
+    """
+    points: list[Point] = []
+    for value in swept.values:
+        points.append(run_point(swept, value, load, base, base_body, body))
+        advance()
+    return points
+
+
+def run_point(
+    swept: Range,
+    value: float,
+    load: Callable[[str], Design],
+    base: Design,
+    base_body: MassProperties | None,
+    body: Callable[[Design], MassProperties | None] | None = None,
+) -> Point:
+    """One value of a sweep; arguments as `sweep`."""
+    from stagecad.parameters.quantities import to_si
+
+    si = to_si(value, swept.unit)
+    try:
+        design = load(swept.override(int(value) if isinstance(base.value(swept.key), int) else value))
+    except InputError as error:
+        return Point(si, (), str(error))
+    moving = body(design) if body is not None else body_of(design, base, base_body)
+    return Point(si, tuple(run_checks(design, moving)))
+
+
+def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
+    """The sweep as a JSON document: values, and for each check its value, margin and verdict (null where refused)."""
+    names = list(dict.fromkeys(check.name for point in points for check in point.checks))
+    rows: dict[str, Any] = {}
+    for name in names:
+        found = [next((c for c in point.checks if c.name == name), None) for point in points]
+        unit = next(c.unit for c in found if c is not None)
+        rows[name] = {
+            "unit": unit,
+            "value": [None if c is None else c.value for c in found],
+            "margin": [None if c is None else c.margin for c in found],
+            "verdict": [None if c is None else c.verdict for c in found],
+        }
+    si_unit = {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit)
+    return {
+        "key": swept.key,
+        "values": [{"value": point.value, "unit": si_unit} for point in points],
+        "refused": [point.refused or None for point in points],
+        "checks": rows,
+    }
+
+
+def moved(points: Sequence[Point], least: float = 1e-3) -> list[str]:
+    """Names of the checks whose margin moves over the sweep by more than `least`, the most moved first."""
+    spread: dict[str, list[float]] = {}
+    for point in points:
+        for check in point.checks:
+            if check.margin is not None:
+                spread.setdefault(check.name, []).append(check.margin)
+    widths = {name: max(m) - min(m) for name, m in spread.items()}
+    return [name for name in sorted(widths, key=lambda n: -widths[n]) if widths[name] > least]
+
+
+def _plate(design: Design) -> float:
+    """Mass of the stage's plate without its features, kg."""
+    volume = design.si("stage.length") * design.si("stage.width") * design.si("stage.thickness")
+    return volume * design.si(f"materials.{design.value('stage.material')}.density")

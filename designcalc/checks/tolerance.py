@@ -1,0 +1,173 @@
+"""What the tolerances of the dimensions do to the margins."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designcalc.checks import run_checks
+from designcalc.checks.check import Check
+from designcalc.checks.sweep import body_of
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import MassProperties
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """What the tolerances make of one check's margin."""
+
+    name: str
+    nominal: float
+    low: float
+    """margin that 95 % of the machines exceed"""
+    high: float
+    """margin that 5 % of the machines exceed"""
+    failing: float
+    """share of the machines that fail"""
+    leading: str
+    """the dimension that moves it most"""
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What one dimension's tolerance does to the checks."""
+
+    key: str
+    tolerance: str
+    plus_minus: float
+    """m"""
+    share: float
+    """largest part of a margin that this tolerance alone uses up, over all checks"""
+    check: str
+    """the check where it does"""
+
+
+@dataclass(frozen=True)
+class ToleranceStudy:
+    """Spreads of all checks, and the dimensions by their influence, the largest first."""
+
+    samples: int
+    spreads: tuple[Spread, ...]
+    influences: tuple[Influence, ...]
+
+    @property
+    def matter_most(self) -> tuple[Influence, ...]:
+        """The three dimensions whose tolerance eats most of a margin."""
+        return self.influences[:3]
+
+    @property
+    def could_be_loosened(self) -> tuple[Influence, ...]:
+        """Three dimensions held to the tightest class there is, whose tolerance matters least to the checks."""
+        if not self.influences:
+            return ()
+        tightest = min(i.plus_minus for i in self.influences)
+        return tuple(i for i in reversed(self.influences) if i.plus_minus == tightest)[:3]
+
+    def as_json(self) -> dict[str, Any]:
+        """As a JSON document."""
+        return {
+            "samples": self.samples,
+            "checks": [dict(vars(s)) for s in self.spreads],
+            "matter_most": [_influence(i) for i in self.matter_most],
+            "could_be_loosened": [_influence(i) for i in self.could_be_loosened],
+        }
+
+
+def _influence(item: Influence) -> dict[str, Any]:
+    return {
+        "key": item.key,
+        "class": item.tolerance,
+        "plus_minus": {"value": item.plus_minus, "unit": "m"},
+        "share_of_margin": item.share,
+        "check": item.check,
+    }
+
+
+def tolerance_study(
+    design: Design,
+    load: Callable[[str], Design],
+    body: MassProperties | None,
+    samples: int = 10_000,
+    seed: int = 1,
+    advance: Callable[[int, int], None] = lambda done, total: None,
+) -> ToleranceStudy:
+    """Monte-Carlo of the margins over the tolerances of every dimension that a check reads.
+
+    Each dimension is moved to both ends of its tolerance by itself, the checks that read it are run again, and the
+    margins between are taken as separable parabolas ``m = m0 + sum(g_i x_i + h_i x_i^2)``; over hundredths of a
+    millimetre they are no more curved than that. The samples are drawn evenly between the ends, which is wider than a
+    shop in control makes them.
+
+    Args:
+        design: the design.
+        load: design with one more override `KEY=VALUE`, without the rules across values.
+        body: mass properties of the moving body, or None.
+        samples: number of machines.
+        seed: of the random numbers.
+        advance: called with dimensions done and their number.
+    """
+    base = run_checks(design, body)
+    named = {check.name: check for check in base if check.margin is not None}
+    readers: dict[str, set[str]] = {}
+    for check in base:
+        for key in check.inputs:
+            readers.setdefault(key, set()).add(check.subject)
+    keys = [entry.key for entry in design.entries if entry.key in readers and design.plus_minus(entry.key) > 0]
+    names = list(named)
+    nominal = np.array([named[n].margin for n in names], float)
+    slope, bend = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
+    for row, key in enumerate(keys):
+        ends = []
+        for sign in (-1, 1):
+            # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
+            value = float(design.value(key)) + sign * design.plus_minus(key)
+            changed = load(f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
+            again = run_checks(changed, body_of(changed, design, body), tuple(readers[key]))
+            ends.append(_margins(again, names, nominal))
+        slope[row] = (ends[1] - ends[0]) / 2
+        bend[row] = (ends[1] + ends[0]) / 2 - nominal
+        advance(row + 1, len(keys))
+    x = np.random.default_rng(seed).uniform(-1, 1, (samples, len(keys)))
+    margins = nominal + x @ slope + x**2 @ bend
+    low, high = np.quantile(margins, [0.05, 0.95], axis=0)
+    reach = np.maximum(np.abs(slope + bend), np.abs(slope - bend))
+    room = np.maximum(np.abs(nominal), 0.01)
+    used = reach / room
+    spreads = tuple(
+        Spread(
+            name,
+            float(nominal[i]),
+            float(low[i]),
+            float(high[i]),
+            float(np.mean(margins[:, i] < -1e-9)),
+            keys[int(np.argmax(reach[:, i]))] if len(keys) and reach[:, i].any() else "",
+        )
+        for i, name in enumerate(names)
+    )
+    influences = [
+        Influence(
+            key,
+            design.tolerance(key) or "",
+            design.plus_minus(key) * 1e-3,
+            float(used[row].max()),
+            names[int(np.argmax(used[row]))],
+        )
+        for row, key in enumerate(keys)
+    ]
+    influences.sort(key=lambda i: -i.share)
+    return ToleranceStudy(samples, spreads, tuple(influences))
+
+
+def _margins(checks: Sequence[Check], names: Sequence[str], nominal: Array) -> Array:
+    """Margins by name; the nominal one where a check was not run again."""
+    found = {check.name: check.margin for check in checks}
+    values = [found.get(name) for name in names]
+    return np.array([base if value is None else value for value, base in zip(values, nominal)], float)

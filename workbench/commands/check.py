@@ -1,0 +1,227 @@
+"""`stagecad check`: every design check, with value, limit, margin and what would pass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from stagecad.parameters.atomic import atomic_path, atomic_write_text
+from workbench.options import Run, common_options, finite
+
+if TYPE_CHECKING:
+    from designcalc.checks.check import Check
+    from designcalc.checks.sweep import Point, Range
+    from designcalc.checks.tolerance import ToleranceStudy
+    from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import MassProperties
+
+
+@click.command("check")
+@click.option("--sweep", "swept", metavar="KEY=LOW:HIGH[:N]", help="Show how the margins move over one parameter.")
+@click.option("--tolerance", is_flag=True, help="Monte-Carlo over the tolerances of the dimensions.")
+@click.option(
+    "--samples", type=click.IntRange(100, 1_000_000), default=10_000, show_default=True, help="Of --tolerance."
+)
+@click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
+@click.option("--figures", is_flag=True, help="Draw the rail curve and the map of the teeth.")
+@click.option("--scheduler", metavar="ADDRESS", help="Send the sweep to a dask cluster.")
+@common_options
+def command(
+    run: Run,
+    swept: str | None,
+    tolerance: bool,
+    samples: int,
+    solids: bool,
+    figures: bool,
+    scheduler: str | None,
+) -> int:
+    """Run every design check on the parameter file; exit status 1 when one fails."""
+    from designcalc.checks import run_checks
+    from designcalc.checks.sweep import read_range
+
+    design = run.design
+    wanted = read_range(swept, design) if swept is not None else None
+    body = moving_body(run) if solids else None
+    checks = run_checks(design, body)
+    folder = run.out / "checks"
+    write_files(checks, folder)
+    _print(run, checks)
+    document: Any = [check.as_json() for check in checks]
+    if wanted is not None or tolerance:
+        document = {"checks": document}
+    if wanted is not None:
+        from designcalc.checks.sweep import table
+
+        points = _sweep(run, wanted, body, solids, scheduler)
+        document["sweep"] = table(wanted, points)
+        _print_sweep(run, wanted, points, folder)
+    if tolerance:
+        study = _tolerance(run, design, body, samples)
+        document["tolerance"] = study.as_json()
+        _print_tolerance(run, study)
+    if figures:
+        from workbench.check_figures import rail_figure, teeth_figure
+
+        for name, draw in (("rail", rail_figure), ("teeth", teeth_figure)):
+            if draw(design, folder / f"{name}.png"):
+                run.say(f"figure {folder / f'{name}.png'}")
+    run.emit(document)
+    return 1 if any(check.verdict == "fails" for check in checks) else 0
+
+
+def moving_body(run: Run) -> MassProperties:
+    """Mass properties of the moving body, from the cached solids; made when missing."""
+    from stagecad.solids.machine import find_machine, make_machine
+    from stagecad.solids.registry import part_names
+
+    machine = find_machine(run.design)
+    if machine is None:
+        with run.progress() as progress:
+            task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
+            machine = make_machine(run.design, advance=lambda name: progress.update(task, advance=1, description=name))
+    return machine.moving_body
+
+
+def write_files(checks: Sequence[Check], folder: Path) -> None:
+    """Write the checks as `checks.md` and `checks.json`."""
+    import json
+
+    from designcalc.checks.report import markdown
+
+    atomic_write_text(folder / "checks.md", markdown(checks))
+    document = finite([check.as_json() for check in checks])
+    atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+
+
+def _load(run: Run, override: str, rules: bool = True) -> Design:
+    """The run's design with one more override."""
+    from stagecad.parameters.design import load_design
+
+    path = run.params
+    if path is None and Path("stage.toml").is_file():
+        path = Path("stage.toml")
+    return load_design(path, (*run.overrides, override), rules=rules)
+
+
+def _solid_body(run: Run, design: Design) -> MassProperties:
+    from stagecad.solids.machine import find_machine, make_machine
+
+    return (find_machine(design) or make_machine(design)).moving_body
+
+
+def _sweep(run: Run, wanted: Range, body: MassProperties | None, solids: bool, scheduler: str | None) -> list[Point]:
+    from designcalc.checks.sweep import run_point, sweep
+
+    load = partial(_load, run)
+    if scheduler is None:
+        with run.progress() as progress:
+            task = progress.add_task("sweep", total=len(wanted.values))
+            return sweep(wanted, load, run.design, body, advance=lambda: progress.update(task, advance=1))
+    from workbench.cluster import cluster_map
+
+    shape = partial(_solid_body, run) if solids else None
+    return cluster_map(
+        scheduler, partial(_remote_point, run_point, wanted, load, run.design, body, shape), wanted.values
+    )
+
+
+def _remote_point(point: Any, wanted: Any, load: Any, base: Any, body: Any, shape: Any, value: float) -> Any:
+    return point(wanted, value, load, base, body, shape)
+
+
+def _tolerance(run: Run, design: Design, body: MassProperties | None, samples: int) -> ToleranceStudy:
+    from designcalc.checks.tolerance import tolerance_study
+
+    with run.progress() as progress:
+        task = progress.add_task("tolerances", total=None)
+        return tolerance_study(
+            design,
+            partial(_load, run, rules=False),
+            body,
+            samples,
+            advance=lambda done, total: progress.update(task, completed=done, total=total),
+        )
+
+
+_STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
+
+
+def _print(run: Run, checks: Sequence[Check]) -> None:
+    from rich.table import Table
+
+    from designcalc.checks.report import counted, shown, shown_limit, shown_margin
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for column in ("check", "value", "limit", "margin", "verdict"):
+        table.add_column(column, justify="right" if column in ("value", "margin") else "left")
+    subject = ""
+    for check in checks:
+        if check.subject != subject:
+            subject = check.subject
+            table.add_row(f"[bold]{subject}[/bold]")
+        style = _STYLE[check.verdict]
+        table.add_row(
+            f"  {check.name}",
+            shown(check.value, check.unit),
+            shown_limit(check),
+            shown_margin(check),
+            f"[{style}]{check.verdict}[/{style}]",
+        )
+    run.console.print(table)
+    failing = [check for check in checks if check.verdict != "passes"]
+    if failing:
+        run.console.print("\n[bold]What would pass[/bold]")
+    for check in failing:
+        run.say(f"- {check.name}: {check.proposal or check.note or 'see the formula'}")
+    run.say(f"{counted(checks)}; every formula with its numbers: {run.out / 'checks' / 'checks.md'}")
+
+
+def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path) -> None:
+    from rich.table import Table
+
+    from designcalc.checks.report import shown, shown_margin
+    from designcalc.checks.sweep import moved
+
+    names = moved(points)
+    table = Table(title=f"margins over {wanted.key}", pad_edge=False)
+    table.add_column(wanted.key, justify="right")
+    for name in names[:6]:
+        table.add_column(name, justify="right")
+    unit = {"mm": "m", "deg": "rad"}.get(wanted.unit, wanted.unit)
+    for point in points:
+        found = {check.name: check for check in point.checks}
+        cells = [shown_margin(found[name]) if name in found else "-" for name in names[:6]]
+        table.add_row(shown(point.value, unit), *cells)
+    run.console.print(table)
+    for point in points:
+        if point.refused:
+            run.say(f"- {shown(point.value, unit)}: {point.refused}")
+    if not names:
+        run.say(f"no margin moves with {wanted.key}")
+        return
+    from workbench.check_figures import sweep_figure
+
+    path = folder / f"sweep_{wanted.key.replace('.', '_')}.png"
+    with atomic_path(path) as temporary:
+        sweep_figure(wanted, points, names[:8], temporary)
+    run.say(f"figure {path}")
+
+
+def _print_tolerance(run: Run, study: ToleranceStudy) -> None:
+    from rich.table import Table
+
+    table = Table(title=f"margins of {study.samples} machines", pad_edge=False)
+    for column in ("check", "nominal", "5 %", "95 %", "failing", "moved most by"):
+        table.add_column(column, justify="left" if column in ("check", "moved most by") else "right")
+    for spread in sorted(study.spreads, key=lambda s: s.low - s.high):
+        if spread.leading and spread.high - spread.low > 1e-4:
+            numbers = [f"{100 * value:+.2f} %" for value in (spread.nominal, spread.low, spread.high)]
+            table.add_row(spread.name, *numbers, f"{100 * spread.failing:.1f} %", spread.leading)
+    run.console.print(table)
+    for title, items in (("matter most", study.matter_most), ("could be loosened", study.could_be_loosened)):
+        listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
+        run.say(f"{title}: {listed}")
