@@ -42,11 +42,13 @@ class Balance:
     smooth: GaussianFilter
     whole: GaussianFilter | None = None
     direction: np.ndarray | None = None
+    turns: np.ndarray | None = None
     force_channel: str = ""
     jitter: float = 0.0
     inputs: dict[str, np.ndarray] = field(default_factory=dict)
     applied: np.ndarray | None = None
     acceleration_noise: float = 0.0
+    position_noise: float = 0.0
     stretch: float = 0.0
     coordinates: dict[str, np.ndarray] = field(default_factory=dict)
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)

@@ -12,6 +12,7 @@ from sim.custom import load_all_custom
 from sim.effect import Effect
 from sim.library import find
 from stagecad.parameters.errors import InputError
+from sysid.balance import Balance
 from sysid.base_fit import Fitted, fit_model
 from sysid.experiment import DesignValues, Experiment, load_experiment
 from sysid.fit import Unknown
@@ -95,6 +96,7 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
     model = Model((), rig, tuple(rig_unknowns))
     for name in names:
         model = with_effect(model, find(name, custom), scales)
+    model = _with_stretch(model, fits)
     model = _with_settings(model, experiment)
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
@@ -240,6 +242,19 @@ def _prepare(
             width = balance.whole.width if balance.whole is not None else None
             prepared.append(balance)
     return prepared
+
+
+def _with_stretch(model: Model, records: Sequence[Prepared]) -> Model:
+    """On a driven mass the Coulomb bristle's stretch is fitted too, below the position's noise: it sets how sharply
+    friction turns round, which the balance feels though the position cannot show it."""
+    key = "coulomb.stretch"
+    noises = [r.position_noise for r in records if isinstance(r, Balance) and r.turns is not None]
+    if key not in model.values or not noises:
+        return model
+    highest = max(noises)
+    start = 0.05 * highest
+    values = {**model.values, key: start}
+    return Model(model.effects, values, (*model.unknowns, Unknown(key, start, 1e-4 * highest, highest, start)))
 
 
 def _with_settings(model: Model, experiment: Experiment) -> Model:

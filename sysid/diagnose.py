@@ -83,7 +83,7 @@ def try_all(
                 candidate=candidate,
                 error=ranking_error(residual),
                 gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
-                significance=_significance(before - loss),
+                significance=_significance(base.residual, residual, numbers),
                 fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
                 block_loss=loss,
                 residual=residual,
@@ -100,9 +100,19 @@ def _chance(drops: np.ndarray, flips: int = 2000) -> float:
     return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + flips))
 
 
-def _significance(drops: np.ndarray) -> float:
-    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
-    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0 else 0.0
+def _significance(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) -> float:
+    """Drop of the squared residual over its standard error, were the better model's residual all noise.
+
+    The drop of r^2 to (r - d)^2 is 2 r d - d^2; its noise is that of 2 r d, summed within blocks of time so that
+    correlated samples count once, and with the residual's own size where d is large, so that a rough spot weighs less.
+    """
+    d = worse - better
+    drop = float(huber_square(worse).sum() - huber_square(better).sum())
+    sums = np.bincount(numbers, d * np.clip(better, -8.0, 8.0))
+    # Within a block noise may cancel by luck: no less than independent samples would give.
+    floor = float(np.sum((d * np.clip(better, -8.0, 8.0)) ** 2))
+    spread = 2.0 * float(np.sqrt(max(float(np.sum(sums**2)), floor)))
+    return drop / spread if spread > 0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -191,15 +201,22 @@ def judge(
         return done("missing-effect", quantised, (), left, "the measured values lie on a grid coarser than the noise")
     best = best_of_family[0] if best_of_family else None
     worthwhile = best is not None and is_worthwhile(base, best)
+    enough = ADEQUATE_OVER_NOISE[case.form]
+    pattern = max((m.share for m in maps), default=0.0)
     if best is None or not worthwhile:
-        if over <= ADEQUATE_OVER_NOISE:
+        if over <= enough:
             return done("adequate", None, (), 0.0, "what is left is noise, and no effect lowers it on the held-out record")
+        if pattern < LEAST_PATTERN:
+            return done(
+                "adequate", None, (), 0.0,
+                "no effect lowers what is left, and it follows no coordinate: noise, though more than was stated or estimated",
+            )  # fmt: skip
         return done("unexplained", None, (), 1.0, "the misfit is above the noise, and no effect lowers it on the held-out record")
-    ties, best = tied(base, best_of_family)
+    ties, best = tied(case, base, best_of_family)
     after = excess(best.after_fit, best.after_validate)
     left = _left(over, after)
-    share = explained_share(base, best)
-    if over <= ADEQUATE_OVER_NOISE and share < 0.5:
+    share = max(explained_share(base, best), 1.0 - left)
+    if over <= enough and (share < 0.5 or best.family in AT_REVERSALS):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     if share >= SHARE_ENOUGH or after <= 1.5:
         return done("missing-effect", best, ties, left, "explains what can be explained")
@@ -212,16 +229,23 @@ def judge(
     )  # fmt: skip
 
 
-ADEQUATE_OVER_NOISE = 1.15
-"""Robust error over noise up to which a model is adequate: the noise itself is known to no better than that."""
+ADEQUATE_OVER_NOISE = {"output": 1.15, "force_balance": 1.35}
+"""Robust error over noise up to which a model is adequate, by form: the noise itself is known to no better, and a force
+balance has besides the errors of when exactly the axis turned."""
 
-SHARE_ENOUGH = 0.90
+AT_REVERSALS = ("frictional_lag", "bristle_damping", "presliding", "backlash", "drive_lag", "drive_delay", "flexible_mode")
+"""Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
+
+LEAST_PATTERN = 0.15
+"""Share of the residual's variance that some coordinate must explain before it counts as a pattern."""
+
+SHARE_ENOUGH = 0.80
 """Share of the loss above the noise from which one effect is the explanation."""
 
 SHARE_OF_TWO = 0.96
 """Share that two effects must take together, where one alone leaves much."""
 
-LEAST_SIGNIFICANCE = 3.0
+LEAST_SIGNIFICANCE = 4.0
 LEAST_GAIN = 0.06
 
 
@@ -264,14 +288,15 @@ def explained_share(base: BaseFit, trial: Trial) -> float:
     return float((before - trial.error**2) / max(before - floor, 1e-9))
 
 
-def tied(base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
+def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
     """Effects whose held-out loss differs from the best one's by chance only, and the simplest of them as the best."""
     first = ranked[0]
+    numbers = blocks(case.validate_records, base.weights)
     gained = ranking_error(base.residual) ** 2 - first.error**2
     group = [first]
     for other in ranked[1:]:
         behind = other.error**2 - first.error**2
-        if behind <= 0.03 * gained and _significance(other.block_loss - first.block_loss) < 2.5:
+        if behind <= 0.03 * gained and _significance(other.residual, first.residual, numbers) < 2.5:
             group.append(other)
     best = min(group, key=lambda t: (_count(t), t.error))
     names = [t.family for t in group if t is not best][:2]
@@ -305,7 +330,7 @@ def _quantisation(case: Case, base: BaseFit) -> Trial | None:
     after_fit = misfit(refit.fitted.model, other.fit_records)
     after = misfit(refit.fitted.model, other.validate_records)
     before = excess(misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records))
-    if before <= ADEQUATE_OVER_NOISE or excess(after_fit, after) > 0.7 * before:
+    if before <= ADEQUATE_OVER_NOISE[case.form] or excess(after_fit, after) > 0.9 * before:
         return None
     error = ranking_error(refit.residual)
     candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)

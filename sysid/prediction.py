@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.effect import Axis, Effect
 from sysid.balance import Balance
+from sysid.reversals import sharp_friction
 
 Values = Mapping[str, float]
 """Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
@@ -95,8 +96,11 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     else:
         # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
         assert balance.whole is not None and balance.direction is not None and balance.applied is not None
-        held = np.clip(balance.applied - forces, -level, level)
-        sharp = balance.stuck * held + balance.direction * level
+        assert balance.turns is not None
+        sharp = sharp_friction(
+            balance.direction, balance.stuck, balance.turns, balance.applied - forces,
+            np.ascontiguousarray(level, dtype=float), values_of(core, values).stretch, balance.step**2 / mass,
+        )  # fmt: skip
         friction = forces
         inertia = inertia + balance.whole(sharp)
     total = balance.smooth(friction) + inertia

@@ -149,7 +149,7 @@ def driven_mass(
     axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
     acceleration = whole(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
-    direction, stuck = sharp_direction(
+    direction, stuck, turns = sharp_direction(
         position,
         velocity,
         force / mass * step**2 if mass > 0 else np.zeros(n),
@@ -181,7 +181,7 @@ def driven_mass(
             )
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
-        noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole, direction=direction,
-        force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force, acceleration_noise=acceleration_noise,
+        noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole, direction=direction, turns=turns,
+        force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force, acceleration_noise=acceleration_noise, position_noise=sigma_position,
         stretch=12.0 * sigma_position * light.noise_gain(0, correlation),
     )  # fmt: skip

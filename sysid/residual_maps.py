@@ -97,8 +97,11 @@ def _means(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
 
 
 def _share(residual: np.ndarray, predicted: np.ndarray) -> float:
-    total = float(residual @ residual)
-    return 1.0 - float(np.sum((residual - predicted) ** 2)) / total if total > 0 else 0.0
+    """Share of the squared residual that the map explains, its size free but not its sign."""
+    total, own = float(residual @ residual), float(predicted @ predicted)
+    if total <= 0.0 or own <= 0.0:
+        return 0.0
+    return max(0.0, float(residual @ predicted)) ** 2 / (total * own)
 
 
 def residual_maps(
@@ -216,7 +219,7 @@ def _p_value(
     own = float(np.sum(predicted**2))
     total = float(residual @ residual)
     signs = rng.choice([-1.0, 1.0], size=(PERMUTATIONS, inner.size))
-    shares = (2.0 * signs @ inner - own) / total
+    shares = np.maximum(signs @ inner, 0.0) ** 2 / (total * own)
     return float((1 + np.sum(shares >= share)) / (1 + PERMUTATIONS))
 
 

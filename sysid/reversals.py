@@ -116,7 +116,7 @@ def sharp_direction(
     reach: int,
     search: float,
     shortest: int,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Direction of motion with its flips where they happened, and how much of each step was spent at rest.
 
     Args:
@@ -131,6 +131,7 @@ def sharp_direction(
     Returns:
         direction (n,), in [-1, 1]: the sign of the motion, averaged over the step around each sample; 0 at rest.
         rest (n,), in [0, 1]: the part of the step around each sample spent at rest.
+        turns (k,): times of the turns without a rest between, in samples, signed by the direction after them.
     """
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
@@ -141,7 +142,7 @@ def sharp_direction(
     moving = np.flatnonzero(sign)
     direction, rest = np.zeros(n), np.zeros(n)
     if moving.size == 0:
-        return direction, np.ones(n)
+        return direction, np.ones(n), np.empty(0)
     # Where one stretch of motion ends (sample i) and the next begins (sample j), with or without a rest between.
     last, first = moving[:-1], moving[1:]
     ends = np.flatnonzero((first - last > 1) | (sign[first] != sign[last]))
@@ -162,7 +163,78 @@ def sharp_direction(
     end = float(moving[-1]) + 0.5
     _paint(direction, start, end, float(sign[moving[-1]]))
     _paint(rest, end, n - 0.5, 1.0)
-    return direction, rest
+    turns = times[through] * sign[j[through]]
+    return direction, rest, turns
+
+
+@compiled
+def sharp_friction(
+    direction: np.ndarray,
+    rest: np.ndarray,
+    turns: np.ndarray,
+    applied: np.ndarray,
+    level: np.ndarray,
+    stretch: float,
+    scale: float,
+) -> np.ndarray:
+    """Coulomb friction (n,) of a body that forces act on, before any filter.
+
+    While it moves, the level against the motion. While it rests, what is applied, up to the level. After a turn the
+    bristle that was stretched one way is followed to the other, from rest, step by step in sixteenths of a sample: it
+    passes its 2 `stretch` in a fraction of a sample where the drive is strong, and holds the body where it is weak, for
+    a time too short for the position to show, but not for the balance.
+
+    Args:
+        direction: mean sign of the motion over each step, (n,).
+        rest: part of each step spent at rest, (n,).
+        turns: times of the turns without a visible rest, in samples, signed by the direction after them, (k,).
+        applied: force that friction has to hold at rest, N, (n,).
+        level: friction level, N, (n,).
+        stretch: displacement at which the bristle slips, m.
+        scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
+    """
+    n = direction.size
+    out = np.empty(n)
+    for i in range(n):
+        out[i] = rest[i] * min(level[i], max(-level[i], applied[i])) + direction[i] * level[i]
+    parts = 16
+    for k in range(turns.size):
+        t0, heading = abs(turns[k]), (1.0 if turns[k] > 0.0 else -1.0)
+        i = int(np.floor(t0 + 0.5))
+        if i < 0 or i >= n:
+            continue
+        gone, speed = 0.0, 0.0
+        before = t0 - (i - 0.5)
+        slipped = False
+        first = True
+        while i < n and not slipped:
+            share = 1.0 - before if first else 1.0
+            if not first and direction[i] * heading < 0.999:
+                break
+            g, u = level[i], applied[i] * heading
+            if g <= 0.0:
+                break
+            total = 0.0
+            pause = share / parts
+            for _ in range(parts):
+                force = g * min(1.0, gone / stretch - 1.0)
+                push = u - force
+                if speed <= 0.0 and push <= 0.0:
+                    # Held: the bristle rests where it balances what is applied.
+                    speed = 0.0
+                    force = max(-g, min(g, u))
+                    gone = stretch * (force / g + 1.0)
+                else:
+                    speed += push * scale * pause
+                    gone = max(0.0, gone + speed * pause)
+                    if gone >= 2.0 * stretch:
+                        slipped = True
+                        force = g
+                total += force / parts
+            out[i] = heading * (share * total - (before * g if first else 0.0))
+            first = False
+            i += 1
+    return out
 
 
 def _paint(cells: np.ndarray, start: float, stop: float, value: float) -> None:
