@@ -62,6 +62,11 @@ COMPUTED: dict[str, Formula] = {
     "bearing_way.bolt_count": Formula(
         "(bearing_way.length - 2 bearing_way.bolt_end) / bearing_way.bolt_spacing + 1, rounded down", _bolt_count
     ),
+    "tip.relief_depth": Formula(
+        "actuator.tip_height + tip.seat_depth - tip.relief_cover",
+        lambda d: d.actuator.tip_height + d.tip.seat_depth - d.tip.relief_cover,
+        "X.X",
+    ),
     "base.width": Formula(
         "base.way_gap + 2 bearing_way.width", lambda d: d.base.way_gap + 2 * d.bearing_way.width, "X"
     ),
