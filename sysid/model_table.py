@@ -120,6 +120,7 @@ def _set(table: Any, key: str, value: Any) -> None:
             inner = tomlkit.table()
             for name, setting in value.items():
                 inner[name] = _inline(setting)
+            inner.add(tomlkit.nl())
             table[key] = inner
         else:
             table[key] = _inline(value)

@@ -84,6 +84,13 @@ def test_first_rung_keeps_the_model_before_and_every_comment(tmp_path):
     assert not edited_by_hand(after, rungs)
 
 
+def test_a_new_table_of_parameters_leaves_a_blank_line_behind(tmp_path):
+    plain = "\n".join(line for line in TEXT.splitlines() if "coulomb.force" not in line and "parameters" not in line)
+    experiment = _rig(tmp_path, plain)
+    _add(experiment, "stribeck")
+    assert '"coulomb.force" = {start = "1.3 N"}\n\n[[record]]' in experiment.path.read_text()
+
+
 def test_undo_restores_the_file_byte_for_byte_and_keeps_the_rung(tmp_path):
     experiment = _rig(tmp_path)
     _add(experiment, "stribeck")
