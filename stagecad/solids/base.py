@@ -20,49 +20,25 @@ Features and what each is for
 - Lifting holes in the top corners (the block weighs some 90 kg), and three foot holes in the underside: three feet
   carry the block without bending it.
 """
+
 from __future__ import annotations
 
-import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
-
-from stagecad.solids.base_clamp import clamp_cutters, pocket_centres
+from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.solids.base_clamp import clamp_cutters, clamp_datums
+from stagecad.solids.base_dimensions import declare_base
+from stagecad.solids.base_places import bar_hole_places, pocket_centres, reach_side, way_hole_places
 from stagecad.solids.blocks import cut_all, plate
-from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
+from stagecad.solids.declare import Declarations, X, Z, named
+from stagecad.solids.holes import OVERRUN, corners, repeated, stepped_hole
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 NAME = "base"
 
 Place = tuple[float, float, float]
-
-
-def reach_side(pocket: int) -> float:
-    """The side face from which a pocket's height screw is reached: +1 for +x (pocket 1), -1 for -x (2 and 3)."""
-    return 1.0 if pocket == 1 else -1.0
-
-
-def way_hole_places(design: Any) -> list[tuple[float, float]]:
-    """Places (x, y) of the tapped holes under the ways, mm: the left way's (y > 0) first, each by rising x."""
-    way = design.bearing_way
-    count = int(way.bolt_count)
-    across = design.base.way_gap / 2 + way.width - way.bolt_edge
-    return [((i - (count - 1) / 2) * way.bolt_spacing, side * across) for side in (1, -1) for i in range(count)]
-
-
-def bar_hole_places(design: Any) -> list[tuple[float, float]]:
-    """Places (x, y) of the tapped holes for the tooth bars' screws, mm."""
-    bar = design.tooth_bar
-    along = (bar.length - bar.end_length) / 2
-    across = design.teeth.bar_spacing / 2
-    return [
-        (x, side * across + step)
-        for side in (1, -1) for x in (-along, along) for step in (-bar.screw_spacing / 2, bar.screw_spacing / 2)
-    ]
-
-
-def corners(along: float, across: float) -> list[tuple[float, float]]:
-    """The four points (x, y) of a rectangle about the origin."""
-    return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]
 
 
 def build(design: Any) -> cq.Solid:
@@ -74,21 +50,24 @@ def build(design: Any) -> cq.Solid:
 
     def tapped(drill: float, depth: float, places: list[tuple[float, float]], *, up: bool = False) -> None:
         z = -base.height if up else 0.0
-        hole = stepped_hole((0, 0, z), (0, 0, 1 if up else -1), [(drill, depth)],
-                            mouth_chamfer=base.hole_chamfer, drill_point=True)
+        hole = stepped_hole(
+            (0, 0, z), (0, 0, 1 if up else -1), [(drill, depth)], mouth_chamfer=base.hole_chamfer, drill_point=True
+        )
         cutters.extend(repeated(hole, [(x, y, 0.0) for x, y in places]))
 
     tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, way_hole_places(design))
     tapped(threads.m10_tap_drill, base.lift_drill_depth, corners(base.lift_spacing_along, base.lift_spacing_across))
-    tapped(threads.m6_tap_drill, base.bracket_drill_depth,
-           corners(base.bracket_spacing_along, base.bracket_spacing_across))
+    tapped(
+        threads.m6_tap_drill, base.bracket_drill_depth, corners(base.bracket_spacing_along, base.bracket_spacing_across)
+    )
     along, across = base.foot_spacing_along / 2, base.foot_spacing_across / 2
     tapped(threads.m10_tap_drill, base.foot_drill_depth, [(-along, 0.0), (along, -across), (along, across)], up=True)
     if design.teeth.fitted:
         tapped(threads.m5_tap_drill, base.bar_drill_depth, bar_hole_places(design))
 
-    pin = stepped_hole((0, 0, 0), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)],
-                       mouth_chamfer=base.hole_chamfer)
+    pin = stepped_hole(
+        (0, 0, 0), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)], mouth_chamfer=base.hole_chamfer
+    )
     edge = base.way_gap - base.setting_pin_hole
     cutters += repeated(pin, [(x, y, 0.0) for x, y in corners(base.setting_pin_spacing, edge)])
 
@@ -104,12 +83,14 @@ def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
     face = side * base.length / 2
     to_axis = abs(face - x)
     pocket = stepped_hole(
-        (x, y, 0), (0, 0, -1),
+        (x, y, 0),
+        (0, 0, -1),
         [(base.pocket_diameter, base.pocket_depth), (base.pin_2_bore, base.pin_1_axis_depth)],
         mouth_chamfer=base.pocket_chamfer,
     )
     bore = stepped_hole(
-        (face, y, -base.pin_1_axis_depth), (-side, 0, 0),
+        (face, y, -base.pin_1_axis_depth),
+        (-side, 0, 0),
         [
             (base.set_screw_access, to_axis - base.set_screw_thread_start),
             (design.threads.unc_1_tap_drill, to_axis - base.set_screw_thread_end),
@@ -118,8 +99,52 @@ def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
         mouth_chamfer=base.hole_chamfer,
     )
     vent_at = x - side * (base.pin_1_bore_end - base.vent_hole)
-    vent = stepped_hole((vent_at, y, -base.height), (0, 0, 1),
-                        [(base.vent_hole, base.height - base.pin_1_axis_depth)], mouth_chamfer=base.hole_chamfer)
-    channel = plate(((x + face + side * OVERRUN) / 2, y, -base.lead_channel_depth), to_axis + OVERRUN,
-                    base.lead_channel_width, base.lead_channel_depth + OVERRUN)
+    vent = stepped_hole(
+        (vent_at, y, -base.height),
+        (0, 0, 1),
+        [(base.vent_hole, base.height - base.pin_1_axis_depth)],
+        mouth_chamfer=base.hole_chamfer,
+    )
+    channel = plate(
+        ((x + face + side * OVERRUN) / 2, y, -base.lead_channel_depth),
+        to_axis + OVERRUN,
+        base.lead_channel_width,
+        base.lead_channel_depth + OVERRUN,
+    )
     return [pocket, bore, vent, channel]
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.base.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Seats of the ways, pockets, pin bores, springs, clamp screws and tooth bars."""
+    base, way = design.base, design.bearing_way
+    across = (base.way_gap + way.width) / 2
+    found = [
+        Datum("top", (0.0, 0.0, 0.0), Z),
+        Datum("bearing_way_left", (0.0, across, 0.0), Z, (-1.0, 0.0, 0.0)),
+        Datum("bearing_way_right", (0.0, -across, 0.0), Z),
+    ]
+    for k, (x, y) in enumerate(pocket_centres(design), start=1):
+        side = (reach_side(k), 0.0, 0.0)
+        found += [
+            Datum(f"pocket_{k}", (x, y, 0.0), Z),
+            Datum(f"pin_1_bore_{k}", (x, y, -base.pin_1_axis_depth), side, Z),
+            Datum(f"pin_2_bore_{k}", (x, y, -base.pocket_depth), Z, side),
+            Datum(f"spring_{k}", (x - side[0] * base.pin_1_bore_end, y, -base.pin_1_axis_depth), side, Z),
+        ]
+    found += clamp_datums(design)
+    if design.teeth.fitted:
+        half = design.teeth.bar_spacing / 2
+        found += [Datum("tooth_bar_left", (0.0, half, 0.0), Z, X), Datum("tooth_bar_right", (0.0, -half, 0.0), Z, X)]
+    return named(*found)
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the base."""
+    declarations = Declarations(design)
+    declare_base(declarations, design)
+    return tuple(declarations)

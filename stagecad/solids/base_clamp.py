@@ -11,17 +11,19 @@ All go through the whole depth of the base (one set-up of wire or saw), so that 
 finger still joined to the floor would be over-stiff. Its free end is drawn along the pocket's tangent, and the finger
 lays itself round the holder like a band brake. Arc slots and pocket also let air out as the holder goes in.
 """
+
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
-
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.base_places import Flat, pocket_centres
 from stagecad.solids.holes import OVERRUN, stepped_hole
 
-Flat = tuple[float, float]
+if TYPE_CHECKING:
+    import cadquery as cq
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,8 @@ class Clamp:
     """Side of the pocket the finger is on: +1 for +y, -1 for -y."""
     slot: float
     """u of the gap slot."""
-    finger: float
-    """Angle of the finger around the pocket, from gap slot to neck."""
+    neck: float
+    """Angle of the neck about the pocket, from u, in degrees."""
 
     def place(self, u: float, v: float) -> Flat:
         """The point (u, v) of the clamp in part coordinates."""
@@ -49,23 +51,11 @@ class Clamp:
         """Angle from u to the gap slot's crossing with a circle about the pocket, radians."""
         return math.acos(self.slot / radius)
 
-    def neck_angle(self, radius: float) -> float:
-        """Angle from u to the neck, radians; radius is the pocket's."""
-        return self.start_angle(radius) + math.radians(self.finger)
-
     def relief_hole(self, design: Any) -> Flat:
         """Centre of the relief hole, part coordinates."""
         base = design.base
-        radius = base.pocket_diameter / 2
-        reach, angle = radius + base.clamp_neck + base.clamp_relief_hole / 2, self.neck_angle(radius)
+        reach, angle = (base.pocket_diameter + base.clamp_relief_hole) / 2 + base.clamp_neck, math.radians(self.neck)
         return self.place(reach * math.cos(angle), reach * math.sin(angle))
-
-
-def pocket_centres(design: Any) -> list[Flat]:
-    """Axes (x, y) of pockets 1, 2, 3, mm: an equilateral triangle with actuator 1 at the origin, the others at -x."""
-    spacing = design.base.actuator_spacing
-    back = -spacing * math.sqrt(3.0) / 2
-    return [(0.0, 0.0), (back, spacing / 2), (back, -spacing / 2)]
 
 
 def clamps(design: Any) -> list[Clamp]:
@@ -75,10 +65,10 @@ def clamps(design: Any) -> list[Clamp]:
     """
     base, (one, two, three) = design.base, pocket_centres(design)
     return [
-        Clamp(1, one, 1.0, 1.0, base.clamp_slot_1, base.clamp_finger_1),
-        Clamp(1, one, 1.0, -1.0, base.clamp_slot_1, base.clamp_finger_1),
-        Clamp(2, two, -1.0, 1.0, -base.clamp_slot_2, base.clamp_finger_2),
-        Clamp(3, three, -1.0, -1.0, -base.clamp_slot_2, base.clamp_finger_2),
+        Clamp(1, one, 1.0, 1.0, base.clamp_slot_1, base.clamp_neck_angle_1),
+        Clamp(1, one, 1.0, -1.0, base.clamp_slot_1, base.clamp_neck_angle_1),
+        Clamp(2, two, -1.0, 1.0, -base.clamp_slot_2, base.clamp_neck_angle_2),
+        Clamp(3, three, -1.0, -1.0, -base.clamp_slot_2, base.clamp_neck_angle_2),
     ]
 
 
@@ -92,6 +82,8 @@ def clamp_cutters(design: Any) -> list[cq.Shape]:
 
 
 def _slots(design: Any, clamp: Clamp) -> list[cq.Shape]:
+    import cadquery as cq
+
     base = design.base
     radius = base.pocket_diameter / 2
     low, depth = -base.height - OVERRUN, base.height + 2 * OVERRUN
@@ -105,11 +97,13 @@ def _slots(design: Any, clamp: Clamp) -> list[cq.Shape]:
     ]
     path = cq.Wire.makePolygon([(x, y, low) for x, y in spine])
     arc_radius = radius - base.clamp_floor_slot / 2
-    first, last = clamp.start_angle(arc_radius), clamp.neck_angle(radius)
-    arc = cq.Edge.makeThreePointArc(*(
-        cq.Vector(*clamp.place(arc_radius * math.cos(a), arc_radius * math.sin(a)), low)
-        for a in (first, (first + last) / 2, last)
-    ))
+    first, last = clamp.start_angle(arc_radius), math.radians(clamp.neck)
+    arc = cq.Edge.makeThreePointArc(
+        *(
+            cq.Vector(*clamp.place(arc_radius * math.cos(a), arc_radius * math.sin(a)), low)
+            for a in (first, (first + last) / 2, last)
+        )
+    )
     x, y = clamp.relief_hole(design)
     return [
         _slot(path, base.clamp_slot_width, depth),
@@ -120,6 +114,8 @@ def _slots(design: Any, clamp: Clamp) -> list[cq.Shape]:
 
 def _slot(spine: cq.Wire, width: float, depth: float) -> cq.Solid:
     """A slot of constant width along a flat spine, extruded upwards, its ends and corners round as the tool is."""
+    import cadquery as cq
+
     return cq.Solid.extrudeLinear(spine.offset2D(width / 2, "arc")[0], [], cq.Vector(0, 0, depth))
 
 
@@ -130,11 +126,28 @@ def _screw_hole(design: Any, clamp: Clamp) -> cq.Solid:
     _, y = clamp.place(0.0, base.clamp_screw_offset)
     to_slot = abs(face - clamp.place(clamp.slot, 0.0)[0])
     return stepped_hole(
-        (face, y, -base.clamp_screw_depth), (-clamp.head, 0, 0),
+        (face, y, -base.clamp_screw_depth),
+        (-clamp.head, 0, 0),
         [
             (base.clamp_counterbore, base.clamp_counterbore_depth),
             (base.clamp_hole, to_slot),
             (design.threads.unc_3_8_tap_drill, to_slot + base.clamp_slot_width / 2 + base.clamp_thread_depth),
         ],
-        mouth_chamfer=base.hole_chamfer, drill_point=True,
+        mouth_chamfer=base.hole_chamfer,
+        drill_point=True,
     )
+
+
+def clamp_datums(design: Any) -> list[Datum]:
+    """Seats of the clamp screws' heads at the fitted pockets: long ones at pocket 1, short ones at 2 and 3."""
+    base, found = design.base, []
+    counts = {"clamp_screw_long": 0, "clamp_screw_short": 0}
+    for clamp in clamps(design):
+        if clamp.pocket > design.actuator.fitted:
+            continue
+        name = "clamp_screw_long" if clamp.pocket == 1 else "clamp_screw_short"
+        counts[name] += 1
+        seat = clamp.head * (base.length / 2 - base.clamp_counterbore_depth)
+        at = (seat, clamp.place(0.0, base.clamp_screw_offset)[1], -base.clamp_screw_depth)
+        found.append(Datum(f"{name}_{counts[name]}", at, (clamp.head, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    return found

@@ -13,14 +13,19 @@ Features and what each is for
 - Clearance holes: a row of through holes at the spacing that makes the bolted joint stiffest.
 - Chamfers on every outer edge: ceramic edges chip, and a chip on the running face is the end of a film of 2 um.
 """
+
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
-
+from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.blocks import cut_all, edges_where, plate
+from stagecad.solids.declare import Declarations, X, Y, Z, named
 from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 NAME = "bearing_way"
 
@@ -38,7 +43,9 @@ def build(design: Any) -> cq.Solid:
     body = plate((0.0, 0.0, 0.0), way.length, way.width, way.height)
     ledge = plate(
         (0.0, -way.width / 2 + way.ledge_width / 2 - OVERRUN / 2, way.flange_thickness),
-        way.length + 2 * OVERRUN, way.ledge_width + OVERRUN, way.height,
+        way.length + 2 * OVERRUN,
+        way.ledge_width + OVERRUN,
+        way.height,
     )
     body = cut_all(body, [ledge])
     root = -way.width / 2 + way.ledge_width
@@ -56,6 +63,92 @@ def build(design: Any) -> cq.Solid:
         return on_end + on_side + on_top + on_ledge + on_riser >= 2
 
     body = body.chamfer(way.edge_chamfer, None, edges_where(body, outer)).Solids()[0]
-    hole = stepped_hole((0.0, 0.0, way.flange_thickness), (0, 0, -1), [(way.bolt_hole, way.flange_thickness + OVERRUN)],
-                        mouth_chamfer=way.hole_chamfer)
+    hole = stepped_hole(
+        (0.0, 0.0, way.flange_thickness),
+        (0, 0, -1),
+        [(way.bolt_hole, way.flange_thickness + OVERRUN)],
+        mouth_chamfer=way.hole_chamfer,
+    )
     return cut_all(body, repeated(hole, [(x, y, 0.0) for x, y in bolt_places(design)]))
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.bearing_way.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Bed, running face, and the seats of the screw heads."""
+    way = design.bearing_way
+    root = -way.width / 2 + way.ledge_width
+    screws = [
+        Datum(f"way_screw_{i}", (x, y, way.flange_thickness), Z)
+        for i, (x, y) in enumerate(bolt_places(design), start=1)
+    ]
+    return named(
+        Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        Datum("top", (0.0, (root + way.width / 2) / 2, way.height), Z),
+        *screws,
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the bearing way."""
+    way, d = design.bearing_way, Declarations(design)
+    x, y, top, flange = way.length / 2, way.width / 2, way.height, way.flange_thickness
+    root, bolts = -y + way.ledge_width, bolt_places(design)
+    row = bolts[0][1]
+    d.linear("length", "bearing_way.length", (-x, y / 2, top / 2), (x, y / 2, top / 2), view="top")
+    d.linear("width", "bearing_way.width", (0, -y, flange / 2), (0, y, flange / 2), view="top")
+    d.linear(
+        "height", "bearing_way.height", (0, 0, 0), (0, 0, top), view="right", note="top and bottom lapped, parallel"
+    )
+    d.linear(
+        "ledge width",
+        "bearing_way.ledge_width",
+        (0, -y, flange / 2),
+        (0, root, (flange + top) / 2 + 1),
+        Y,
+        view="right",
+    )
+    d.linear("flange thickness", "bearing_way.flange_thickness", (x - 4, row, 0), (x - 4, row, flange), view="right")
+    nook = way.ledge_fillet * (1 - math.sqrt(0.5))
+    d.radius("ledge fillet", "bearing_way.ledge_fillet", (0, root - nook, flange + nook), X, view="right")
+    hole = "screw hole"
+    d.diameter(
+        "screw hole",
+        "bearing_way.bolt_hole",
+        (bolts[0][0], row, flange / 2),
+        feature=hole,
+        count=len(bolts),
+        note="through",
+        view="top",
+    )
+    d.counted("screw holes", "bearing_way.bolt_count", (bolts[0][0], row, flange), X, feature=hole, view="top")
+    d.linear(
+        "screw spacing",
+        "bearing_way.bolt_spacing",
+        (bolts[0][0], row, flange),
+        (bolts[1][0], row, flange),
+        count=len(bolts) - 1,
+        view="top",
+    )
+    d.linear(
+        "screw row to edge",
+        "bearing_way.bolt_edge",
+        (bolts[0][0], -y, flange / 2),
+        (bolts[0][0], row, flange),
+        Y,
+        view="top",
+    )
+    c = way.edge_chamfer / 2
+    d.chamfer("edge chamfer", "bearing_way.edge_chamfer", (0, y - c, top - c), note="all outer edges", view="right")
+    c = way.hole_chamfer / 2
+    d.chamfer(
+        "hole chamfer",
+        "bearing_way.hole_chamfer",
+        (bolts[0][0] + way.bolt_hole / 2 + c, row, flange - c),
+        count=len(bolts),
+        view="top",
+    )
+    return tuple(d)

@@ -1,21 +1,25 @@
 """Blanks and pockets milled from plate: rounded rectangles, edges picked by where they lie. Lengths in millimetres."""
+
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING
 
-import cadquery as cq
+if TYPE_CHECKING:
+    import cadquery as cq
+
 
 Point = tuple[float, float, float]
 
 
-def plate(
-    centre: Point, length: float, width: float, height: float, *, corner_radius: float = 0.0
-) -> cq.Solid:
+def plate(centre: Point, length: float, width: float, height: float, *, corner_radius: float = 0.0) -> cq.Solid:
     """Prism of length (x) by width (y), rising by height (z) from `centre`, the middle of its lower face.
 
     corner_radius rounds the four upright edges (the cutter's radius in a pocket, a handling radius on a plate);
     it must stay below half the shorter side. A negative height makes it hang below `centre`.
     """
+    import cadquery as cq
+
     x, y, z = centre
     low = min(z, z + height)
     block = cq.Solid.makeBox(length, width, abs(height), cq.Vector(x - length / 2, y - width / 2, low))

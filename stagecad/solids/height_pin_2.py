@@ -9,21 +9,27 @@ Features and what each is for
   tilted by a pin that leans in its bore.
 - Chamfer: leads the crowned end in, and leaves no edge to raise a burr under the holder.
 """
+
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
-
+from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.blocks import cut_all
+from stagecad.solids.declare import Declarations, X, Z, named
 from stagecad.solids.holes import OVERRUN
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 NAME = "height_pin_2"
 
 
 def build(design: Any) -> cq.Solid:
     """Height pin 2 as one solid, mm."""
+    import cadquery as cq
+
     pin, slope = design.height_pin_2, design.height_pin_1.slope
     radius, chamfer, crown = pin.diameter / 2, pin.end_chamfer, pin.crown_radius
     foot = -radius * slope - OVERRUN
@@ -38,6 +44,49 @@ def build(design: Any) -> cq.Solid:
     blank = profile.revolve(360, (0, 0), (0, 1)).val()
     reach = radius + OVERRUN
     under = cq.Wire.makePolygon(
-        [(-reach, -reach, -reach * slope), (reach, -reach, reach * slope),
-         (reach, -reach, foot - OVERRUN), (-reach, -reach, foot - OVERRUN)], close=True)
+        [
+            (-reach, -reach, -reach * slope),
+            (reach, -reach, reach * slope),
+            (reach, -reach, foot - OVERRUN),
+            (-reach, -reach, foot - OVERRUN),
+        ],
+        close=True,
+    )
     return cut_all(blank, [cq.Solid.extrudeLinear(under, [], cq.Vector(0, 2 * reach, 0))])
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.height_pin_2.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Axis and sloping end, and the crown."""
+    slope = design.height_pin_1.slope
+    size = math.hypot(1.0, slope)
+    return named(
+        Datum("axis", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), X),
+        Datum("wedge", (0.0, 0.0, 0.0), (slope / size, 0.0, -1.0 / size), (1.0 / size, 0.0, slope / size)),
+        Datum("top", (0.0, 0.0, design.height_pin_2.length), Z, X),
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of height pin 2."""
+    pin, d = design.height_pin_2, Declarations(design)
+    radius, length = pin.diameter / 2, pin.length
+    d.diameter(
+        "diameter", "height_pin_2.diameter", (0, 0, length / 2), on=X, view="front", note="sliding fit in its bore"
+    )
+    d.linear("length", "height_pin_2.length", (0, 0, 0), (0, 0, length), view="front", note="on the axis")
+    d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, view="front", note="rise over run")
+    d.radius("crown", "height_pin_2.crown_radius", (0, 0, length), view="front", note="spherical")
+    rim = radius - pin.end_chamfer
+    edge = length - pin.crown_radius + math.sqrt(pin.crown_radius**2 - rim**2)
+    d.chamfer(
+        "end chamfer",
+        "height_pin_2.end_chamfer",
+        (rim + pin.end_chamfer / 2, 0, edge - pin.end_chamfer / 2),
+        view="front",
+    )
+    return tuple(d)

@@ -16,22 +16,28 @@ Features and what each is for
 - Index notches: keys in the rim on the +x and -x sides; a gauge laid through the base's lead channel into one of them
   sets the piezos' line along the travel before the clamps are drawn.
 """
+
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
-
+from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.blocks import cut_all, edges_where, plate
+from stagecad.solids.declare import Declarations, X, Z, named
 from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.tip import bolt_circle_radius, piezo_places
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 NAME = "holder"
 
 
 def build(design: Any) -> cq.Solid:
     """The holder as one solid, mm."""
+    import cadquery as cq
+
     h, threads = design.holder, design.threads
     axis = cq.Vector(0, 0, 1)
     body = cq.Solid.makeCylinder(h.diameter / 2, h.height, cq.Vector(0, 0, 0), axis)
@@ -41,28 +47,159 @@ def build(design: Any) -> cq.Solid:
     cutters: list[cq.Shape] = []
     places = piezo_places(design)
     bore = stepped_hole(
-        (0, 0, h.height), (0, 0, -1), [(h.bore_diameter, h.height - h.floor), (h.ejector_hole, h.height + OVERRUN)],
+        (0, 0, h.height),
+        (0, 0, -1),
+        [(h.bore_diameter, h.height - h.floor), (h.ejector_hole, h.height + OVERRUN)],
         mouth_chamfer=h.bore_chamfer,
     )
     cutters += repeated(bore, [(x, y, 0.0) for x, y in places])
-    cutters.append(stepped_hole((0, 0, h.height), (0, 0, -1), [(h.well_diameter, h.height - h.floor)],
-                                mouth_chamfer=h.bore_chamfer))
+    cutters.append(
+        stepped_hole(
+            (0, 0, h.height), (0, 0, -1), [(h.well_diameter, h.height - h.floor)], mouth_chamfer=h.bore_chamfer
+        )
+    )
     radius, outside = bolt_circle_radius(design), h.diameter / 2
     for x, y in places:
         angle = math.degrees(math.atan2(y, x))
-        slot = cq.Solid.makeBox(radius, h.lead_slot_width, h.height - h.floor + OVERRUN,
-                                cq.Vector(0, -h.lead_slot_width / 2, h.floor))
+        slot = cq.Solid.makeBox(
+            radius, h.lead_slot_width, h.height - h.floor + OVERRUN, cq.Vector(0, -h.lead_slot_width / 2, h.floor)
+        )
         cutters.append(slot.rotate(cq.Vector(0, 0, 0), axis, angle))
         c, s = x / radius, y / radius
-        cutters.append(stepped_hole((outside * c, outside * s, h.clamp_height), (-c, -s, 0),
-                                    [(threads.m4_tap_drill, outside - radius)], mouth_chamfer=h.bore_chamfer))
+        cutters.append(
+            stepped_hole(
+                (outside * c, outside * s, h.clamp_height),
+                (-c, -s, 0),
+                [(threads.m4_tap_drill, outside - radius)],
+                mouth_chamfer=h.bore_chamfer,
+            )
+        )
     for k in range(3):
         angle = math.radians(30.0 + 120.0 * k)
-        cutters.append(stepped_hole((h.lift_radius * math.cos(angle), h.lift_radius * math.sin(angle), h.height),
-                                    (0, 0, -1), [(threads.m4_tap_drill, h.lift_drill_depth)],
-                                    mouth_chamfer=h.bore_chamfer, drill_point=True))
+        cutters.append(
+            stepped_hole(
+                (h.lift_radius * math.cos(angle), h.lift_radius * math.sin(angle), h.height),
+                (0, 0, -1),
+                [(threads.m4_tap_drill, h.lift_drill_depth)],
+                mouth_chamfer=h.bore_chamfer,
+                drill_point=True,
+            )
+        )
     for side in (-1, 1):
         middle = side * (outside - (h.index_depth - OVERRUN) / 2)
-        cutters.append(plate((middle, 0.0, h.height - h.index_depth), h.index_depth + OVERRUN, h.index_width,
-                             h.index_depth + OVERRUN))
+        cutters.append(
+            plate(
+                (middle, 0.0, h.height - h.index_depth), h.index_depth + OVERRUN, h.index_width, h.index_depth + OVERRUN
+            )
+        )
     return cut_all(body, cutters)
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.holder.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Bottom, top, and the floors the piezos stand on."""
+    h = design.holder
+    floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(piezo_places(design), start=1)]
+    return named(
+        Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        Datum("top", (0.0, 0.0, h.height), Z),
+        *floors,
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the holder."""
+    h, d = design.holder, Declarations(design)
+    (x1, y1), (x2, _), (_, y3) = piezo_places(design)
+    top, outside, middle = h.height, h.diameter / 2, (h.height + h.floor) / 2
+    d.diameter(
+        "diameter", "holder.diameter", (0, 0, h.floor / 2), on=X, view="top", note="sliding fit in the base's pocket"
+    )
+    d.linear("height", "holder.height", (0, 0, 0), (0, -outside + 4, top), Z, view="front")
+    d.linear(
+        "piezo spacing",
+        "actuator.piezo_spacing",
+        (x1, y1, top),
+        (x2, y1, top),
+        view="top",
+        note="3 bores on an equilateral triangle about the axis",
+    )
+    bore = "piezo bore"
+    d.diameter("piezo bore", "holder.bore_diameter", (x1, y1, middle), feature=bore, count=3, view="top")
+    d.linear("floor", "holder.floor", (x1, y1, 0), (x1, y1, h.floor), count=4, view="section", note="bores and well")
+    d.diameter(
+        "ejector hole",
+        "holder.ejector_hole",
+        (x1, y1, h.floor / 2),
+        feature=bore,
+        count=3,
+        note="through",
+        view="bottom",
+    )
+    d.diameter("well", "holder.well_diameter", (0, 0, middle), on=(0.0, -1.0, 0.0), view="top")
+    slot, half = (h.well_diameter / 2 + y3 - h.bore_diameter / 2) / 2, h.lead_slot_width / 2
+    d.linear(
+        "lead slot width",
+        "holder.lead_slot_width",
+        (-half, slot, middle),
+        (half, slot, middle),
+        count=3,
+        view="top",
+        note="bore to well, down to the floor",
+    )
+    d.tapped("clamp hole", "m4", (0, outside, h.clamp_height), (0, -1, 0), count=3, view="back")
+    d.linear(
+        "clamp hole height",
+        "holder.clamp_height",
+        (0, outside - 3, 0),
+        (0, outside, h.clamp_height),
+        Z,
+        count=3,
+        view="back",
+    )
+    lift = (0.0, -h.lift_radius, top)
+    d.linear("lifting hole radius", "holder.lift_radius", (0, 0, top), lift, count=3, view="top")
+    d.tapped(
+        "lifting hole",
+        "m4",
+        lift,
+        (0, 0, -1),
+        thread_depth="holder.lift_thread_depth",
+        drill_depth="holder.lift_drill_depth",
+        shows_drill=False,
+        count=3,
+    )
+    notch = outside - h.index_depth / 2
+    d.linear(
+        "index notch width",
+        "holder.index_width",
+        (notch, -h.index_width / 2, top - h.index_depth / 2),
+        (notch, h.index_width / 2, top - h.index_depth / 2),
+        count=2,
+        view="top",
+    )
+    d.linear(
+        "index notch depth",
+        "holder.index_depth",
+        (0, -outside + 4, top),
+        (notch, 0, top - h.index_depth),
+        Z,
+        count=2,
+        view="front",
+        note="and as deep radially",
+    )
+    c = h.edge_chamfer / 2
+    d.chamfer("edge chamfer", "holder.edge_chamfer", (0, -(outside - c), c), note="both ends", view="front")
+    c = h.bore_chamfer / 2
+    d.chamfer(
+        "bore chamfer",
+        "holder.bore_chamfer",
+        (x1 - h.bore_diameter / 2 - c, y1, top - c),
+        note="mouths of all holes",
+        view="top",
+    )
+    return tuple(d)

@@ -4,12 +4,16 @@ A cutter is a solid of revolution that starts a little outside the surface and g
 boolean takes all holes of a part at once. Threads are cosmetic: a tapped hole is cut at its tap drill, and its
 declaration carries the thread. Lengths in millimetres.
 """
+
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
-import cadquery as cq
+if TYPE_CHECKING:
+    import cadquery as cq
+
 
 Point = tuple[float, float, float]
 
@@ -60,6 +64,8 @@ def stepped_hole(
 
 def turned(at: Point, axis: Point, outline: Sequence[tuple[float, float]]) -> cq.Solid:
     """Solid of revolution: `outline` holds (radius, distance along the axis) from `at`, closed by itself, mm."""
+    import cadquery as cq
+
     plane = cq.Plane(origin=at, xDir=square_to(axis), normal=axis)
     # In the plane (local x radial, local z along the axis) the outline stands in local x-z.
     points = [plane.toWorldCoords((radius, 0.0, along)) for radius, along in outline]
@@ -76,4 +82,11 @@ def square_to(axis: Point) -> Point:
 
 def repeated(cutter: cq.Solid, offsets: Iterable[Point]) -> list[cq.Solid]:
     """Copies of a cutter moved by each offset, mm: a pattern costs one revolution, whatever its count."""
+    import cadquery as cq
+
     return [cutter.moved(cq.Location(cq.Vector(*offset))) for offset in offsets]
+
+
+def corners(along: float, across: float) -> list[tuple[float, float]]:
+    """The four points (x, y) of a rectangle about the origin, by rising x, then y: a pattern of four holes."""
+    return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]

@@ -1,26 +1,32 @@
 """The tooth bar: a stationary rail of soft iron on the base, whose teeth face those of the irons on the stage.
 
-Part coordinates: origin in the middle of the footprint, in the plane of the feet, x along the travel, y across it, z up.
-Both bars are the same part.
+Part coordinates: origin in the middle of the footprint, in the plane of the feet, x along the travel, y across it, z
+up. Both bars are the same part.
 
 Features and what each is for
 - Rail: long enough for the irons to stay over plain teeth at both ends of the travel, and to bridge the pockets of
   actuators 2 and 3; deep, so that it spans from end to end without sagging into the gap.
 - Teeth: two groups, one under each iron, with ridges along the travel at the irons' pitch; none under the magnet,
   where they would only leak.
-- Feet: wide at both ends, beyond the pockets; the underside between them is relieved, so that the bar stands on its feet
-  alone and no clamp finger of the base is held down by it. Low, to keep the screw heads below the tooth crests.
+- Channel under the magnet: as wide as it, deeper than the grooves: keeps the fields of the two poles apart.
+- Feet: wide at both ends, beyond the pockets; the underside between them is relieved, so that the bar stands on its
+  feet alone and no clamp finger of the base is held down by it. Low, to keep the screw heads below the tooth crests.
 - Screw holes: two through holes in each foot.
 """
+
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import TYPE_CHECKING, Any
 
-import cadquery as cq
-
+from stagecad.parameters.dimension import Datum, Dimension
 from stagecad.solids.blocks import cut_all, edges_where, joined, plate, upright_edges
-from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
-from stagecad.solids.tooth_iron import groove_spans, tooth_centres
+from stagecad.solids.declare import Declarations, X, Y, Z, named
+from stagecad.solids.holes import OVERRUN, corners, repeated, stepped_hole
+from stagecad.solids.tooth_iron import declare_teeth, groove_spans, tooth_centres
+
+if TYPE_CHECKING:
+    import cadquery as cq
 
 NAME = "tooth_bar"
 
@@ -52,13 +58,99 @@ def build(design: Any) -> cq.Solid:
     body = body.fillet(bar.root_fillet, edges_where(body, at_root)).Solids()[0]
     centres = [side * shift + c for side in (-1, 1) for c in tooth_centres(design)]
     cutters: list[cq.Shape] = [
-        plate((0.0, (low + high) / 2, bar.height - teeth.groove_depth), bar.length + 2 * OVERRUN, high - low,
-              teeth.groove_depth + OVERRUN)
+        plate(
+            (0.0, (low + high) / 2, bar.height - teeth.groove_depth),
+            bar.length + 2 * OVERRUN,
+            high - low,
+            teeth.groove_depth + OVERRUN,
+        )
         for low, high in groove_spans(centres, teeth.width, width / 2 + OVERRUN)
     ]
-    hole = stepped_hole((0, 0, bar.end_height), (0, 0, -1), [(bar.screw_hole, bar.end_height + OVERRUN)],
-                        mouth_chamfer=bar.edge_chamfer)
-    cutters += repeated(hole, [
-        (side * at_end, step * bar.screw_spacing / 2, 0.0) for side in (-1, 1) for step in (-1, 1)
-    ])
+    cutters.append(
+        plate(
+            (0.0, 0.0, bar.height - bar.channel_depth),
+            bar.length + 2 * OVERRUN,
+            design.magnet.thickness,
+            bar.channel_depth + OVERRUN,
+        )
+    )
+    hole = stepped_hole(
+        (0, 0, bar.end_height), (0, 0, -1), [(bar.screw_hole, bar.end_height + OVERRUN)], mouth_chamfer=bar.edge_chamfer
+    )
+    cutters += repeated(hole, [(x, y, 0.0) for x, y in corners(bar.screw_span, bar.screw_spacing)])
     return cut_all(body, cutters)
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.tooth_bar.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Seat on the base, plane of the tooth crests, and the seats of the screw heads."""
+    bar = design.tooth_bar
+    heads = [
+        Datum(f"bar_screw_{i}", (x, y, bar.end_height), Z)
+        for i, (x, y) in enumerate(corners(bar.screw_span, bar.screw_spacing), start=1)
+    ]
+    return named(
+        Datum("seat", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        Datum("teeth", (0.0, 0.0, bar.height), Z),
+        *heads,
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the tooth bar."""
+    bar, d = design.tooth_bar, Declarations(design)
+    x, middle, low = bar.length / 2, bar.length / 2 - bar.end_length, bar.end_height
+    width, shift = rail_width(design) / 2, pole_offset(design)
+    centres = [side * shift + c for side in (-1, 1) for c in tooth_centres(design)]
+    d.linear("length", "tooth_bar.length", (-x, 0, low / 2), (x, 0, low / 2), view="front")
+    d.linear("height", "tooth_bar.height", (x - 3, 0, 0), (0, centres[0], bar.height), Z, view="front")
+    d.linear(
+        "foot length",
+        "tooth_bar.end_length",
+        (middle, bar.foot_width / 2 - 2, low / 2),
+        (x, bar.foot_width / 2 - 2, low / 2),
+        count=2,
+        view="top",
+    )
+    d.linear("foot height", "tooth_bar.end_height", (x - 3, 0, 0), (x - 3, 0, low), count=2, view="front")
+    wide = bar.foot_width / 2
+    at_end = x - bar.end_length / 2
+    d.linear(
+        "foot width", "tooth_bar.foot_width", (at_end, -wide, low / 2), (at_end, wide, low / 2), count=2, view="top"
+    )
+    d.linear("relief", "tooth_bar.relief", (x - 3, 0, 0), (0, 0, bar.relief), Z, view="front", note="between the feet")
+    span, spacing = bar.screw_span / 2, bar.screw_spacing / 2
+    d.diameter(
+        "screw hole",
+        "tooth_bar.screw_hole",
+        (span, spacing, low / 2),
+        feature="screw hole",
+        count=4,
+        note="through",
+        view="top",
+    )
+    d.linear("screw span", "tooth_bar.screw_span", (-span, spacing, low), (span, spacing, low), view="top")
+    d.linear(
+        "screw spacing", "tooth_bar.screw_spacing", (span, -spacing, low), (span, spacing, low), count=2, view="top"
+    )
+    nook = bar.root_fillet * (1 - math.sqrt(0.5))
+    d.radius("root fillet", "tooth_bar.root_fillet", (middle + nook, width / 2, low + nook), Y, count=2, view="front")
+    c = bar.edge_chamfer / 2
+    d.chamfer(
+        "edge chamfer",
+        "tooth_bar.edge_chamfer",
+        (x - c, wide - c, low / 2),
+        X,
+        view="top",
+        note="upright edges of the feet, mouths of the holes",
+    )
+    half, deep = design.magnet.thickness / 2, bar.height - bar.channel_depth
+    flank = bar.height - (bar.channel_depth + design.teeth.groove_depth) / 2
+    d.linear("channel width", "magnet.thickness", (0, -half, flank), (0, half, flank), view="right")
+    d.depth("channel depth", "tooth_bar.channel_depth", (0, 0, bar.height), (0, 0, deep), view="right")
+    declare_teeth(d, design, centres, bar.height, into=-1.0, groups=2)
+    return tuple(d)

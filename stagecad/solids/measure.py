@@ -1,0 +1,262 @@
+"""Measures a declared dimension on the solid itself, so that a sheet cannot disagree with the part.
+
+The declaration says where to look; the number comes from the solid's own surfaces: the plane of a face, the axis and
+radius of a cylinder, the place where a bore ends. A declaration that points at nothing is an error.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from stagecad.parameters.dimension import Dimension, Point
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NEAR = 1e-4
+"""How near a declared point must lie to the surface it means, mm. The measured value is not limited by it."""
+
+
+@dataclass(frozen=True)
+class _Surface:
+    """What a face lies on: a plane, cylinder, cone, sphere or torus, with its box and vertices."""
+
+    face: cq.Face
+    kind: str
+    origin: Point
+    axis: Point
+    radius: float
+    """Of cylinder, sphere, a torus's tube; of a cone at its origin."""
+    taper: float
+    """Tangent of a cone's half angle."""
+    low: Point
+    high: Point
+    vertices: tuple[Point, ...]
+
+    def off_axis(self, point: Point) -> float:
+        """Distance of a point from the axis, mm."""
+        to = _minus(point, self.origin)
+        along = _dot(to, self.axis)
+        return math.dist(to, (along * self.axis[0], along * self.axis[1], along * self.axis[2]))
+
+    def holds(self, point: Point) -> bool:
+        """Whether the point lies on the face."""
+        import cadquery as cq
+
+        inside = all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True))
+        return inside and self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
+
+    def extent(self, along: Point) -> tuple[float, float]:
+        """From where to where the face's vertices reach along a direction, mm."""
+        at = [_dot(v, along) for v in self.vertices]
+        return min(at), max(at)
+
+    def place(self, point: Point, along: Point) -> float | None:
+        """Coordinate along `along` where the line through the point meets the surface, about squarely; else None."""
+        centre = _dot(self.origin, along)
+        side = math.copysign(1.0, _dot(point, along) - centre)
+        if self.kind == "PLANE":
+            slant = _dot(self.axis, along)
+            return (
+                _dot(point, along) + _dot(_minus(self.origin, point), self.axis) / slant if abs(slant) > 0.9 else None
+            )
+        if self.kind == "SPHERE" or (self.kind == "CYLINDER" and abs(_dot(self.axis, along)) < 1e-9):
+            place = centre + side * self.radius
+            return place if abs(place - _dot(point, along)) < NEAR else None
+        return None
+
+
+class Gauge:
+    """The surfaces of one solid, read once, ready to be measured."""
+
+    def __init__(self, solid: cq.Shape) -> None:
+        self._surfaces = [_surface(face) for face in solid.Faces()]
+
+    def measure(self, dimension: Dimension) -> float | None:
+        """The dimension's value on the solid, mm (degrees; a number for slope and count).
+
+        None for what the solid does not show: threads, and callouts of text.
+
+        Errors: LookupError where a declared point meets no such feature of the solid.
+        """
+        points, along = dimension.points, dimension.direction
+        if along is None or not points:
+            raise LookupError(f"dimension '{dimension.name}' is to be measured, and needs points and a direction")
+        match dimension.kind:
+            case "linear":
+                return abs(self._place(points[1], along) - self._place(points[0], along))
+            case "depth":
+                return abs(self._level(points[1], along) - self._level(points[0], along))
+            case "diameter" | "tap_drill":
+                return 2 * self._radius_about(points, along)
+            case "radius":
+                return self._on(points[0], "CYLINDER", "SPHERE", "TORUS").radius
+            case "chamfer":
+                low, high = self._on(points[0], "PLANE", "CONE").extent(along)
+                return high - low
+            case "slope":
+                sine = abs(_dot(self._on(points[0], "PLANE").axis, along))
+                return sine / math.sqrt(1 - sine**2)
+            case "angle":
+                return self._angle(points[0], points[1], along)
+            case "count":
+                return self._count(points[0], along) / dimension.count
+            case _:
+                return None
+
+    def _on(self, point: Point, *kinds: str) -> _Surface:
+        """The face at a point, of one of the kinds."""
+        for surface in self._surfaces:
+            if surface.kind in kinds and surface.holds(point):
+                return surface
+        raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
+
+    def _radius_about(self, points: tuple[Point, ...], axis: Point) -> float:
+        """Radius of the cylinder about `axis` through the first point, there; of a cone too, run on to that place.
+
+        A second point, on the face, tells which, where one stands inside another.
+        """
+        at = _dot(points[0], axis)
+        for kind, slack in (("CYLINDER", NEAR), ("CONE", 3.0)):
+            for surface in self._surfaces:
+                if surface.kind != kind or abs(abs(_dot(surface.axis, axis)) - 1) > 1e-9:
+                    continue
+                low, high = surface.extent(axis)
+                if surface.off_axis(points[0]) > NEAR or not low - slack <= at <= high + slack:
+                    continue
+                if len(points) > 1 and kind == "CYLINDER" and not surface.holds(points[1]):
+                    continue
+                radius = surface.radius + surface.taper * _dot(_minus(points[0], surface.origin), surface.axis)
+                if len(points) > 1 and abs(surface.off_axis(points[1]) - radius) > NEAR:
+                    continue
+                return radius
+        raise LookupError(f"no round face about {axis} through {points[0]}")
+
+    def _place(self, point: Point, along: Point) -> float:
+        """Coordinate along `along` of the face at the point, or of the axis of the round feature there."""
+        for surface in self._surfaces:
+            place = surface.place(point, along)
+            if place is not None and surface.holds(point):
+                return place
+        axis = self._axis_place(point, along)
+        return self._level(point, along) if axis is None else axis
+
+    def _axis_place(self, point: Point, along: Point) -> float | None:
+        for surface in self._surfaces:
+            if surface.kind in ("CYLINDER", "CONE") and abs(_dot(surface.axis, along)) < 1e-9:
+                if surface.off_axis(point) < NEAR:
+                    return _dot(surface.origin, along)
+        for surface in self._surfaces:
+            # A crown's middle is where its sphere's centre is.
+            if surface.kind == "SPHERE" and abs(_dot(_minus(surface.origin, point), along)) < NEAR:
+                if surface.holds(point):
+                    return _dot(surface.origin, along)
+        return None
+
+    def _level(self, point: Point, along: Point) -> float:
+        """Coordinate of the end of a bore about the point, or of a plane face square to `along` at its level."""
+        at = _dot(point, along)
+        for surface in self._surfaces:
+            if surface.kind == "CYLINDER" and abs(abs(_dot(surface.axis, along)) - 1) < 1e-9:
+                if surface.off_axis(point) < NEAR:
+                    for end in surface.extent(along):
+                        if abs(end - at) < NEAR:
+                            return end
+        for surface in self._surfaces:
+            if surface.kind == "PLANE" and abs(abs(_dot(surface.axis, along)) - 1) < 1e-9:
+                if abs(_dot(surface.origin, along) - at) < NEAR:
+                    return _dot(surface.origin, along)
+        square = [
+            _dot(s.origin, along)
+            for s in self._surfaces
+            if s.kind == "PLANE" and abs(abs(_dot(s.axis, along)) - 1) < 1e-9
+        ]
+        if square and abs((min(square) + max(square)) / 2 - at) < NEAR:
+            # The part's middle, half-way between its outermost faces.
+            return (min(square) + max(square)) / 2
+        raise LookupError(f"nothing of the solid ends at {point} along {along}")
+
+    def _angle(self, vertex: Point, point: Point, along: Point) -> float:
+        """Angle at the axis through `vertex` between `along` and the axis through `point`, both upright, degrees."""
+        step = [0.0, 0.0]
+        for index, axis in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))):
+            ends = self._axis_place(vertex, axis), self._axis_place(point, axis)
+            if ends[0] is None or ends[1] is None:
+                raise LookupError(f"no upright axis at {vertex} or {point}")
+            step[index] = ends[1] - ends[0]
+        return math.degrees(math.acos((step[0] * along[0] + step[1] * along[1]) / math.hypot(*step)))
+
+    def _count(self, point: Point, along: Point) -> int:
+        """How many holes like the one about the point are in its row along `along`; or crowns, or crests, in all."""
+        for surface in self._surfaces:
+            if surface.kind == "CYLINDER" and abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
+                return len({round(place, 3) for place in self._row(surface, along)})
+        for here in self._surfaces:
+            if here.kind in ("SPHERE", "PLANE") and here.holds(point):
+                return sum(_alike(here, other) for other in self._surfaces)
+        raise LookupError(f"nothing to count at {point}")
+
+    def _row(self, first: _Surface, along: Point) -> list[float]:
+        """Places along `along` of the cylinders of the same radius whose axes stand in one row with the first's."""
+        places = []
+        for other in self._surfaces:
+            if other.kind != "CYLINDER" or abs(abs(_dot(other.axis, first.axis)) - 1) > 1e-9:
+                continue
+            across = _minus(other.origin, first.origin)
+            step, depth = _dot(across, along), _dot(across, first.axis)
+            in_row = (step * along[0] + depth * first.axis[0], step * along[1] + depth * first.axis[1],
+                      step * along[2] + depth * first.axis[2])  # fmt: skip
+            if math.dist(across, in_row) < NEAR and abs(other.radius - first.radius) < NEAR:
+                places.append(step)
+        return places
+
+
+def _alike(one: _Surface, other: _Surface) -> bool:
+    """Spheres of one radius; faces in one plane."""
+    if one.kind != other.kind:
+        return False
+    if one.kind == "SPHERE":
+        return abs(one.radius - other.radius) < NEAR
+    level = abs(_dot(_minus(other.origin, one.origin), one.axis))
+    return level < NEAR and abs(_dot(one.axis, other.axis)) > 1 - 1e-9
+
+
+def _dot(a: Point, b: Point) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def _minus(a: Point, b: Point) -> Point:
+    return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+
+
+def _surface(face: cq.Face) -> _Surface:
+    from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+
+    kind, adaptor = face.geomType(), BRepAdaptor_Surface(face.wrapped)
+    frame, radius, taper = None, 0.0, 0.0
+    if kind == "PLANE":
+        frame = adaptor.Plane().Position()
+    elif kind == "CYLINDER":
+        frame, radius = adaptor.Cylinder().Position(), adaptor.Cylinder().Radius()
+    elif kind == "CONE":
+        cone = adaptor.Cone()
+        frame, radius, taper = cone.Position(), cone.RefRadius(), math.tan(cone.SemiAngle())
+    elif kind == "SPHERE":
+        frame, radius = adaptor.Sphere().Position(), adaptor.Sphere().Radius()
+    elif kind == "TORUS":
+        frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
+    box = face.BoundingBox()
+    at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
+    return _Surface(
+        face,
+        kind,
+        (at.X(), at.Y(), at.Z()) if at else (0.0, 0.0, 0.0),
+        (axis.X(), axis.Y(), axis.Z()) if axis else (0.0, 0.0, 0.0),
+        radius,
+        taper,
+        (box.xmin, box.ymin, box.zmin),
+        (box.xmax, box.ymax, box.zmax),
+        tuple(vertex.toTuple() for vertex in face.Vertices()),
+    )
