@@ -161,45 +161,57 @@ def _toml_mistake(text: str, message: str) -> str:
     return f"line {number}: not TOML: {what[0].lower()}{what[1:]}: {line[:60]}"
 
 
-def write_value(path: str | Path, key: str, text: str | float | bool, origin: str) -> None:
+def write_value(path: str | Path, key: str, value: str | float | bool, origin: str) -> None:
     """Write one value back into a parameter file, with its origin; comments, order and all other entries stay.
 
     Args:
         path: the parameter file.
         key: dotted key, `bearing.dynamic_friction`.
-        text: the value as it is to stand in the file: `"0.043"`, `"12.05 mm"`; a number or truth value stays one.
+        value: as it is to stand in the file: `"12.05 mm"`; a number or truth value stays one.
         origin: `measured: EXPERIMENT`, or another origin.
 
     Raises:
         InputError: the file or the value is bad; then the file is left as it was.
     """
+    write_values(path, {key: (value, origin)})
+
+
+def write_values(path: str | Path, changes: Mapping[str, tuple[str | float | bool, str]]) -> None:
+    """As `write_value`, several at once: by key, the value and its origin. All are written, or none."""
+    read_parameter_file(path)
+    with Path(path).open(encoding="utf-8-sig", newline="") as stream:
+        text = stream.read()
+    atomic_write_text(path, changed_text(text, str(path), changes))
+
+
+def changed_text(text: str, name: str, changes: Mapping[str, tuple[str | float | bool, str]]) -> str:
+    """Text of a parameter file with values and origins replaced, checked as a whole; `name` is for messages."""
     import tomlkit
     from tomlkit.items import InlineTable
 
     from stagecad.parameters.design import design_from_text
 
-    place = f"{path}: {key}"
-    require_origin(origin, place)
-    read_parameter_file(path)
-    with Path(path).open(encoding="utf-8", newline="") as stream:
-        document = tomlkit.parse(stream.read())
-    *tables, name = key.split(".")
-    if not tables:
-        raise InputError(f"{place}: a key is written TABLE.NAME, like stage.length")
-    holder: Any = document
-    for table in tables:
-        if table not in holder:
-            holder[table] = tomlkit.table()
-        holder = holder[table]
-    found = holder.get(name)
-    if isinstance(found, InlineTable):
-        found["value"] = text
-        found["origin"] = origin
-    else:
-        entry = tomlkit.inline_table()
-        entry["value"] = text
-        entry["origin"] = origin
-        holder[name] = entry
+    document = tomlkit.parse(text)
+    for key, (value, origin) in changes.items():
+        place = f"{name}: {key}"
+        require_origin(origin, place)
+        *tables, last = key.split(".")
+        if not tables:
+            raise InputError(f"{place}: a key is written TABLE.NAME, like stage.length")
+        holder: Any = document
+        for table in tables:
+            if table not in holder:
+                holder[table] = tomlkit.table()
+            holder = holder[table]
+        found = holder.get(last)
+        if isinstance(found, InlineTable):
+            found["value"] = value
+            found["origin"] = origin
+        else:
+            entry = tomlkit.inline_table()
+            entry["value"] = value
+            entry["origin"] = origin
+            holder[last] = entry
     written = tomlkit.dumps(document)
-    design_from_text(written, str(path))
-    atomic_write_text(path, written)
+    design_from_text(written, name)
+    return written
