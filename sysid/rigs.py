@@ -156,8 +156,3 @@ def find_rig(name: str, where: str) -> RigKind:
     if name not in RIGS:
         raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, RIGS)}")
     return RIGS[name]
-
-
-def channel_unit(name: str, rotary: bool) -> str:
-    """The SI unit that channel `name` has in a record."""
-    return CHANNELS[name].si_unit(rotary)
