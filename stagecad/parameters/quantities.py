@@ -160,7 +160,7 @@ def _unit(unit: str) -> tuple[float, Dimension]:
     while text:
         match = _FACTOR.match(text, position)
         if match is None:
-            raise InputError(f"'{unit}' is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+            raise InputError(f"{_shown(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         symbol = match["symbol"]
         if symbol != "1":
             if symbol not in SYMBOLS:
@@ -172,14 +172,14 @@ def _unit(unit: str) -> tuple[float, Dimension]:
             except OverflowError:
                 size = math.inf
             if not 0.0 < size < math.inf:
-                raise InputError(f"'{unit}' is not a unit; its powers are out of all measure")
+                raise InputError(f"{_shown(unit)} is not a unit; its powers are out of all measure")
             dimension = [total + power * exponent for total, exponent in zip(dimension, exponents)]
         position = match.end()
         if position == len(text):
             break
         sign = {"*": 1, "/": -1}.get(text[position], 0)
         if not sign:
-            raise InputError(f"'{unit}' is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+            raise InputError(f"{_shown(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         position += 1
     return size, tuple(dimension)
 
@@ -195,12 +195,23 @@ def unit_dimension(unit: str) -> Dimension:
 
 def to_si(value: float, unit: str) -> float:
     """`value` in `unit` as SI. A temperature in degC stays in degC."""
-    return value * _unit(unit)[0]
+    return _times(value, _unit(unit)[0])
 
 
 def from_si(value: float, unit: str) -> float:
     """`value` in SI as a number of `unit`. A temperature in degC stays in degC."""
-    return value / _unit(unit)[0]
+    size = _unit(unit)[0]
+    return value * round(1 / size) if _is_fraction(size) else value / size
+
+
+def _is_fraction(size: float) -> bool:
+    """Whether a unit is one part in a whole number of its SI unit, like a millimetre."""
+    return size < 1.0 and 1 / size < 2**53 and 1 / round(1 / size) == size
+
+
+def _times(value: float, size: float) -> float:
+    """value * size; as a division where that rounds once (13 mm is 0.013 m, not 0.013000000000000001 m)."""
+    return value / round(1 / size) if _is_fraction(size) else value * size
 
 
 def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
@@ -219,7 +230,7 @@ def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
     """
     value, std = parse_uncertain(text, unit, where)
     if std is not None:
-        raise InputError(f"{_place(where)}'{text}' carries an uncertainty, which has no place here")
+        raise InputError(f"{_place(where)}{_shown(text)} carries an uncertainty, which has no place here")
     return value
 
 
@@ -232,7 +243,7 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
         The value and its standard deviation, both in SI; no deviation where none is given.
     """
     place = _place(where)
-    shown = f"'{text}'" if isinstance(text, str) else str(text).lower()
+    shown = _shown(text)
     number, std, written = _split(text, shown, place)
     if not written:
         if unit_dimension(unit) != DIMENSIONLESS and not math.isinf(number):
@@ -243,11 +254,19 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
     except InputError as error:
         raise InputError(f"{place}{shown}: {error}") from None
     if dimension != unit_dimension(unit):
-        if not unit_dimension(unit) != DIMENSIONLESS:
+        if unit_dimension(unit) == DIMENSIONLESS:
             raise InputError(f"{place}{shown} has a unit where a bare number belongs, like '{number:g}'")
         raise InputError(f"{place}{shown} has the wrong dimension; wanted '{unit}' or a multiple of it")
     offset = ABSOLUTE_ZERO if unit == "degC" and _plain(written).strip() in ("K", "mK") else 0.0
-    return number * size + offset, None if std is None else std * size
+    return _times(number, size) + offset, None if std is None else _times(std, size)
+
+
+def _shown(text: Any) -> str:
+    """What the user wrote, fit for one line of a message."""
+    if not isinstance(text, str):
+        return str(text).lower()
+    short = text if len(text) <= 60 else f"{text[:57]}..."
+    return f"'{short}'" if short.isprintable() else repr(short)
 
 
 def _place(where: str) -> str:

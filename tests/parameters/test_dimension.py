@@ -1,0 +1,34 @@
+"""Datums and dimension declarations refuse what no drawing could show."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from stagecad.parameters.dimension import Datum, Dimension
+
+
+def test_a_datum_is_a_right_handed_frame() -> None:
+    datum = Datum("seat", (1.0, 2.0, 3.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0))
+    assert datum.y_direction == (0.0, -1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("normal", "x_direction"),
+    [((0.0, 0.0, 2.0), (1.0, 0.0, 0.0)), ((0.0, 0.0, 1.0), (0.0, 0.6, 0.8)), ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0))],
+)
+def test_a_crooked_frame_is_refused(normal: tuple[float, ...], x_direction: tuple[float, ...]) -> None:
+    with pytest.raises(ValueError, match="datum 'seat'"):
+        Datum("seat", (0.0, 0.0, 0.0), normal, x_direction)  # type: ignore[arg-type]
+
+
+def test_dimensions_without_ends_value_or_features_are_refused() -> None:
+    ends = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    assert Dimension("length", "linear", 1.0, "stage.length", ends).count == 1
+    with pytest.raises(ValueError, match="two points"):
+        Dimension("length", "linear", 1.0, "stage.length", ends[:1])
+    with pytest.raises(ValueError, match="no value"):
+        Dimension("length", "linear", math.nan, "stage.length", ends)
+    with pytest.raises(ValueError, match="0 features"):
+        Dimension("bore", "diameter", 1.0, "stage.length", count=0)

@@ -1,0 +1,78 @@
+"""Mass properties: textbook bodies, and bodies put together from pieces."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.mass_properties import MassProperties, combined
+
+
+def block(low: tuple[float, float, float], high: tuple[float, float, float], density: float = 1000.0) -> MassProperties:
+    """A box by the textbook: I_xx = m (b^2 + c^2) / 12."""
+    a, b, c = (h - k for h, k in zip(high, low))
+    mass = a * b * c * density
+    inertia = np.diag([b * b + c * c, a * a + c * c, a * a + b * b]) * mass / 12
+    centre = tuple((h + k) / 2 for h, k in zip(high, low))
+    return MassProperties(a * b * c, mass, centre, inertia, (low, high))
+
+
+edge = st.floats(0.05, 2.0)
+
+
+@given(a=edge, b=edge, c=edge, cut=st.floats(0.1, 0.9))
+def test_a_box_is_the_sum_of_its_halves(a: float, b: float, c: float, cut: float) -> None:
+    whole = block((0.1, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c))
+    middle = 0.1 + cut * a
+    pieces = [block((0.1, -0.2, 0.3), (middle, -0.2 + b, 0.3 + c)), block((middle, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c))]
+    together = combined(pieces)
+    assert together.mass == pytest.approx(whole.mass)
+    assert together.volume == pytest.approx(whole.volume)
+    assert together.centre_of_mass == pytest.approx(whole.centre_of_mass)
+    assert np.allclose(together.inertia, whole.inertia, rtol=1e-9, atol=1e-12 * whole.mass)
+    assert np.allclose(together.bounding_box, whole.bounding_box)
+
+
+def test_inertia_about_a_point_by_summing_small_pieces() -> None:
+    body = block((0.0, 0.0, 0.0), (0.2, 0.3, 0.1), 2700.0)
+    point = (0.5, -0.4, 0.25)
+    n = 60
+    axes = [(np.arange(n) + 0.5) / n * size for size in (0.2, 0.3, 0.1)]
+    x, y, z = (part.ravel() - at for part, at in zip(np.meshgrid(*axes, indexing="ij"), point))
+    dm = body.mass / n**3
+    expected = dm * np.array(
+        [
+            [np.sum(y * y + z * z), -np.sum(x * y), -np.sum(x * z)],
+            [-np.sum(x * y), np.sum(x * x + z * z), -np.sum(y * z)],
+            [-np.sum(x * z), -np.sum(y * z), np.sum(x * x + y * y)],
+        ]
+    )
+    assert np.allclose(body.inertia_about(point), expected, rtol=2e-4)
+
+
+def test_moving_a_body_leaves_its_inertia() -> None:
+    body = block((0.0, 0.0, 0.0), (0.2, 0.3, 0.1))
+    moved = body.moved((1.0, 2.0, 3.0))
+    assert moved.inertia == body.inertia
+    assert moved.centre_of_mass == pytest.approx((1.1, 2.15, 3.05))
+    assert moved.bounding_box[0] == pytest.approx((1.0, 2.0, 3.0))
+
+
+def test_json_goes_there_and_back() -> None:
+    body = block((0.0, 0.0, 0.0), (0.2, 0.3, 0.1))
+    document = json.loads(json.dumps(body.as_json()))
+    assert MassProperties.from_json(document) == body
+    assert document["mass"] == {"value": pytest.approx(6.0), "unit": "kg"}
+    del document["mass"]
+    with pytest.raises(InputError, match="mass"):
+        MassProperties.from_json(document)
+
+
+def test_nothing_has_no_centre() -> None:
+    with pytest.raises(ValueError, match="no body"):
+        combined([])
