@@ -11,13 +11,16 @@ that is how its preload is set.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import combinations
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.solids.assembly import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
+from stagecad.solids.cache import Store
 from stagecad.solids.frame import Frame, Vector, dot, subtract
 from stagecad.solids.made_assembly import shapes_of
 from stagecad.solids.made_part import MadePart
@@ -37,6 +40,7 @@ THREAD = "thread engagement"
 SLIDING = "sliding contact"
 DRIVE = "drive contact"
 GAP = "gap"
+CLASH = "clash"
 
 INTENDED: dict[frozenset[str], str] = {
     frozenset(pair): kind
@@ -87,10 +91,11 @@ class Meeting:
 
     Attributes:
         first, second: names of the instances.
-        kind: as intended; "clash" where nothing is meant, or more than what is meant.
+        kind: as intended; `CLASH` where nothing is meant, or more than what is meant.
         travel, height: place of stage and height adjustment, -1 to 1.
         common_volume: of the two solids, mm^3.
-        clearance: least distance, mm; 0 where they touch or overlap.
+        clearance: least distance, mm; 0 where they touch or overlap. None where it was not measured: it is for the
+            first pair of two parts at mid-travel and mid-height, since distances take longer than common volumes.
     """
 
     first: str
@@ -99,11 +104,11 @@ class Meeting:
     travel: float
     height: float
     common_volume: float
-    clearance: float
+    clearance: float | None
 
     @property
     def clash(self) -> bool:
-        return self.kind == "clash"
+        return self.kind == CLASH
 
 
 def meetings(
@@ -114,9 +119,10 @@ def meetings(
 ) -> list[Meeting]:
     """All pairs that meet or come within `NEAR`, for every combination of travel and height.
 
-    A pair that has not moved against each other since another combination is looked at only once.
+    A pair that has not moved against each other since another combination is intersected only once.
     """
-    known: dict[tuple[Any, ...], tuple[float, float]] = {}
+    volumes: dict[tuple[Any, ...], float] = {}
+    measured: set[frozenset[str]] = set()
     found: list[Meeting] = []
     for travel in travels:
         for height in heights:
@@ -126,13 +132,29 @@ def meetings(
                 if not _near(_box(one, parts), _box(two, parts), NEAR):
                     continue
                 key = (one.shape, two.shape, _relative(one.frame, two.frame))
-                if key not in known:
-                    known[key] = _measure(one, two, shapes)
-                volume, distance = known[key]
+                if key not in volumes:
+                    volumes[key] = _common_volume(one, two, shapes)
+                volume = volumes[key]
+                pair = frozenset((one.part, two.part))
+                distance = 0.0 if volume > TOUCH else None
+                if travel == height == 0.0 and distance is None and pair in INTENDED and pair not in measured:
+                    measured.add(pair)
+                    distance = _distance(one, two, shapes)
                 kind = _kind(one.part, two.part, volume, distance, design)
                 if kind is not None:
                     found.append(Meeting(one.name, two.name, kind, travel, height, volume, distance))
     return found
+
+
+def make_meetings(store: Store, parts: Mapping[str, MadePart], design: Any) -> list[Meeting]:
+    """All meetings at the ends and middles, from the cache or found now."""
+
+    def make(reading: Any, folder: Path) -> None:
+        found = [asdict(meeting) for meeting in meetings(parts, reading)]
+        (folder / "meetings.json").write_text(json.dumps(found, indent=1), "utf-8")
+
+    entry = store.make("interference", design, (__name__,), make, [part.entry.key for part in parts.values()])
+    return [Meeting(**document) for document in entry.document("meetings.json")]
 
 
 def clashes(found: Sequence[Meeting]) -> list[Meeting]:
@@ -140,18 +162,14 @@ def clashes(found: Sequence[Meeting]) -> list[Meeting]:
     return [meeting for meeting in found if meeting.clash]
 
 
-def _kind(one: str, two: str, volume: float, distance: float, design: Any) -> str | None:
+def _kind(one: str, two: str, volume: float, distance: float | None, design: Any) -> str | None:
     """How a pair meets; None where it merely passes by."""
     meant = INTENDED.get(frozenset((one, two)))
-    if meant == DRIVE:
-        return meant if volume > TOUCH or distance <= NEAR else None
     if meant == THREAD:
-        return meant if volume <= _ring(one if one in THREADED else two, design) + TOUCH else "clash"
-    if volume > TOUCH:
-        return "clash"
-    if meant is None:
-        return None
-    return meant if distance <= NEAR else None
+        return meant if volume <= _ring(one if one in THREADED else two, design) + TOUCH else CLASH
+    if volume > TOUCH and meant != DRIVE:
+        return CLASH
+    return meant if distance is None or distance <= NEAR else None
 
 
 def _ring(screw: str, design: Any) -> float:
@@ -167,22 +185,24 @@ def _value(design: Any, key: str) -> float:
     return value
 
 
-def _measure(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> tuple[float, float]:
-    """Common volume, mm^3, and least distance, mm, of two instances."""
+def _common_volume(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float:
+    """Common volume of two instances, mm^3."""
     from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
-    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
 
-    first, second = _placed(one, shapes), _placed(two, shapes)
-    distance = BRepExtrema_DistShapeShape(first, second)
-    apart = float(distance.Value()) if distance.IsDone() else 0.0
-    if apart > 1e-7:
-        return 0.0, apart
-    common = BRepAlgoAPI_Common(first, second)
+    common = BRepAlgoAPI_Common(_placed(one, shapes), _placed(two, shapes))
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(common.Shape(), properties)
-    return abs(properties.Mass()), 0.0
+    return abs(properties.Mass())
+
+
+def _distance(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float | None:
+    """Least distance of two instances, mm; None where the kernel finds none."""
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+
+    distance = BRepExtrema_DistShapeShape(_placed(one, shapes), _placed(two, shapes))
+    return float(distance.Value()) if distance.IsDone() else None
 
 
 def _placed(instance: Instance, shapes: Mapping[str, cq.Shape]) -> Any:
