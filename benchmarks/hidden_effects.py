@@ -90,7 +90,7 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         place = ["--out", str(Path(scratch) / "out"), "--json"]
         start = time.perf_counter()
         try:
-            document = run(["diagnose", str(work), *place])
+            document = run(["diagnose", str(work), "--no-figures", *place])
         except Exception as error:
             return replace(out, failed=f"{type(error).__name__}: {error}", said="failed")
         seconds = time.perf_counter() - start
@@ -98,6 +98,7 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         where = [row["coordinate"] for row in document.get("where", [])]
         out = replace(
             out, right=first_right(document, entry), said=verdict, tied=max(len(names), 1), seconds=seconds,
+            started=worst_over_noise(document.get("before", {})),
             where_right=bool(where) and where[0] in entry["where"] if "where" in entry else None,
         )
         if not follow or kind in ("none", "unexplained"):
@@ -107,7 +108,7 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
             while names and len(added) < ROUNDS:
                 run(["add", str(work), document["effect"], *place])
                 added.append(plain(document["effect"]))
-                document = run(["diagnose", str(work), *place])
+                document = run(["diagnose", str(work), "--no-figures", *place])
                 verdict, names = said(document)
                 if kind == "single" and not out.right:
                     break
@@ -232,8 +233,12 @@ def main() -> None:
                 waiting = [pool.submit(_job, task) for task in tasks]
                 for done, future in enumerate(as_completed(waiting), 1):
                     rows.append(future.result())
-                    print(f"\r{done}/{len(tasks)}", end="", file=sys.stderr, flush=True)
-            print(file=sys.stderr)
+                    o = rows[-1][0]
+                    mark = "ok   " if o.right and not o.failed and o.both is not False else "WRONG"
+                    print(
+                        f"{done}/{len(tasks)} {mark} {o.case} {o.rig} {o.effect} {o.size}{' hard' if o.hard else ''}:"
+                        f" {o.said} {o.failed}", file=sys.stderr, flush=True,
+                    )
             rows.sort(key=lambda row: row[0].case)
             print(table([row[0] for row in rows], [row[1] for row in rows]))
             if a.json:

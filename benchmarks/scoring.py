@@ -27,6 +27,7 @@ class Outcome:
         tied: how many effects were named together.
         where_right: for an unlisted effect, whether the first coordinate is right; none otherwise.
         both: for a pair, whether both were found; none otherwise.
+        started: error over noise on the held-out record before anything was added.
         held_out: error over noise on the held-out record in the end; none where nothing was added rightly.
         stopped: after a single effect was added, whether the loop stopped; none where not followed.
         seconds: time of the first diagnosis.
@@ -43,6 +44,7 @@ class Outcome:
     tied: int = 1
     where_right: bool | None = None
     both: bool | None = None
+    started: float | None = None
     held_out: float | None = None
     stopped: bool | None = None
     seconds: float = math.nan
