@@ -90,6 +90,8 @@ def parameters_json(case: Case, fitted: Fitted, found: Intervals | None = None, 
         if only is not None and key.rpartition(".")[0] != only:
             continue
         entry = as_json(interval.value, parameter_unit(case, key), interval.std, interval.low, interval.high)
+        # What the records do not tell is null in every file, never a number that JSON cannot hold.
+        entry.update({name: None for name in ("std", "low", "high") if not np.isfinite(entry[name])})
         if interval.at_bound:
             entry["at_bound"] = True
         out[public_key(key)] = entry
