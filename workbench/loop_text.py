@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -57,8 +58,10 @@ def parameter_table(parameters: Mapping[str, Mapping[str, Any]], title: str = "P
         table.add_column(name, justify="right" if name in ("value",) else "left")
     for key, q in parameters.items():
         low, high = q.get("low"), q.get("high")
-        told = low is not None and high is not None and abs(low) != float("inf")
-        interval = f"{plain(low, q['unit'])} .. {plain(high, q['unit'])}" if told and low is not None and high is not None else "not told by these records"
+        interval = "not told by these records"
+        # An open end is written as the text "inf": JSON has no infinity.
+        if isinstance(low, int | float) and isinstance(high, int | float) and math.isfinite(low) and math.isfinite(high):
+            interval = f"{plain(low, q['unit'])} .. {plain(high, q['unit'])}"
         table.add_row(key, plain(q["value"], q["unit"]), interval, "at its bound" if q.get("at_bound") else "")
     return table
 
