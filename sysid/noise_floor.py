@@ -35,6 +35,10 @@ BEST_SENSOR = 1e-4
 better than 80 dB from sample to sample."""
 
 
+LEAST = 1e-9
+"""Noise over the largest value below which there is none: what rounding to nine digits leaves."""
+
+
 @dataclass(frozen=True)
 class Noise:
     """Standard deviation of the noise on one channel.
@@ -108,6 +112,12 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
             memory = float(np.median([item.correlation for item in repeats]))
             colour = Colour(scatter, memory, True, colour.white)
         return _noise(scatter, unit, "repeats", colour, step, quantum, note)
+    least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
+    if colour.value < least:
+        note = f"no noise is seen; taken as {LEAST:g} of the largest value, the last digit a file would keep"
+        if colour.filtered:
+            note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
+        return _noise(least, unit, "difference", Colour(least, 0.0, colour.filtered, least), step, quantum, note)
     quiet = _quiet(holding, channel, colour, quantum)
     if quiet is not None:
         return _noise(quiet.value, unit, "quiet", quiet, step, quantum, "where the input stands still")
