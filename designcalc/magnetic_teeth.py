@@ -205,7 +205,7 @@ def _within(key: str, name: str, value: float, low: float, high: float) -> None:
         raise InputError(f"teeth: {key}: {name} {value:g} is outside the solution's range {low:g} to {high:g}")
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def _spectrum(half_width: float, functions: int) -> tuple[Array, Array, Array]:
     """Mouth functions in Fourier modes of a unit pitch: k (n,), and R of even and odd functions (functions, n)."""
     k = 2 * np.pi * np.arange(1, _MODES + 1)
@@ -215,7 +215,7 @@ def _spectrum(half_width: float, functions: int) -> tuple[Array, Array, Array]:
     return k.astype(float), table[0::2], table[1::2]
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def _slot_spectrum(functions: int) -> tuple[Array, Array]:
     """The same in the sine modes of a groove; its arguments m pi/2 do not depend on the groove."""
     m = np.arange(1, 2 * _MODES + 1)
@@ -233,9 +233,7 @@ def _solve(p: float, l: float, e: float, d: float, x: float, functions: int) -> 
     s, gap, depth, shift = 1 - l / p, e / p, d / p, x / p
     h = s / 2
     k, even, odd = _spectrum(h, functions)
-    ke = np.minimum(k * gap, 200.0)  # beyond, the terms are nothing and their cubes would overflow
-    sinh, cosh = np.sinh(ke), np.cosh(ke)
-    coth = 1 / np.tanh(ke)
+    coth = 1 / np.tanh(np.minimum(k * gap, 200.0))
 
     # Every dot product over modes of the form sum k R R' has terms falling as k^(-7/3); the rest of it beyond the last
     # mode is taken from the mean of J_mu J_nu ~ cos((mu-nu) pi/2)/(pi z). The even (and odd) functions carry the signs
@@ -263,11 +261,15 @@ def _solve(p: float, l: float, e: float, d: float, x: float, functions: int) -> 
     def blocks(ee: Array, oo: Array) -> Array:
         return np.block([[ee, zero], [zero, oo]])
 
-    # In-phase with sign conventions: even functions have real transforms, odd ones -i times real ones.
+    # Sign conventions: even functions have real transforms, odd ones -i times real ones.
     own = blocks(
         self_block(even, slot_even, slot_coth[0::2], slot_tail[0]),
         self_block(odd, slot_odd, slot_coth[1::2], slot_tail[1]),
     )
+    # All that follows falls as exp(-k e): the modes beyond k e = 60 add nothing.
+    near = max(1, int(np.searchsorted(k, 60 / gap)))
+    k, even, odd = k[:near], even[:, :near], odd[:, :near]
+    sinh, cosh = np.sinh(np.minimum(k * gap, 200.0)), np.cosh(np.minimum(k * gap, 200.0))
     own_e = 2 * h**2 * blocks(_gram(even, -(k**2) / sinh**2), _gram(odd, -(k**2) / sinh**2))
     own_ee = 2 * h**2 * blocks(_gram(even, 2 * k**3 * cosh / sinh**3), _gram(odd, 2 * k**3 * cosh / sinh**3))
 

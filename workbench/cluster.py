@@ -19,7 +19,7 @@ def cluster_map(address: str, function: Callable[[Any], Any], values: Iterable[A
         InputError: dask is not installed, or no scheduler answers at the address.
     """
     try:
-        from distributed import Client
+        from distributed import Client  # pyright: ignore[reportMissingImports]
     except ImportError:
         raise InputError(
             f"--scheduler {address}: needs the package 'distributed' (pip install dask distributed); "

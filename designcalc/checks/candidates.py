@@ -79,7 +79,7 @@ def air_surface(r: Reading) -> Check:
 
 def earnshaw(r: Reading) -> Check:
     """Stage magnets repelled by base magnets: the three stiffnesses add up to zero, so one direction is unstable."""
-    side = 0.05
+    side = r.given("pitch of the base's magnets", 0.05, "m", "assumed: any pattern gives the same sum")
     base = [(x, y) for x in np.arange(-0.2, 0.21, side) for y in np.arange(-0.2, 0.21, side)]
     total = np.zeros((3, 3))
     for x, y in base:

@@ -163,14 +163,22 @@ def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
 
 
 def moved(points: Sequence[Point], least: float = 1e-3) -> list[str]:
-    """Names of the checks whose margin moves over the sweep by more than `least`, the most moved first."""
-    spread: dict[str, list[float]] = {}
+    """Names of the checks whose margin moves over the sweep by more than `least`.
+
+    Those whose verdict changes come first, then those that move most for their size: a check that fails a hundredfold
+    moves by much and tells little.
+    """
+    margins: dict[str, list[float]] = {}
+    verdicts: dict[str, set[str]] = {}
     for point in points:
         for check in point.checks:
             if check.margin is not None:
-                spread.setdefault(check.name, []).append(check.margin)
-    widths = {name: max(m) - min(m) for name, m in spread.items()}
-    return [name for name in sorted(widths, key=lambda n: -widths[n]) if widths[name] > least]
+                margins.setdefault(check.name, []).append(check.margin)
+                verdicts.setdefault(check.name, set()).add(check.verdict)
+    width = {name: max(m) - min(m) for name, m in margins.items()}
+    size = {name: width[name] / (1 + max(abs(v) for v in m)) for name, m in margins.items()}
+    kept = [name for name in margins if width[name] > least]
+    return sorted(kept, key=lambda name: (-len(verdicts[name]), -size[name]))
 
 
 def _plate(design: Design) -> float:

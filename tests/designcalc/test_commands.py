@@ -1,0 +1,140 @@
+"""`stagecad calc` and `stagecad check` as a user or a script runs them."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from workbench.cli import run
+
+
+def answer(capsys, *words):
+    status = run(words)
+    out, err = capsys.readouterr()
+    return status, out, err
+
+
+def document(capsys, *words):
+    status, out, _ = answer(capsys, *words, "--json")
+    # A table for people goes to standard error; the document alone to standard output.
+    return status, json.loads(out)
+
+
+def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(capsys):
+    words = ("--load", "9.7 N", "--radius-1", "2.5 mm", "--modulus-1", "207 GPa", "--poisson-1", "0.3")
+    status, found = document(capsys, "calc", "hertz", *words, "--modulus-2=69 GPa", "--poisson-2=0.33")
+    assert status == 0
+    assert found["inputs"]["load"] == {"value": 9.7, "unit": "N"}
+    assert found["inputs"]["radius_2"]["value"] is None  # infinite: JSON has no such number
+    assert found["results"]["peak_pressure"]["value"] == pytest.approx(1e9, rel=2e-3)
+    assert found["results"]["semi_axis_major"] == found["results"]["semi_axis_minor"]
+    assert set(found["results"]) == {
+        "semi_axis_major", "semi_axis_minor", "peak_pressure", "approach", "stiffness",
+        "peak_shear", "peak_shear_depth",
+    }  # fmt: skip
+
+
+def test_calc_hertz_with_a_length_is_a_line_without_approach(capsys):
+    status, found = document(capsys, "calc", "hertz", "--load", "10 N", "--radius-1", "5 mm", "--length", "10 mm")
+    assert status == 0
+    assert found["results"]["approach"] is None
+    assert found["results"]["peak_shear_depth"]["value"] == pytest.approx(
+        0.78615 * found["results"]["semi_axis_minor"]["value"], rel=1e-4
+    )
+
+
+def test_calc_hertz_minor_radius_follows_the_major_one(capsys):
+    _, found = document(capsys, "calc", "hertz", "--radius-1", "7 mm", "--radius-2", "-9 mm")
+    assert found["inputs"]["radius_1_minor"]["value"] == 7e-3
+    assert found["inputs"]["radius_2_minor"]["value"] == -9e-3
+
+
+def test_calc_rail_gives_the_sheets_table(capsys):
+    words = [f"--{part}-modulus=207 GPa" for part in ("rail", "bed", "bolt")]
+    status, found = document(capsys, "calc", "rail", *words, "--poisson", "0.3", "--flange-ratio", "2")
+    assert status == 0
+    results = found["results"]
+    assert float(f"{results['joint_stiffness_per_diameter']['value']:.2e}") == 4.78e10
+    rows = {(row["spacing_ratio"], row["flange_ratio"]): row["stiffness"]["value"] for row in results["table"]}
+    assert len(rows) == 27
+    assert round(rows[4, 1.5] / 1e6) == 190
+    assert results["total_stiffness"]["value"] == pytest.approx(rows[4, 2.0])
+
+
+def test_calc_teeth_alone_and_with_the_magnet(capsys):
+    _, plain = document(capsys, "calc", "teeth")
+    _, driven = document(capsys, "calc", "teeth", "--magnet", "design")
+    assert plain["results"]["lateral_over_normal"]["value"] == pytest.approx(0.075, abs=0.001)
+    assert driven["results"]["attraction"]["unit"] == "N"
+    # The magnet's reluctance softens the normal direction and leaves the lateral one its share.
+    assert driven["results"]["lateral_over_normal"]["value"] > plain["results"]["lateral_over_normal"]["value"]
+
+
+def test_calc_takes_its_defaults_from_the_design(capsys):
+    _, found = document(capsys, "calc", "rail", "--set", "bearing_way.bolt_spacing=40 mm")
+    assert found["inputs"]["spacing_ratio"]["value"] == pytest.approx(40 / 9.525)
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (("hertx",), "no calculator 'hertx'; did you mean 'hertz'?"),
+        (("hertz", "--laod", "3 N"), "no option '--laod'; did you mean 'load'?"),
+        (("hertz", "--load"), "--load needs a value"),
+        (("hertz", "--load", "3"), "--load: '3' has no unit"),
+        (("hertz", "--load", "3 m"), "wrong dimension"),
+        (("hertz", "--load", "-3 N"), "load: must be above 0 N"),
+        (("hertz", "--load", "3 N", "--load", "4 N"), "--load is given twice"),
+        (("hertz", "3 N"), "belongs to no option"),
+        (("hertz", "--poisson-1", "0.7"), "must lie in 0 to 0.5"),
+        (("rail", "--spacing-ratio", "1"), "spacing-ratio: must be above 1"),
+        (("teeth", "--magnet", "big"), "not a choice; allowed: design"),
+        (("teeth", "--gap", "1 km"), "gap over pitch"),
+    ],
+)
+def test_calc_says_what_is_wrong(capsys, words, message):
+    status, out, err = answer(capsys, "calc", *words)
+    assert status == 2
+    assert message in err
+    assert err.count("\n") == 1 and not out
+
+
+def test_check_prints_a_list_and_fails_where_the_thesis_does(capsys, tmp_path):
+    status, checks = document(capsys, "check", "--no-solids", "--out", str(tmp_path))
+    assert status == 1
+    verdicts = {check["name"]: check["verdict"] for check in checks}
+    assert verdicts["piezo stroke of the drive"] == "fails"
+    assert verdicts["interferometer range"] == "passes"
+    assert set(checks[0]["value"]) == {"value", "unit"}
+    assert json.loads((tmp_path / "checks" / "checks.json").read_text()) == checks
+    assert "## Where the thesis differs" in (tmp_path / "checks" / "checks.md").read_text()
+
+
+def test_check_follows_set(capsys, tmp_path):
+    words = ("check", "--no-solids", "--out", str(tmp_path), "--set", "actuator.stroke_amplitude=8.5 um")
+    _, checks = document(capsys, *words)
+    assert next(c for c in checks if c["name"] == "piezo stroke of the drive")["verdict"] == "passes"
+
+
+def test_check_sweeps_with_a_figure(capsys, tmp_path):
+    words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
+    status, found = document(capsys, *words)
+    assert status == 1
+    pressures = found["sweep"]["checks"]["tip contact pressure"]["value"]
+    assert pressures[0] / pressures[2] == pytest.approx(3 ** (2 / 3), rel=1e-6)
+    assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
+
+
+def test_a_sweep_without_a_cluster_is_said(capsys, tmp_path):
+    words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
+    status, _, err = answer(capsys, *words, "--scheduler", "tcp://127.0.0.1:9")
+    assert status == 2
+    assert "--scheduler tcp://127.0.0.1:9" in err.splitlines()[-1]
+
+
+def test_check_draws_the_rail_and_the_map(capsys, tmp_path):
+    status, *_ = answer(capsys, "check", "--no-solids", "--figures", "--out", str(tmp_path))
+    assert status == 1
+    for name in ("rail", "teeth"):
+        assert (tmp_path / "checks" / f"{name}.png").stat().st_size > 10_000
