@@ -55,6 +55,8 @@ def command(
     forms = {"both": ("csv", "parquet"), "none": ()}.get(kinds, (kinds,))
     job = _Job(run, folder, tuple(m for m in MODELS if not models or m in models), forms, figures)
     kilograms = moving_mass(run, mass) if wanted != ["tip"] else 1.0
+    if wanted != ["tip"]:
+        run.say(f"mass {kilograms:.6g} kg")
     document: dict[str, Any] = {}
     try:
         for name in wanted:
