@@ -139,12 +139,13 @@ def _screw_hole(design: Any, clamp: Clamp) -> cq.Solid:
 
 
 def clamp_datums(design: Any) -> list[Datum]:
-    """Seats of the clamp screws' heads at the fitted pockets: long ones at pocket 1, short ones at 2 and 3."""
+    """Seats of the clamp screws' heads: long ones at pocket 1, short ones at 2 and 3.
+
+    A pocket without an actuator keeps its screw as well: a free finger would sing.
+    """
     base, found = design.base, []
     counts = {"clamp_screw_long": 0, "clamp_screw_short": 0}
     for clamp in clamps(design):
-        if clamp.pocket > design.actuator.fitted:
-            continue
         name = "clamp_screw_long" if clamp.pocket == 1 else "clamp_screw_short"
         counts[name] += 1
         seat = clamp.head * (base.length / 2 - base.clamp_counterbore_depth)
