@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -59,8 +59,14 @@ def command(
         run.say(f"mass {kilograms:.6g} kg")
     document: dict[str, Any] = {}
     try:
-        for name in wanted:
-            document[name] = job.run_one(name, kilograms)
+        with run.progress() as progress:
+            task = progress.add_task(
+                "simulations", total=sum(1 if name == "tip" else len(job.models) for name in wanted)
+            )
+            job.advance = lambda: progress.advance(task)
+            for name in wanted:
+                progress.update(task, description=name)
+                document[name] = job.run_one(name, kilograms)
     except SimulationError as failure:
         raise InputError(str(failure)) from None
     for name, models_found in document.items():
@@ -69,12 +75,31 @@ def command(
     run.emit(document)
 
 
+def simulate_into(
+    run: Run, folder: Path, names: Sequence[str], advance: Callable[[str], None] = lambda name: None
+) -> list[Path]:
+    """Run the named experiments at the design's own values, all models; data and figures go to `folder`.
+
+    `advance` is called with each name as it is done. Returns the files written.
+    """
+    from sim.experiments.friction_models import MODELS
+
+    folder.mkdir(parents=True, exist_ok=True)
+    job = _Job(run, folder, tuple(MODELS), ("csv",), figures=True)
+    mass = moving_mass(run, None)
+    for name in names:
+        job.run_one(name, mass)
+        advance(name)
+    return job.written
+
+
 class _Job:
     """One run of the command: where it writes, and what it has written."""
 
     def __init__(self, run: Run, folder: Path, models: tuple[str, ...], forms: tuple[str, ...], figures: bool) -> None:
         self.run, self.folder, self.models, self.forms, self.figures = run, folder, models, forms, figures
         self.written: list[Path] = []
+        self.advance: Callable[[], None] = lambda: None
 
     def run_one(self, name: str, mass: float) -> dict[str, Any]:
         steps: dict[str, Callable[[float], dict[str, Any]]] = {
@@ -94,6 +119,7 @@ class _Job:
             stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
             for stroke, size in STROKES.items()
         }
+        self.advance()
         for stroke, phases in results.items():
             for phase, path in phases.items():
                 columns = {"time [s]": path.time, "tip_x [m]": path.x, "tip_y [m]": path.y}
@@ -111,7 +137,7 @@ class _Job:
         from sim.experiments.presliding import presliding
         from workbench.simulation_data import table_of
 
-        results = {model: presliding(friction_of(self.run), model, mass) for model in self.models}
+        results = self._each(lambda model: presliding(friction_of(self.run), model, mass))
         for model, result in results.items():
             self._write(f"presliding_{model}", table_of(result.simulation, "drive_force"))
         if self.figures:
@@ -124,9 +150,7 @@ class _Job:
         from sim.experiments.hysteresis import CASES, hysteresis
         from workbench.simulation_data import table_of
 
-        results = {
-            model: {case: hysteresis(friction_of(self.run), model, case) for case in CASES} for model in self.models
-        }
+        results = self._each(lambda model: {case: hysteresis(friction_of(self.run), model, case) for case in CASES})
         for model, cases in results.items():
             for case, result in cases.items():
                 columns = table_of(result.simulation, "acceleration", rows=2001)
@@ -146,7 +170,7 @@ class _Job:
         from sim.experiments.stick_slip import PULL, SHOWN, stick_slip
         from workbench.simulation_data import table_of
 
-        results = {model: stick_slip(friction_of(self.run), model, mass) for model in self.models}
+        results = self._each(lambda model: stick_slip(friction_of(self.run), model, mass))
         for model, result in results.items():
             columns = table_of(result.simulation, "spring_force", SHOWN)
             columns["pull_position [m]"] = PULL * columns["time [s]"]
@@ -163,7 +187,7 @@ class _Job:
 
         friction = friction_of(self.run)
         self.run.say(f"lugre is passive at any stretch below 4 Fc/a1 = {passive_below(friction) * 1e3:.2f} mm/s")
-        results = {model: {motion: audit(friction, model, motion) for motion in MOTIONS} for model in self.models}
+        results = self._each(lambda model: {motion: audit(friction, model, motion) for motion in MOTIONS})
         for model, motions in results.items():
             for motion, result in motions.items():
                 columns = table_of(result.simulation, "acceleration", rows=2001)
@@ -177,6 +201,14 @@ class _Job:
             model: {motion: _quantities(result.features()) for motion, result in motions.items()}
             for model, motions in results.items()
         }
+
+    def _each(self, simulated: Callable[[str], Any]) -> dict[str, Any]:
+        """What `simulated` gives for every model."""
+        results = {}
+        for model in self.models:
+            results[model] = simulated(model)
+            self.advance()
+        return results
 
     def _write(self, name: str, columns: dict[str, Any]) -> None:
         from workbench.simulation_data import write_table
