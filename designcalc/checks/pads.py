@@ -34,7 +34,6 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(roughness_under_film, r)
     yield partial(smoothness, r, "way_roughness", "way as drawn")
     yield partial(smoothness, r, "proposed_way_roughness", "way as proposed")
-    yield partial(printed_smoothness, r)
     yield partial(pitch, r)
     yield partial(wear, r)
     yield partial(heat, r)
@@ -217,26 +216,17 @@ def smoothness(r: Reading, key: str, label: str) -> Check:
         "Ra sqrt(pi/2) sqrt(pi) l/(2a sqrt(n)) <= 1 nm rms",
         f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
         f"Ra of {show(rough * limit / left, 'm')}, or flatter pads",
-        thesis="Ra 1 um is said to give 1 nm" if key == "way_roughness" else "",
+        thesis=_printed_rule(rough) if key == "way_roughness" else "",
         requirement="Table 1: smoothness",
     )
 
 
-def printed_smoothness(r: Reading) -> Check:
-    """``sqrt(Ra^3)`` is a length to the power 1.5; that it reads 1 nm for 1 um is an accident of the metre."""
-    rough = r("bearing.way_roughness")
-    in_metres, in_millimetres = np.sqrt(rough**3), np.sqrt((rough * 1e3) ** 3) * 1e-3
-    return r.check(
-        "printed smoothness rule, sqrt(Ra^3)",
-        in_millimetres / in_metres,
-        1.0,
-        "",
-        "at most",
-        "a law of nature does not depend on the unit of length",
-        "sqrt(Ra^3) worked in mm over the same worked in m",
-        f"Ra = {show(rough, 'm')}: {show(float(in_metres), 'm')} in metres, {show(float(in_millimetres), 'm')} in mm",
-        "average a profile over the convex pad instead",
-        thesis="'smoothness in the order of sqrt(Ra^3)' is dimensionally wrong",
+def _printed_rule(roughness: float) -> str:
+    """What 'smoothness in the order of sqrt(Ra^3)' comes to: it depends on the unit, for it is no length."""
+    in_metres, in_millimetres = np.sqrt(roughness**3), np.sqrt((roughness * 1e3) ** 3) * 1e-3
+    return (
+        f"'smoothness in the order of sqrt(Ra^3)' is no length: worked in metres it reads {show(in_metres, 'm')}, "
+        f"in millimetres {show(in_millimetres, 'm')}; average the surface over the pad instead"
     )
 
 

@@ -17,14 +17,11 @@ _DATASHEET = "thesis 2.3.4, data sheets"
 
 
 def thermal_checks(r: Reading) -> Iterator[partial[Check]]:
-    """Drift of the tip with either base material, the way on the base, magnetism, vibration."""
-    yield partial(tip_drift, r, "invar_36", "Invar 36")
-    yield partial(tip_drift, r, "sus416", "SUS416")
-    yield partial(way_growth, r, "invar_36", "Invar 36")
-    yield partial(way_growth, r, "sus416", "SUS416")
+    """Drift of the tip, the way on the base, magnetism, vibration; with the base's other material beside each."""
+    yield partial(tip_drift, r)
+    yield partial(way_growth, r)
     yield partial(base_expansion, r)
-    yield partial(magnetism, r, "invar_36", "Invar 36")
-    yield partial(magnetism, r, "sus416", "SUS416")
+    yield partial(magnetism, r)
     yield partial(vibration, r)
 
 
@@ -51,46 +48,56 @@ def sensor_checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(abbe, r)
 
 
-def tip_drift(r: Reading, key: str, label: str) -> Check:
+def _beside(r: Reading) -> tuple[str, str]:
+    """Of Invar 36 and SUS416, the one that the base is not made of: key and name."""
+    return ("invar_36", "Invar 36") if r.design.value("base.material") == "sus416" else ("sus416", "SUS416")
+
+
+def tip_drift(r: Reading) -> Check:
     """Gap between tip and stage: way and pads lift the stage; piezos and tip, in their clamped holder, fill it.
 
     The clamps take the height pins out of the loop; base and holder together span from the way's foot down to the
     piezos' feet.
     """
-    alpha = r(f"materials.{key}.expansion")
     piezo_plane = r("bearing_way.height") + r("pads.height") - r("actuator.tip_height")
-    below = r("piezo.length") - piezo_plane
     members = [
         (r("bearing_way.height"), r.material("bearing_way", "expansion")),
         (r("pads.height"), r.material("stage", "expansion")),
         (-r("actuator.tip_height"), r.material("tip", "expansion")),
         (-r("piezo.length"), r.material("piezo", "expansion")),
-        (below, alpha),
     ]
-    drift = loop_drift([m[0] for m in members], [m[1] for m in members])
+    below = r("piezo.length") - piezo_plane
+    key, other = _beside(r)
+
+    def drift(expansion: float) -> float:
+        return abs(loop_drift([m[0] for m in members] + [below], [m[1] for m in members] + [expansion]))
+
+    here, beside = drift(r.material("base", "expansion")), drift(r(f"materials.{key}.expansion"))
     rise = float(stroke_ellipse(r).normal)
     change = r("environment.temperature_change")
     return r.check(
-        f"tip drift with a base and holder of {label}",
-        abs(drift) * change,
+        "drift of the tip against the stage",
+        here * change,
         0.1 * rise,
         "m",
         "at most",
         "growth of the loop way - pad - stage - tip - piezo - holder - base",
         "|sum(alpha_i L_i)| dT <= Y/10",
-        f"{show(abs(drift), 'm')} per kelvin x {change:.3g} K; rise of the ellipse {show(rise, 'm')}",
-        "a tip and pads that grow alike, or a set point of the piezos' bias that follows the temperature",
-        thesis="'INVAR SUS416' names two materials" if key == "sus416" else "",
+        f"{show(here, 'm')} per kelvin x {change:.3g} K; rise of the ellipse {show(rise, 'm')}",
+        "a tip and pads that grow alike, or a bias of the piezos that follows the temperature",
+        note=f"with a base and holder of {other}: {show(beside, 'm')} per kelvin",
         requirement="Table 2: low thermal expansion",
     )
 
 
-def way_growth(r: Reading, key: str, label: str) -> Check:
+def way_growth(r: Reading) -> Check:
     length, change = r("bearing_way.length"), r("environment.temperature_change")
-    ceramic, bed = r.material("bearing_way", "expansion"), r(f"materials.{key}.expansion")
-    growth = float(differential_growth(length, ceramic, bed)) * change
+    ceramic = r.material("bearing_way", "expansion")
+    key, other = _beside(r)
+    growth = float(differential_growth(length, ceramic, r.material("base", "expansion"))) * change
+    beside = float(differential_growth(length, ceramic, r(f"materials.{key}.expansion"))) * change
     return r.check(
-        f"slip between the way and a base of {label}",
+        "slip between way and base",
         growth,
         1e-6,
         "m",
@@ -99,6 +106,7 @@ def way_growth(r: Reading, key: str, label: str) -> Check:
         "|alpha_way - alpha_base| L dT <= 1 um",
         f"{show(growth, 'm')} over {show(length, 'm')} and {change:.3g} K",
         f"hold the temperature to {change * 1e-6 / growth:.2g} K, or pin the way at its middle and let it slide",
+        note=f"on a base of {other}: {show(beside, 'm')}",
         requirement="Table 2: low thermal expansion",
     )
 
@@ -122,24 +130,25 @@ def base_expansion(r: Reading) -> Check:
     )
 
 
-def magnetism(r: Reading, key: str, label: str) -> Check:
-    """Both are ferromagnetic (Invar 36 up to some 230 degC): the bars' flux must not find a way through the base."""
-    attracted = 1.0 if r.design.materials[key].magnetic else 0.0
+def magnetism(r: Reading) -> Check:
+    """Invar 36 (up to some 230 degC) and SUS416 are both ferromagnetic: flux must not find a way through the base."""
+    name = str(r.design.value("base.material"))
+    attracted = r.given(
+        f"{name} attracted by a magnet", float(r.design.materials[name].magnetic), "", "materials table: 1 is yes"
+    )
     gap, clear = r("teeth.gap"), r("tooth_bar.height") - r("teeth.groove_depth")
-    reach = clear / gap
-    value = 1 / reach if attracted else 0.0
-    r.given(f"{label} attracted by a magnet", attracted, "", "materials table")
+    _, other = _beside(r)
     return r.check(
-        f"flux of the teeth leaking into a base of {label}",
-        value,
+        "flux of the teeth leaking into the base",
+        attracted * gap / clear,
         0.25,
         "",
         "at most",
-        "the iron bar below the teeth carries the flux in a section thick beside the gap",
+        "the iron below the teeth carries the flux in a section thick beside the gap",
         "gap/(bar height - groove) <= 1/4 where the base is ferromagnetic",
         f"{show(gap, 'm')}/{show(clear, 'm')}",
         "higher bars, or a non-magnetic liner under them",
-        note="both Invar 36 (Curie point about 230 degC) and SUS416 are ferromagnetic",
+        note=f"ferromagnetic as well: {other}; neither material of the base frees it of the magnets",
     )
 
 
