@@ -1,0 +1,136 @@
+"""`stagecad make`: everything from the parameter file, and one HTML report; only what a change touches is made again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stagecad.parameters.atomic import atomic_write_text
+from workbench.options import Run, common_options
+
+SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
+STAMP = "made_from.json"
+
+
+@click.command("make")
+@click.option("--simulations/--no-simulations", default=True, help="Run the thesis's friction experiments too.")
+@common_options
+def command(run: Run, simulations: bool) -> None:
+    """Make everything from the parameter file: parts, assembly, bill of materials, checks, simulations, report.
+
+    Exit status 0 once all is built, whatever the checks say.
+    """
+    from designcalc.checks import run_checks
+    from designcalc.checks.report import counted
+    from stagecad.solids.bill_of_materials import document as bill_document
+    from stagecad.solids.cache import Store
+    from stagecad.solids.machine import find_machine
+    from stagecad.solids.registry import chosen
+    from workbench.commands.check import write_files
+    from workbench.commands.parts import write_parts
+    from workbench.machine_pictures import write_pictures
+    from workbench.machine_report import write_report
+
+    design = run.design
+    document = write_parts(run, chosen((), design))
+    run.say(f"parts: {len(document['changed'])} of {document['files']} files written")
+    store = Store()
+    machine = find_machine(design, store)
+    assert machine is not None
+    with run.progress() as progress:
+        task = progress.add_task("pictures", total=len(machine.parts) + 3)
+        pictures = write_pictures(
+            machine, store, run.out / "pictures", lambda name: progress.update(task, advance=1, description=name)
+        )
+    checks = run_checks(design, machine.moving_body)
+    write_files(checks, run.out / "checks")
+    run.say(f"checks: {counted(checks)}")
+    check_figures = _check_figures(run)
+    figures = _simulate(run) if simulations else []
+    page = write_report(
+        run, document, pictures, checks, check_figures, figures, bill_document(machine.bill_of_materials)
+    )
+    run.say(f"report: {page}")
+    run.emit(
+        {
+            "parts": document["parts"],
+            "moving_body": document["moving_body"],
+            "measures": document["measures"],
+            "checks": [check.as_json() for check in checks],
+            "report": str(page),
+        }
+    )
+
+
+def _stamped(folder: Path, inputs: object, files: list[Path]) -> bool:
+    """Whether `folder` was made from the same inputs, and all of its files are still there."""
+    stamp = folder / STAMP
+    if not stamp.is_file() or not files or not all(file.is_file() for file in files):
+        return False
+    return json.loads(stamp.read_text("utf-8")).get("inputs") == _hash(inputs)
+
+
+def _hash(inputs: object) -> str:
+    return hashlib.sha256(json.dumps(inputs, sort_keys=True, default=str).encode()).hexdigest()
+
+
+def _stamp(folder: Path, inputs: object, files: list[Path]) -> None:
+    names = [file.name for file in files]
+    atomic_write_text(folder / STAMP, json.dumps({"inputs": _hash(inputs), "files": names}, indent=1) + "\n")
+
+
+def _source_of(*packages: str) -> str:
+    """Hash of the source of packages: what they make changes with them."""
+    from importlib.util import find_spec
+
+    digest = hashlib.sha256()
+    for package in packages:
+        spec = find_spec(package)
+        assert spec is not None and spec.submodule_search_locations is not None
+        for place in spec.submodule_search_locations:
+            for file in sorted(Path(place).rglob("*.py")):
+                digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+def _check_figures(run: Run) -> dict[str, Path]:
+    from workbench.check_figures import rail_figure, teeth_figure
+
+    folder = run.out / "checks"
+    inputs = [run.design.digest, _source_of("designcalc")]
+    wanted = {"rail": folder / "rail.png"} | ({"teeth": folder / "teeth.png"} if run.design.teeth.fitted else {})
+    if not _stamped(folder, inputs, list(wanted.values())):
+        for name, draw in (("rail", rail_figure), ("teeth", teeth_figure)):
+            if name in wanted:
+                draw(run.design, wanted[name])
+        _stamp(folder, inputs, list(wanted.values()))
+    return wanted
+
+
+def _simulate(run: Run) -> list[Path]:
+    """Data and figures of the thesis's experiments; the figures, as PNG."""
+    from dataclasses import asdict
+
+    from workbench.commands.simulate import simulate_into
+    from workbench.simulation_inputs import friction_of, tip_dimensions
+
+    folder = run.out / "simulate"
+    inputs: list[Any] = [asdict(friction_of(run)), tip_dimensions(run), SIMULATED, _source_of("sim")]
+    stamp = folder / STAMP
+    known = json.loads(stamp.read_text("utf-8"))["files"] if stamp.is_file() else []
+    files = [folder / name for name in known]
+    if not _stamped(folder, inputs, files):
+        with run.progress() as progress:
+            task = progress.add_task("simulations", total=len(SIMULATED))
+            files = simulate_into(
+                run, folder, SIMULATED, lambda name: progress.update(task, advance=1, description=name)
+            )
+        _stamp(folder, inputs, files)
+        run.say(f"simulations: {len(files)} files written")
+    else:
+        run.say("simulations: unchanged")
+    return [file for file in files if file.suffix == ".png"]
