@@ -345,6 +345,21 @@ def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:
     return np.maximum(inner, mises(np.zeros(k.shape)))
 
 
+def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike) -> Array:
+    """Largest tensile stress of a circular contact, at its edge on the surface: ``(1 - 2 nu) p0/3``, Pa.
+
+    What cracks a brittle body or coating. A thin coating strained with a body beneath it bears this times the ratio of
+    ``E/(1 - nu^2)`` of coating and body.
+
+    Args:
+        peak_pressure: p0, Pa.
+        poisson: Poisson's ratio, 0 to 0.5.
+
+    Source: Johnson (1985), eq. 3.44 and section 4.2(b).
+    """
+    return (1 - 2 * np.asarray(poisson, float)) * np.asarray(peak_pressure, float) / 3
+
+
 def point_energy(contact: PointContact) -> Array:
     """Elastic energy of the contact, ``U = 2/5 F delta`` (J), the integral of F ~ delta^1.5."""
     return 0.4 * contact.load * contact.approach

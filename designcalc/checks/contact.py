@@ -10,7 +10,7 @@ import numpy as np
 from designcalc.checks.check import Check
 from designcalc.checks.machine import stack_stiffness, stroke_ellipse, tip_contact, tip_load
 from designcalc.checks.reading import Reading, show
-from designcalc.hertz import peak_mises, point_shear_peak
+from designcalc.hertz import edge_tension, peak_mises, point_shear_peak
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
 
@@ -18,6 +18,7 @@ _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
 def checks(r: Reading) -> Iterator[partial[Check]]:
     """Every check of the tip's contact."""
     yield partial(pressure, r)
+    yield partial(coating, r)
     yield partial(swallowed_stroke, r)
     yield partial(contact_stiffness, r)
 
@@ -48,6 +49,31 @@ def pressure(r: Reading) -> Check:
         f"{show(peak, 'Pa')}",
         note=f"peak shear {show(float(shear.shear), 'Pa')} at a depth of {show(float(shear.depth), 'm')}",
     )
+
+
+def coating(r: Reading) -> Check:
+    """The nose's coating is thin beside the contact: it takes the strain of the body under it."""
+    peak = float(tip_contact(r, tip_load(r)).peak_pressure)
+    body, layer = (
+        r.material("tip", "youngs_modulus") / (1 - r.material("tip", "poisson_ratio") ** 2),
+        _coating(r, "youngs_modulus") / (1 - _coating(r, "poisson_ratio") ** 2),
+    )
+    tension = float(edge_tension(peak, r.material("tip", "poisson_ratio"))) * layer / body
+    return r.check(
+        "cracking of the tip's coating",
+        tension,
+        _coating(r, "strength"),
+        "Pa",
+        "at most",
+        "Johnson (1985), section 4.2(b): tension at the contact's edge; coating strained with the body",
+        "(1 - 2 nu) p0/3 x E'_coating/E'_tip <= strength",
+        f"p0 = {show(peak, 'Pa')}, E' ratio {layer / body:.3g}: {show(tension, 'Pa')}",
+        "a larger nose radius, or a softer coating",
+    )
+
+
+def _coating(r: Reading, quantity: str) -> float:
+    return r(f"materials.{r.design.value('tip.coating_material')}.{quantity}")
 
 
 def swallowed_stroke(r: Reading) -> Check:

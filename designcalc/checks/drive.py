@@ -50,6 +50,8 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(heat, r)
     yield partial(current, r)
     yield partial(stack_pull, r)
+    yield partial(step_size, r)
+    yield partial(pushing_force, r)
 
 
 def usable_ellipse(r: Reading) -> tuple[float, float]:
@@ -275,4 +277,39 @@ def stack_pull(r: Reading) -> Check:
         "m (2 pi f)^2 Y/2/(2 A) <= tensile limit",
         f"{show(pull, 'N')} on {area * 1e6:.3g} mm^2",
         f"preload each stack by {show(pull, 'N')} or more",
+    )
+
+
+def step_size(r: Reading) -> Check:
+    bits = r.given("bits of the drive's converter", 16, "", "assumed: a common converter over the whole voltage")
+    step = 2 * r("actuator.tip_height") / r("actuator.piezo_spacing") * r("piezo.stroke") / 2**bits
+    return r.check(
+        "smallest step of the tip",
+        step,
+        r("requirements.resolution_coarse"),
+        "m",
+        "at most",
+        "one count on both piezos, opposed; without slip the stage follows the tip",
+        "2 (h/D) stroke/2^bits <= 10 nm",
+        f"{bits:.0f} bits: {show(step, 'm')}",
+        "more bits",
+        note="open loop the piezo's hysteresis is far larger: this is the resolution of the loop, not its accuracy",
+        requirement="Table 1: resolution",
+    )
+
+
+def pushing_force(r: Reading) -> Check:
+    """The lift-off force is asked of the piezos at mid-stroke, where each has half of its blocking force left."""
+    force = weight(r) + r("preload.force")
+    available = _PIEZOS * r("piezo.blocking_force") / 2
+    return r.check(
+        "force of the piezos against the load",
+        force,
+        available / 2,
+        "N",
+        "at most",
+        "catalogue line of the piezo at half its stroke, factor 2",
+        "W (1+p) <= 3 F_block/4",
+        f"{show(force, 'N')} against {show(available, 'N')} at mid-stroke",
+        "stronger stacks",
     )

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
+from designcalc.checks.candidates import Candidate
 from designcalc.checks.check import Check
 from stagecad.parameters.quantities import format_quantity
 
@@ -54,8 +56,8 @@ def corrections(checks: Sequence[Check]) -> list[Check]:
     return [check for check in checks if check.thesis]
 
 
-def markdown(checks: Sequence[Check], title: str = "Design checks") -> str:
-    """Every check as Markdown: summary table, requirements, then each check in full, worst first."""
+def markdown(checks: Sequence[Check], candidates: Sequence[Candidate] = (), title: str = "Design checks") -> str:
+    """Every check as Markdown: summary, requirements, the suspensions ranked, then each check in full, worst first."""
     ordered = sorted(checks, key=lambda c: VERDICTS.index(c.verdict))
     lines = [f"# {title}", "", counted(checks) + ".", ""]
     lines += ["| check | value | limit | margin | verdict |", "| --- | --- | --- | --- | --- |"]
@@ -68,6 +70,13 @@ def markdown(checks: Sequence[Check], title: str = "Design checks") -> str:
         lines.append(f"| {_cell(requirement)} | {_cell(listed)} |")
     lines += ["", "## Where the thesis differs", ""]
     lines += [f"- {check.name}: {check.thesis}. {check.substituted}" for check in corrections(checks)]
+    if candidates:
+        lines += ["", "## Suspensions by rank", "", "| suspension | stiffness | smoothness | stable | why |"]
+        lines.append("| --- | --- | --- | --- | --- |")
+        for c in candidates:
+            smooth = "-" if c.smoothness == math.inf else shown(c.smoothness, "m")
+            cells = (c.name, shown(c.stiffness, "N/m"), smooth, "yes" if c.stable else "no", c.why)
+            lines.append("| " + " | ".join(_cell(text) for text in cells) + " |")
     lines += ["", "## Each check", ""]
     for check in ordered:
         lines += _in_full(check)

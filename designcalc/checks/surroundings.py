@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import partial
 
@@ -31,6 +32,7 @@ def height_checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(self_locking, r)
     yield partial(adjustment_range, r)
     yield partial(shim, r)
+    yield partial(return_spring, r)
 
 
 def sensor_checks(r: Reading) -> Iterator[partial[Check]]:
@@ -238,6 +240,29 @@ def shim(r: Reading) -> Check:
         f"{show(thinnest, 'm')} against {show(rise, 'm')}",
         f"touch off by the piezos' own signal, or turn the screw {show(thinnest / _wedge(r).lift_per_degree, '')} "
         "degrees after the shim is out",
+    )
+
+
+def return_spring(r: Reading) -> Check:
+    """The spring must push pin 1 back against what it carries: holder, piezos, tip, and pin 2 by its friction."""
+    holder = math.pi / 4 * r("holder.diameter") ** 2 * r("holder.height") * r.material("holder", "density")
+    stacks = 3 * math.pi / 4 * r("piezo.diameter") ** 2 * r("piezo.length") * r.material("piezo", "density")
+    load = (holder + stacks + r("tip.mass_limit")) * r("environment.gravity")
+    friction = r.given("friction of the pins, dry", 0.3, "", "assumed: dry aluminium, high end")
+    needed = 2 * friction * load  # both faces of the wedge
+    squeeze = r("spring.free_length") - r("spring.installed_length") - r("height_pin_1.stroke") / 2
+    force = r("spring.rate") * squeeze
+    return r.check(
+        "spring that returns the height pin",
+        force,
+        2 * needed,
+        "N",
+        "at least",
+        "Coulomb friction on both faces of the wedge under holder, piezos and tip; factor 2",
+        "k (L0 - L - stroke/2) >= 2 x 2 mu m g",
+        f"{show(force, 'N')} against {show(needed, 'N')} of friction (plain volumes, {show(load, 'N')})",
+        f"{show((2 * needed - force) / r('spring.rate'), 'm')} more compression at the far end of the stroke, by a "
+        "longer spring or a shorter stroke",
     )
 
 

@@ -92,7 +92,8 @@ def preload_share(r: Reading) -> Check:
     work = teeth(r)
     pull = CIRCUITS * work.point.attraction
     wanted = r("preload.force")
-    gap, thickness = gap_for(work, 1.5 * wanted), thickness_for(work, 1.5 * wanted)
+    gap = gap_for(work, 1.2 * wanted)
+    length = magnet_area_for(work, 1.2 * wanted) / r("magnet.height")
     wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
     return r.check(
         "attraction of the magnets beyond the preload asked for",
@@ -103,7 +104,7 @@ def preload_share(r: Reading) -> Check:
         _FIELD + ", magnet on its recoil line",
         "F <= 1.5 x preload asked for (friction grows with it)",
         f"two pockets pull {show(pull, 'N')}, asked for {show(wanted, 'N')}",
-        f"{wider}, a magnet {show(thickness, 'm')} thick, or ask for the preload that the magnets give",
+        f"magnets {show(length, 'm')} long, {wider}, or ask for the preload that the magnets give",
         note="leakage beside the gap is left out: the real pull is smaller",
     )
 
@@ -122,15 +123,15 @@ def gap_for(work: TeethWork, pull: float) -> float | None:
     return float(np.exp(_root(excess, low, high)))
 
 
-def thickness_for(work: TeethWork, pull: float) -> float:
-    """Magnet thickness (of the same cross-section) at which the magnets pull as much as `pull`, m."""
+def magnet_area_for(work: TeethWork, pull: float) -> float:
+    """Cross-section of a magnet of the same thickness with which the magnets pull as much as `pull`, m^2."""
 
     def excess(logarithm: float) -> float:
-        circuit = replace(work.circuit, thickness=float(np.exp(logarithm)))
+        circuit = replace(work.circuit, area=float(np.exp(logarithm)))
         return CIRCUITS * working_point(work.field, circuit, work.pitch, work.width).attraction / pull - 1
 
-    high = float(np.log(work.circuit.thickness))
-    return float(np.exp(_root(excess, high - 20, high))) if excess(high) > 0 else work.circuit.thickness
+    high = float(np.log(work.circuit.area))
+    return float(np.exp(_root(excess, high - 20, high))) if excess(high) > 0 else work.circuit.area
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

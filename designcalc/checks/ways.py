@@ -33,6 +33,7 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(edge_margin, r)
     yield partial(head, r)
     yield partial(heat_of_joint, r)
+    yield partial(bolt_dimple, r)
 
 
 def _ratios(r: Reading) -> tuple[float, float]:
@@ -238,4 +239,25 @@ def heat_of_joint(r: Reading) -> Check:
         f"{show(10 * change, 'N')} of {show(force, 'N')}",
         "longer bolts (more give)",
         note=f"bonded, way and base would bow {show(bow, 'm')} per kelvin; screws that let the way slip bow it less",
+    )
+
+
+def bolt_dimple(r: Reading) -> Check:
+    way, force = rail(r), _preload(r)
+    _, tau = _ratios(r)
+    springs = joint_stiffness(way, tau)
+    dimple = force / (float(springs.flange_compression) * way.bolt_diameter)
+    limit = r("bearing.way_straightness")
+    return r.check(
+        "dimple of the way under its screws",
+        dimple,
+        limit,
+        "m",
+        "at most",
+        "compression of the flange's cone, " + _APPENDIX,
+        "F/(E Db pi/ln[5(0.5+2t/Db)/(2.5+2t/Db)]) <= straightness",
+        f"{show(force, 'N')}: {show(dimple, 'm')} at the ledge, less on the lapped face beside it",
+        f"torque of at most {show(limit / dimple * r('screws.way.torque'), 'N*m')}, and lap the way bolted down",
+        note="the same torque on every screw keeps the warp even",
+        requirement="Table 1: smoothness",
     )

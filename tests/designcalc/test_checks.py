@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 
 from designcalc.checks import SUBJECTS, run_checks
+from designcalc.checks.candidates import ranking
 from designcalc.checks.check import Check
+from designcalc.checks.reading import Reading
 from designcalc.checks.report import corrections, markdown, requirements
 from designcalc.checks.sweep import Point, body_of, moved, read_range, sweep, table
 from designcalc.checks.tolerance import tolerance_study
@@ -118,7 +120,10 @@ def test_four_pads_without_teeth_are_checked_as_well():
 
 def test_report_traces_the_requirements_and_names_the_corrections():
     checks = run_checks(load())
-    text = markdown(checks)
+    ranked = ranking(Reading(load(), None, "candidates"))
+    assert ranked[0].name == "sliding pads" and ranked[-1].name == "passive magnets"
+    text = markdown(checks, ranked)
+    assert "## Suspensions by rank" in text
     for check in checks:
         assert f"### {check.name}: {check.verdict}" in text
     wanted = {"resolution", "travel", "speed", "acceleration", "smoothness"}

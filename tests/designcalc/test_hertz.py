@@ -77,6 +77,20 @@ def test_axis_stresses_are_those_of_point_loads_summed(ratio, poisson):
     np.testing.assert_allclose(hertz.axis_stresses(0.6, ratio, poisson), expected, atol=1.5e-3 if ratio < 0.1 else 2e-5)
 
 
+def test_edge_tension_is_that_of_the_free_surface_outside_the_contact():
+    """Outside a round load the surface moves as under a point load, and the skin is in plane stress."""
+    E, nu, R, F = 70e9, 0.3, 0.01, 20.0
+    contact = hertz.point_contact(F, R, np.inf, hertz.contact_modulus(np.inf, 0.3, E, nu))
+    a, h = float(contact.semi_axis_major), 1e-9
+
+    def move(r):
+        return -(1 - 2 * nu) * (1 + nu) * F / (2 * np.pi * E * r)
+
+    radial, hoop = (move(a + h) - move(a - h)) / (2 * h), move(a) / a
+    stress = E / (1 - nu**2) * (radial + nu * hoop)
+    assert float(hertz.edge_tension(contact.peak_pressure, nu)) == pytest.approx(stress, rel=1e-6)
+
+
 def test_slender_ellipse_tends_to_the_line():
     contact = hertz.point_contact(1.0, 1e-3, np.inf, 1e11, radius_1_minor=1e7)
     peak = hertz.point_shear_peak(contact, 0.3)

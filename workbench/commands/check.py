@@ -13,6 +13,7 @@ from stagecad.parameters.atomic import atomic_path, atomic_write_text
 from workbench.options import Run, common_options, finite
 
 if TYPE_CHECKING:
+    from designcalc.checks.candidates import Candidate
     from designcalc.checks.check import Check
     from designcalc.checks.sweep import Point, Range
     from designcalc.checks.tolerance import ToleranceStudy
@@ -41,6 +42,8 @@ def command(
 ) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks import run_checks
+    from designcalc.checks.candidates import ranking
+    from designcalc.checks.reading import Reading
     from designcalc.checks.sweep import read_range
 
     design = run.design
@@ -48,7 +51,7 @@ def command(
     body = moving_body(run) if solids else None
     checks = run_checks(design, body)
     folder = run.out / "checks"
-    write_files(checks, folder)
+    write_files(checks, folder, ranking(Reading(design, body, "candidates")))
     _print(run, checks)
     document: Any = [check.as_json() for check in checks]
     if wanted is not None or tolerance:
@@ -86,13 +89,13 @@ def moving_body(run: Run) -> MassProperties:
     return machine.moving_body
 
 
-def write_files(checks: Sequence[Check], folder: Path) -> None:
+def write_files(checks: Sequence[Check], folder: Path, candidates: Sequence[Candidate] = ()) -> None:
     """Write the checks as `checks.md` and `checks.json`."""
     import json
 
     from designcalc.checks.report import markdown
 
-    atomic_write_text(folder / "checks.md", markdown(checks))
+    atomic_write_text(folder / "checks.md", markdown(checks, candidates))
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
 
