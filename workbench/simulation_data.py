@@ -16,8 +16,10 @@ ROWS = 20_001
 
 def table_of(run: Simulation, force: str, end: float | None = None, rows: int = ROWS) -> dict[str, np.ndarray]:
     """Columns of one simulation, at most `rows` rows up to `end`, s; `force` names the drive's column."""
-    count = run.time.size if end is None else int(np.searchsorted(run.time, end, "right"))
-    taken = np.unique(np.linspace(0, count - 1, min(count, rows)).astype(int))
+    last = run.time[-1] if end is None else end
+    # Evenly spaced in time, whatever instants the run was read at besides; the share keeps an ulp from shifting a row.
+    wanted = np.linspace(run.time[0], last, rows) - 1e-9 * last / rows
+    taken = np.unique(np.minimum(np.searchsorted(run.time, wanted), run.time.size - 1))
     columns = {
         "time [s]": run.time,
         "position [m]": run.position,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim import drive
-from sim.experiments.friction_models import Friction
+from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.simulation import Simulation, simulate
 
 AMPLITUDE = 1e-3
@@ -43,7 +43,8 @@ def hysteresis(friction: Friction, core: str, case: str, tolerance: float = 1e-1
     crossings = _crossings(frequency, mean)
     time = np.unique(np.concatenate([time, crossings]))
     motion = drive.sinusoidal_velocity(AMPLITUDE, frequency, mean)
-    run = simulate(friction.model(core), motion, time, tolerance=tolerance, energy=True)
+    model = friction.model(core)
+    run = simulate(model, motion, time, tolerance=tolerance, energy=True, most_steps=MOST_STEPS)
     last = run.time >= period
     width = None
     if crossings.size == 2:

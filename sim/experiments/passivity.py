@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from sim.drive import Drive
-from sim.experiments.friction_models import Friction
+from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.simulation import Simulation, simulate
 
 SPEED = 0.2
@@ -67,7 +68,8 @@ def audit(friction: Friction, core: str, motion: str, tolerance: float = 1e-10) 
         end, bristle = 10.0 * 2.0 * math.pi / TIP_FREQUENCY, 0.0
     imposed = Drive(zero, zero, zero, wave=wave, prescribes=True)
     time = np.linspace(0.0, end, 8001)
-    run = simulate(model, imposed, time, bristle=[bristle], tolerance=tolerance, energy=True)
+    options: dict[str, Any] = {"tolerance": tolerance, "energy": True, "most_steps": MOST_STEPS}
+    run = simulate(model, imposed, time, bristle=[bristle], **options)
     heat = run.core_work - (run.stored - run.stored[0])
     judged = run.friction if motion == "start" else run.friction[time >= 0.9 * end]
     return Audit(run, heat, float(heat.min()), float(np.abs(judged).max()))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim import drive
-from sim.experiments.friction_models import Friction
+from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.simulation import Simulation, simulate
 
 SHARE = 0.95
@@ -43,7 +43,8 @@ def presliding(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
     peak = SHARE * friction.breakaway
     time = np.linspace(0.0, 4.0, 8001)
     push = drive.force([0.0, 1.0, 3.0, 4.0], [0.0, peak, -peak, 0.0])
-    run = simulate(friction.model(core), push, time, mass=mass, tolerance=tolerance, energy=True)
+    model = friction.model(core)
+    run = simulate(model, push, time, mass=mass, tolerance=tolerance, energy=True, most_steps=MOST_STEPS)
     return Presliding(
         run,
         position_max=extremum(run.time, run.position, run.velocity, +1.0),
@@ -73,6 +74,7 @@ def extremum(time: np.ndarray, value: np.ndarray, rate: np.ndarray, sign: float)
             s = a / q if q != 0.0 else -1.0
             if 0.0 < s < 1.0:
                 there = float(value[k] + s * (a + s * (c2 + s * c3)))
-                if sign * there > sign * best:
+                # Where the samples are too far apart for the rates to mean anything, the sample itself stands.
+                if 0.0 < sign * (there - best) <= abs(rise):
                     best = there
     return best

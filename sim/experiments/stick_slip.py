@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from sim import drive
-from sim.experiments.friction_models import Friction
+from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.experiments.presliding import extremum
+from sim.model import Model
 from sim.simulation import Simulation, simulate
 
 STIFFNESS = 2.0
@@ -57,7 +59,9 @@ def stick_slip(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
     """
     time = np.linspace(0.0, HORIZON, 160001)
     pull = drive.pulled_spring([0.0, HORIZON], [0.0, PULL * HORIZON], STIFFNESS)
-    run = simulate(friction.model(core), pull, time, mass=mass, tolerance=tolerance, energy=True)
+    model = friction.model(core)
+    options: dict[str, Any] = {"mass": mass, "tolerance": tolerance, "energy": True, "most_steps": MOST_STEPS}
+    run = _resolved(model, pull, time, options)
     slips = slip_times(run)
     shown = run.time <= SHOWN
     acceleration = (run.drive - run.friction) / mass
@@ -71,6 +75,25 @@ def stick_slip(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
         peak_force=float(run.friction[shown].max()),
         peak_spring_force=float(run.drive[shown].max()),
     )
+
+
+def _resolved(model: Model, pull: drive.Drive, time: np.ndarray, options: Any) -> Simulation:
+    """A run with instants so dense about its peaks and slips that each can be read off, however light the mass."""
+    run = simulate(model, pull, time, **options)
+    for _ in range(8):
+        at = [int(np.searchsorted(run.time, slip) - 1) for slip in slip_times(run)]
+        coarse = [k for k in at if run.time[k + 1] - run.time[k] > 1e-3 * time[1]]
+        for values in (run.velocity, run.friction, run.drive):
+            k = int(np.argmax(np.where(run.time <= SHOWN, values, -np.inf)))
+            beside = values[[max(k - 1, 0), min(k + 1, values.size - 1)]]
+            if np.abs(values[k] - beside).max() > 1e-5 * abs(values[k]):
+                coarse.append(k)
+        if not coarse:
+            break
+        last = run.time.size - 1
+        windows = [np.linspace(run.time[max(k - 1, 0)], run.time[min(k + 1, last)], 201) for k in coarse]
+        run = simulate(model, pull, np.unique(np.concatenate([run.time, *windows])), **options)
+    return run
 
 
 def slip_times(run: Simulation) -> np.ndarray:
