@@ -69,6 +69,7 @@ def picture(
         to_pixels(np.concatenate(edges)),
         np.concatenate(ends),
         size,
+        lit_from=1.0 if viewer[2] >= 0.0 else -1.0,
     )
     memory = io.BytesIO()
     Image.fromarray(pixels).save(memory, format="PNG", optimize=False, compress_level=6)

@@ -94,6 +94,7 @@ def draw(
     edge_ends: np.ndarray,
     size: tuple[int, int],
     line_width: float = 1.1,
+    lit_from: float = 1.0,
 ) -> np.ndarray:
     """Shaded picture with outline edges on a light ground.
 
@@ -107,6 +108,7 @@ def draw(
         edge_ends: (e + 1,) where each edge begins in `edge_points`.
         size: width and height in pixels.
         line_width: of the edges, pixels.
+        lit_from: 1 for light from above, -1 from below, for a part seen from below.
 
     Returns:
         (height, width, 3) uint8.
@@ -128,7 +130,7 @@ def draw(
     )
     picture = _ground(height, width)
     seen = paint >= 0
-    picture[seen] = _shade(facing[seen], colours.astype(np.float32)[paint[seen]])
+    picture[seen] = _shade(facing[seen], colours.astype(np.float32)[paint[seen]], lit_from)
     picture[seen] *= (1.0 - _shadow(depth)[seen])[:, None]
     picture += ink[:, :, None] * 0.85 * (INK - picture)
     coarse = picture.reshape(size[1], SAMPLES, size[0], SAMPLES, 3).mean(axis=(1, 3))
@@ -142,12 +144,12 @@ def _ground(height: int, width: int) -> np.ndarray:
     return np.broadcast_to(top + fall * (foot - top), (height, width, 3)).copy()
 
 
-def _shade(facing: np.ndarray, colour: np.ndarray) -> np.ndarray:
+def _shade(facing: np.ndarray, colour: np.ndarray, lit_from: float) -> np.ndarray:
     normal = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-6)
-    key = np.array([-0.45, 0.65, 0.62], np.float32)
+    key = np.array([-0.45, 0.65 * lit_from, 0.62], np.float32)
     key /= np.linalg.norm(key)
     diffuse = np.clip(normal @ key, 0.0, 1.0)
-    sky = 0.5 + 0.5 * normal[:, 1]
+    sky = 0.5 + 0.5 * lit_from * normal[:, 1]
     half = key + np.array([0.0, 0.0, 1.0], np.float32)
     half /= np.linalg.norm(half)
     shine = np.clip(normal @ half, 0.0, 1.0) ** 30
