@@ -62,7 +62,9 @@ def curve_of(record: Prepared, channel: str, unit: str, models: Mapping[str, Mod
 
     predicted = {label: scored(predict(record, m.effects, m.values)[channel]) for label, m in models.items()}
     time = record.axis.time if isinstance(record, Balance) else record.time
-    return Curve(record.name, channel, unit, time - time[0], scored(record.measured[channel]), predicted, record.noise[channel])
+    return Curve(
+        record.name, channel, unit, time - time[0], scored(record.measured[channel]), predicted, record.noise[channel]
+    )
 
 
 def worst_record(records: Sequence[Prepared], channel: str, model: Model) -> Prepared:
@@ -181,7 +183,9 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
             panel.axvspan(curve.time[zoom][0], curve.time[zoom][-1], color="#f5e6c8", zorder=0, linewidth=0)
         axes[0, 0].set(ylabel=f"{words} ({unit})", title=f"{words}, record {curve.record}")
         axes[0, 1].set_title("where it is worst")
-        axes[1, 0].set(ylabel=f"left ({small_unit})", title="measured less predicted; the band is two deviations of noise")
+        axes[1, 0].set(
+            ylabel=f"left ({small_unit})", title="measured less predicted; the band is two deviations of noise"
+        )
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
         return _svg(figure, f"overlay {curve.record} {curve.channel}")
 

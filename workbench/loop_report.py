@@ -74,7 +74,9 @@ def _keep(folder: Path, section: Section) -> Path:
     text = json.dumps(finite(section), indent=1, ensure_ascii=False, allow_nan=False)
     atomic_write_text(folder / "sections" / f"{key}.json", text + "\n")
     report = folder / "report.html"
-    atomic_write_text(report, report_html(folder.name, story([*(s for s in sections if section_key(s) != key), section])))
+    atomic_write_text(
+        report, report_html(folder.name, story([*(s for s in sections if section_key(s) != key), section]))
+    )
     return report
 
 
@@ -114,7 +116,11 @@ def report_html(name: str, sections: Sequence[Section]) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("workbench"), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=PackageLoader("workbench"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     about = next((s for s in reversed(sections) if "rig" in s), None)
     newest = max((s["number_in_report"] for s in sections if s["kind"] != "ladder"), default=0)

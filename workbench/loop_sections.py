@@ -109,8 +109,8 @@ def verdict_sentence(found: Diagnosis) -> str:
     before, after = found.before_validate[channel], found.best.after_validate[channel]
     unit = channel_unit(case, channel)
     text = (
-        f"{found.effect} is missing. With it the error of {channel.replace('_', ' ')} on the held-out records falls from "
-        f"{plain(before.rms, unit)} to {plain(after.rms, unit)}, from {_times(before.over_noise)} the noise to "
+        f"{found.effect} is missing. With it the error of {channel.replace('_', ' ')} on the held-out records falls "
+        f"from {plain(before.rms, unit)} to {plain(after.rms, unit)}, from {_times(before.over_noise)} the noise to "
         f"{_times(after.over_noise)}."
     )
     if found.unexplained_share > 0.05:
@@ -123,8 +123,8 @@ def _told_apart(found: Diagnosis) -> str:
     if not names or not found.effect:
         return ""
     return (
-        f"These records cannot tell {found.effect} from {' or '.join(names)}: on the held-out records they differ by no "
-        "more than chance. 'stagecad suggest' names the motion that would separate them."
+        f"These records cannot tell {found.effect} from {' or '.join(names)}: on the held-out records they differ by "
+        "no more than chance. 'stagecad suggest' names the motion that would separate them."
     )
 
 
@@ -132,7 +132,13 @@ def _effect_words(best: Trial | None) -> dict[str, str] | None:
     if best is None:
         return None
     effect = best.candidate.effect
-    return {"name": effect.name, "meaning": effect.meaning, "equation": effect.equation, "shows": effect.shows, "source": effect.source}
+    return {
+        "name": effect.name,
+        "meaning": effect.meaning,
+        "equation": effect.equation,
+        "shows": effect.shows,
+        "source": effect.source,
+    }
 
 
 def ladder_section(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> Section:
@@ -258,17 +264,12 @@ def parameter_rows(parameters: Mapping[str, Mapping[str, Any]]) -> list[dict[str
     """Fitted values with their 95 % intervals, and a word where the records do not settle them."""
     rows = []
     for key, q in parameters.items():
-        low, high = q.get("low"), q.get("high")
-        told = low is not None and high is not None and math.isfinite(low) and math.isfinite(high)
-        word = "at its bound" if q.get("at_bound") else "" if told else "not told by these records"
-        if told and low is not None and high is not None and low < 0.0 < high:
-            word = "may as well be zero"
-        rows.append({
-            "key": key,
-            "value": plain(q["value"], q["unit"]),
-            "interval": f"{plain(low, q['unit'])} … {plain(high, q['unit'])}" if told and low is not None and high is not None else "",
-            "word": word,
-        })  # fmt: skip
+        low, high, interval = q.get("low"), q.get("high"), ""
+        word = "at its bound" if q.get("at_bound") else "not told by these records"
+        if low is not None and high is not None and math.isfinite(low) and math.isfinite(high):
+            interval = f"{plain(low, q['unit'])} … {plain(high, q['unit'])}"
+            word = "may as well be zero" if low < 0.0 < high else ""
+        rows.append({"key": key, "value": plain(q["value"], q["unit"]), "interval": interval, "word": word})
     return rows
 
 
@@ -277,7 +278,9 @@ def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
     words = [f"{public_key(key)} changes nothing in these records." for key in fitted.fit.dead]
     words += [f"{public_key(key)} ended at its bound; its interval is not told." for key in fitted.fit.at_bound]
     words += [
-        "Only a combination is told, not each by itself: " + " against ".join(public_key(k) for k in text.split(" against ")) + "."
+        "Only a combination is told, not each by itself: "
+        + " against ".join(public_key(k) for k in text.split(" against "))
+        + "."
         for text in known.unidentified
     ]
     names = [public_key(key) for key in known.keys]
@@ -286,7 +289,9 @@ def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
         for j in range(i):
             r = float(matrix[i, j])
             if abs(r) > STRONG_CORRELATION:
-                words.append(f"{names[j]} and {names[i]} hang together (correlation {r:+.2f}): one can make up for the other.")
+                words.append(
+                    f"{names[j]} and {names[i]} hang together (correlation {r:+.2f})."
+                )
     if not fitted.fit.converged:
         words.append("The fit stopped before its last step was small.")
     cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in matrix]
