@@ -71,6 +71,24 @@ def test_calc_teeth_alone_and_with_the_magnet(capsys):
     assert driven["results"]["lateral_over_normal"]["value"] > plain["results"]["lateral_over_normal"]["value"]
 
 
+@pytest.mark.parametrize(
+    "name, result, value",
+    [
+        ("drive", "travel_along", 12.3e-6),
+        ("drive", "preload_ratio_for_1g", 2.333),
+        # a film of next to nothing leaves Hertz's spot: (3 F R/(4 E*))^(1/3)
+        ("pads --film-thickness 1nm", "contact_radius", (3 * 10 * 2 / (4 * 65.2e9)) ** (1 / 3)),
+        ("wedge", "lift_per_turn", 158.75e-6),
+        ("screw", "stress_area", 50e-6),
+        ("probe", "noise", 1.732e-9),
+    ],
+)
+def test_calc_runs_the_small_calculators(capsys, name, result, value):
+    status, found = document(capsys, "calc", *name.split())
+    assert status == 0
+    assert found["results"][result]["value"] == pytest.approx(value, rel=5e-3)
+
+
 def test_calc_takes_its_defaults_from_the_design(capsys):
     _, found = document(capsys, "calc", "rail", "--set", "bearing_way.bolt_spacing=40 mm")
     assert found["inputs"]["spacing_ratio"]["value"] == pytest.approx(40 / 9.525)

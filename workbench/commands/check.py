@@ -76,16 +76,24 @@ def command(
     return 1 if any(check.verdict == "fails" for check in checks) else 0
 
 
-def moving_body(run: Run) -> MassProperties:
-    """Mass properties of the moving body, from the cached solids; made when missing."""
-    from stagecad.solids.machine import find_machine, make_machine
-    from stagecad.solids.registry import part_names
+def moving_body(run: Run) -> MassProperties | None:
+    """Mass properties of the moving body, from the cached solids; made when missing, None where they cannot be."""
+    from stagecad.solids.machine import find_machine
 
     machine = find_machine(run.design)
-    if machine is None:
-        with run.progress() as progress:
-            task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
-            machine = make_machine(run.design, advance=lambda name: progress.update(task, advance=1, description=name))
+    if machine is not None:
+        return machine.moving_body
+    try:
+        import cadquery  # noqa: F401
+    except ImportError as error:
+        run.note(f"no solids can be made here ({error}): the moving mass is estimated from plain volumes")
+        return None
+    from stagecad.solids.machine import make_machine
+    from stagecad.solids.registry import part_names
+
+    with run.progress() as progress:
+        task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
+        machine = make_machine(run.design, advance=lambda name: progress.update(task, advance=1, description=name))
     return machine.moving_body
 
 
