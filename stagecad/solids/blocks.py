@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -46,6 +46,11 @@ def cut_all(body: cq.Shape, cutters: Iterable[cq.Shape]) -> cq.Solid:
 def joined(body: cq.Shape, others: Iterable[cq.Shape]) -> cq.Solid:
     """The body and others as one solid, faces that continue each other merged."""
     return _solid(body.fuse(*others).clean())
+
+
+def revolved(profile: cq.Workplane) -> cq.Solid:
+    """A closed profile drawn in the XZ plane, turned about z."""
+    return _solid(cast("cq.Shape", profile.revolve(360, (0, 0), (0, 1)).val()))
 
 
 def _solid(shape: cq.Shape) -> cq.Solid:

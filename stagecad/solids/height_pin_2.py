@@ -16,7 +16,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension
-from stagecad.solids.blocks import cut_all
+from stagecad.solids.blocks import cut_all, revolved
 from stagecad.solids.declare import Declarations, X, Z, named
 from stagecad.solids.holes import OVERRUN
 
@@ -41,7 +41,7 @@ def build(design: Any) -> cq.Solid:
     profile = cq.Workplane("XZ").moveTo(0, foot).lineTo(radius, foot).lineTo(radius, crown_height(rim) - chamfer)
     profile = profile.lineTo(rim, crown_height(rim))
     profile = profile.threePointArc((rim / 2, crown_height(rim / 2)), (0, pin.length)).close()
-    blank = profile.revolve(360, (0, 0), (0, 1)).val()
+    blank = revolved(profile)
     reach = radius + OVERRUN
     under = cq.Wire.makePolygon(
         [

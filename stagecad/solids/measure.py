@@ -7,6 +7,7 @@ radius of a cylinder, the place where a bore ends. A declaration that points at 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -118,21 +119,21 @@ class Gauge:
 
         A second point, on the face, tells which, where one stands inside another.
         """
-        at = _dot(points[0], axis)
-        for kind, slack in (("CYLINDER", NEAR), ("CONE", 3.0)):
-            for surface in self._surfaces:
-                if surface.kind != kind or abs(abs(_dot(surface.axis, axis)) - 1) > 1e-9:
-                    continue
-                low, high = surface.extent(axis)
-                if surface.off_axis(points[0]) > NEAR or not low - slack <= at <= high + slack:
-                    continue
-                if len(points) > 1 and kind == "CYLINDER" and not surface.holds(points[1]):
-                    continue
-                radius = surface.radius + surface.taper * _dot(_minus(points[0], surface.origin), surface.axis)
-                if len(points) > 1 and abs(surface.off_axis(points[1]) - radius) > NEAR:
-                    continue
+        point, touch = points[0], points[1] if len(points) > 1 else None
+        at = _dot(point, axis)
+        for surface in self._of("CYLINDER", axis):
+            low, high = surface.extent(axis)
+            if (
+                surface.off_axis(point) < NEAR
+                and low - NEAR <= at <= high + NEAR
+                and (not touch or surface.holds(touch))
+            ):
+                return surface.radius
+        for surface in self._of("CONE", axis):
+            radius = surface.radius + surface.taper * _dot(_minus(point, surface.origin), surface.axis)
+            if surface.off_axis(point) < NEAR and (not touch or abs(surface.off_axis(touch) - radius) < NEAR):
                 return radius
-        raise LookupError(f"no round face about {axis} through {points[0]}")
+        raise LookupError(f"no round face about {axis} through {point}")
 
     def _place(self, point: Point, along: Point) -> float:
         """Coordinate along `along` of the face at the point, or of the axis of the round feature there."""
@@ -143,39 +144,40 @@ class Gauge:
         axis = self._axis_place(point, along)
         return self._level(point, along) if axis is None else axis
 
+    def _of(self, kind: str, axis: Point | None = None) -> Iterator[_Surface]:
+        """The surfaces of a kind; with `axis`, those whose axis, or normal, runs along it."""
+        for surface in self._surfaces:
+            if surface.kind == kind and (axis is None or abs(abs(_dot(surface.axis, axis)) - 1) < 1e-9):
+                yield surface
+
     def _axis_place(self, point: Point, along: Point) -> float | None:
-        for surface in self._surfaces:
-            if surface.kind in ("CYLINDER", "CONE") and abs(_dot(surface.axis, along)) < 1e-9:
-                if surface.off_axis(point) < NEAR:
-                    return _dot(surface.origin, along)
-        for surface in self._surfaces:
-            # A crown's middle is where its sphere's centre is.
-            if surface.kind == "SPHERE" and abs(_dot(_minus(surface.origin, point), along)) < NEAR:
-                if surface.holds(point):
-                    return _dot(surface.origin, along)
+        """Coordinate along `along` of a round feature's axis that passes the point, or of a crown's middle."""
+        for surface in (*self._of("CYLINDER"), *self._of("CONE")):
+            if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
+                return _dot(surface.origin, along)
+        for surface in self._of("SPHERE"):
+            if abs(_dot(_minus(surface.origin, point), along)) < NEAR and surface.holds(point):
+                return _dot(surface.origin, along)
         return None
 
     def _level(self, point: Point, along: Point) -> float:
-        """Coordinate of the end of a bore about the point, or of a plane face square to `along` at its level."""
+        """Coordinate of the end of a bore about the point, or of a plane face square to `along` at its level.
+
+        Else of the part's middle, half-way between its outermost faces, where the point is there.
+        """
         at = _dot(point, along)
-        for surface in self._surfaces:
-            if surface.kind == "CYLINDER" and abs(abs(_dot(surface.axis, along)) - 1) < 1e-9:
-                if surface.off_axis(point) < NEAR:
-                    for end in surface.extent(along):
-                        if abs(end - at) < NEAR:
-                            return end
-        for surface in self._surfaces:
-            if surface.kind == "PLANE" and abs(abs(_dot(surface.axis, along)) - 1) < 1e-9:
-                if abs(_dot(surface.origin, along) - at) < NEAR:
-                    return _dot(surface.origin, along)
-        square = [
-            _dot(s.origin, along)
-            for s in self._surfaces
-            if s.kind == "PLANE" and abs(abs(_dot(s.axis, along)) - 1) < 1e-9
+        levels = [
+            end
+            for surface in self._of("CYLINDER", along)
+            if surface.off_axis(point) < NEAR
+            for end in surface.extent(along)
         ]
-        if square and abs((min(square) + max(square)) / 2 - at) < NEAR:
-            # The part's middle, half-way between its outermost faces.
-            return (min(square) + max(square)) / 2
+        planes = [_dot(surface.origin, along) for surface in self._of("PLANE", along)]
+        if planes:
+            planes.append((min(planes) + max(planes)) / 2)
+        for level in levels + planes:
+            if abs(level - at) < NEAR:
+                return level
         raise LookupError(f"nothing of the solid ends at {point} along {along}")
 
     def _angle(self, vertex: Point, point: Point, along: Point) -> float:
@@ -190,8 +192,8 @@ class Gauge:
 
     def _count(self, point: Point, along: Point) -> int:
         """How many holes like the one about the point are in its row along `along`; or crowns, or crests, in all."""
-        for surface in self._surfaces:
-            if surface.kind == "CYLINDER" and abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
+        for surface in self._of("CYLINDER"):
+            if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return len({round(place, 3) for place in self._row(surface, along)})
         for here in self._surfaces:
             if here.kind in ("SPHERE", "PLANE") and here.holds(point):
@@ -201,13 +203,14 @@ class Gauge:
     def _row(self, first: _Surface, along: Point) -> list[float]:
         """Places along `along` of the cylinders of the same radius whose axes stand in one row with the first's."""
         places = []
-        for other in self._surfaces:
-            if other.kind != "CYLINDER" or abs(abs(_dot(other.axis, first.axis)) - 1) > 1e-9:
-                continue
+        for other in self._of("CYLINDER", first.axis):
             across = _minus(other.origin, first.origin)
             step, depth = _dot(across, along), _dot(across, first.axis)
-            in_row = (step * along[0] + depth * first.axis[0], step * along[1] + depth * first.axis[1],
-                      step * along[2] + depth * first.axis[2])  # fmt: skip
+            in_row = (
+                step * along[0] + depth * first.axis[0],
+                step * along[1] + depth * first.axis[1],
+                step * along[2] + depth * first.axis[2],
+            )
             if math.dist(across, in_row) < NEAR and abs(other.radius - first.radius) < NEAR:
                 places.append(step)
         return places

@@ -146,7 +146,6 @@ def datums(design: Any) -> dict[str, Datum]:
         Datum("pads", (0.0, 0.0, crown), down),
         Datum("top", (0.0, 0.0, s.thickness), Z),
         Datum("sea", (0.0, 0.0, 0.0), down),
-        Datum("middle", (0.0, 0.0, 0.0), Y),
     ]
     if design.teeth.fitted:
         seats = [side * design.teeth.bar_spacing / 2 for side in (-1, 1)]

@@ -20,7 +20,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension
-from stagecad.solids.blocks import cut_all, edges_where, joined, upright_edges
+from stagecad.solids.blocks import cut_all, edges_where, joined, revolved, upright_edges
 from stagecad.solids.declare import Declarations, X, Y, Z, named
 from stagecad.solids.holes import repeated, stepped_hole
 
@@ -69,7 +69,7 @@ def build(design: Any) -> cq.Solid:
     mid = (tip.nose_radius * math.sin(half), apex - tip.nose_radius * (1 - math.cos(half)))
     profile = cq.Workplane("XZ").moveTo(0, 0).lineTo(tip.cone_diameter / 2, 0).lineTo(tip.cone_diameter / 2, top)
     profile = profile.lineTo(nose, shoulder).threePointArc(mid, (0, apex)).close()
-    body = joined(body, [profile.revolve(360, (0, 0), (0, 1)).val()])
+    body = joined(body, [revolved(profile)])
     root = [
         e
         for e in edges_where(body, lambda p: abs(p.z - top) < 1e-6)
