@@ -20,7 +20,7 @@ from stagecad.parameters import hardware_tables, part_tables, physics_tables
 from stagecad.parameters.derived import COMPUTED, Derived
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.parameter_file import FileEntry, ParameterFile, parse_parameter_text, read_parameter_file
-from stagecad.parameters.quantities import from_si, parse_uncertain, to_si
+from stagecad.parameters.quantities import from_si, parse_uncertain, quoted, to_si
 from stagecad.parameters.table import Declaration, declarations
 
 MATERIALS = "materials"
@@ -284,6 +284,8 @@ def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Desig
 
 
 def _override(text: str, known: Sequence[str], written: Mapping[str, FileEntry]) -> tuple[str, FileEntry]:
+    if not text.isprintable():
+        raise InputError(f"--set {text!r}: holds characters that cannot be printed")
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key or not value:
         raise InputError(f"--set '{text}': write KEY=VALUE, like stage.length=240mm")
@@ -308,15 +310,15 @@ def _read(key: str, entry: FileEntry, declaration: Declaration, materials: Seque
         value = _count(entry, declaration)
     elif declaration.kind == "switch":
         if shown not in ("true", "false"):
-            raise InputError(f"{place}: '{shown}' is neither true nor false")
-        value = shown == "true"
+            raise InputError(f"{place}: {quoted(shown)} is neither true nor false")
+        value, shown = shown == "true", shown.strip()
     else:
         if not isinstance(value, str) or not value.strip() or not value.isprintable():
             raise InputError(f"{place}: {shown!r} is no line of text")
         allowed = materials if declaration.kind == "material" else declaration.allowed
         if allowed and value not in allowed:
             what = "material" if declaration.kind == "material" else "choice"
-            raise InputError(f"{place}: no {what} '{value}'{nearest(value, allowed)}")
+            raise InputError(f"{place}: no {what} {quoted(value)}{nearest(value, allowed)}")
     if std is not None:
         std = from_si(std, declaration.unit)
     origin = entry.origin or "assumed: the file gives no origin"
@@ -326,10 +328,14 @@ def _read(key: str, entry: FileEntry, declaration: Declaration, materials: Seque
 def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | None]:
     si, std = parse_uncertain(entry.value, declaration.unit, entry.place)
     value = _kept(si, declaration.unit)
-    below = value < declaration.low or (value == declaration.low and not declaration.closed)
-    if below or value > declaration.high or math.isinf(value):
-        raise InputError(f"{entry.place}: '{entry.value}' {_bounds(declaration)}")
+    if not _within(value, declaration):
+        raise InputError(f"{entry.place}: {quoted(str(entry.value))} {_bounds(declaration)}")
     return value, std
+
+
+def _within(value: float, declaration: Declaration) -> bool:
+    above = value > declaration.low or (value == declaration.low and declaration.closed)
+    return above and value <= declaration.high and not math.isinf(value)
 
 
 def _kept(si: float, unit: str) -> float:
@@ -352,10 +358,10 @@ def _bounds(declaration: Declaration) -> str:
 
 def _count(entry: FileEntry, declaration: Declaration) -> int:
     si, _ = parse_uncertain(entry.value, "", entry.place)
-    if not declaration.low <= si <= declaration.high or si != round(si):
-        raise InputError(
-            f"{entry.place}: '{entry.value}' must be a whole number from {declaration.low:g} to {declaration.high:g}"
-        )
+    low, high = declaration.low, declaration.high
+    if not low <= si <= high or si != round(si):
+        shown = quoted(str(entry.value))
+        raise InputError(f"{entry.place}: {shown} must be a whole number from {low:g} to {high:g}")
     return int(si)
 
 
@@ -390,7 +396,7 @@ def _compute(entries: dict[str, Entry], known: Sequence[str], file: str) -> None
         else:
             value = _kept(to_si(value, declaration.unit), declaration.unit)
         shown = f"{value:.10g} {declaration.unit}".strip()
-        if value < declaration.low or (value == declaration.low and not declaration.closed):
+        if not _within(value, declaration):
             raise InputError(f"{file}: {key} comes out as {shown}, from {formula.text}; it {_bounds(declaration)}")
         entries[key] = Entry(
             key, shown, value, declaration.unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning

@@ -9,6 +9,7 @@ import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,7 @@ def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
         InputError: the file is missing, no text, or no TOML; an entry is neither a value nor a table with its pedigree.
     """
     if path is None:
-        return parse_parameter_text(packaged_text(), f"{PACKAGED}.toml")
+        return _packaged()
     name = str(path)
     try:
         if Path(path).stat().st_size > _LARGEST:
@@ -80,6 +81,11 @@ def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
     except UnicodeDecodeError as error:
         line = data[: error.start].count(b"\n") + 1
         raise InputError(f"{name}: line {line}: not UTF-8 text; save the file as UTF-8") from None
+
+
+@cache
+def _packaged() -> ParameterFile:
+    return parse_parameter_text(packaged_text(), f"{PACKAGED}.toml")
 
 
 def parse_parameter_text(text: str, name: str) -> ParameterFile:
@@ -104,6 +110,8 @@ def parse_parameter_text(text: str, name: str) -> ParameterFile:
 def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str, FileEntry]) -> None:
     for key, value in content.items():
         path = f"{prefix}.{key}"
+        if not path.isprintable():
+            raise InputError(f"{name}: the key {path!r} holds characters that cannot be printed")
         if not isinstance(value, dict):
             if not isinstance(value, str | int | float | bool):
                 raise InputError(f"{name}: {path} = {_shown(value)} is no value; write text like '12 mm', or a number")

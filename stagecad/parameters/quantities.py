@@ -160,7 +160,7 @@ def _unit(unit: str) -> tuple[float, Dimension]:
     while text:
         match = _FACTOR.match(text, position)
         if match is None:
-            raise InputError(f"{_shown(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+            raise InputError(f"{quoted(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         symbol = match["symbol"]
         if symbol != "1":
             if symbol not in SYMBOLS:
@@ -172,14 +172,14 @@ def _unit(unit: str) -> tuple[float, Dimension]:
             except OverflowError:
                 size = math.inf
             if not 0.0 < size < math.inf:
-                raise InputError(f"{_shown(unit)} is not a unit; its powers are out of all measure")
+                raise InputError(f"{quoted(unit)} is not a unit; its powers are out of all measure")
             dimension = [total + power * exponent for total, exponent in zip(dimension, exponents)]
         position = match.end()
         if position == len(text):
             break
         sign = {"*": 1, "/": -1}.get(text[position], 0)
         if not sign:
-            raise InputError(f"{_shown(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
+            raise InputError(f"{quoted(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         position += 1
     return size, tuple(dimension)
 
@@ -230,7 +230,7 @@ def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
     """
     value, std = parse_uncertain(text, unit, where)
     if std is not None:
-        raise InputError(f"{_place(where)}{_shown(text)} carries an uncertainty, which has no place here")
+        raise InputError(f"{_place(where)}{quoted(text)} carries an uncertainty, which has no place here")
     return value
 
 
@@ -243,7 +243,7 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
         The value and its standard deviation, both in SI; no deviation where none is given.
     """
     place = _place(where)
-    shown = _shown(text)
+    shown = quoted(text)
     number, std, written = _split(text, shown, place)
     if not written:
         if unit_dimension(unit) != DIMENSIONLESS and not math.isinf(number):
@@ -261,7 +261,7 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
     return _times(number, size) + offset, None if std is None else _times(std, size)
 
 
-def _shown(text: Any) -> str:
+def quoted(text: Any) -> str:
     """What the user wrote, fit for one line of a message."""
     if not isinstance(text, str):
         return str(text).lower()

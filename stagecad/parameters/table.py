@@ -63,7 +63,7 @@ def number(
     return _key(Declaration("number", meaning, unit, low=low, high=high, closed=closed, computed=computed))
 
 
-def count(meaning: str, *, low: int = 1, high: int = 1000, computed: bool = False) -> Any:
+def count(meaning: str, *, low: int = 1, high: int = 100, computed: bool = False) -> Any:
     """A whole number."""
     return _key(Declaration("count", meaning, low=low, high=high, computed=computed))
 

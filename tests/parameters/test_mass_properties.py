@@ -29,7 +29,10 @@ edge = st.floats(0.05, 2.0)
 def test_a_box_is_the_sum_of_its_halves(a: float, b: float, c: float, cut: float) -> None:
     whole = block((0.1, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c))
     middle = 0.1 + cut * a
-    pieces = [block((0.1, -0.2, 0.3), (middle, -0.2 + b, 0.3 + c)), block((middle, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c))]
+    pieces = [
+        block((0.1, -0.2, 0.3), (middle, -0.2 + b, 0.3 + c)),
+        block((middle, -0.2, 0.3), (0.1 + a, -0.2 + b, 0.3 + c)),
+    ]
     together = combined(pieces)
     assert together.mass == pytest.approx(whole.mass)
     assert together.volume == pytest.approx(whole.volume)

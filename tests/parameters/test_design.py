@@ -1,0 +1,221 @@
+"""The design: what the packaged file holds, how overrides, partial files and computed values work."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters.derived import COMPUTED
+from stagecad.parameters.design import Design, design_from_text, diff, load_design, schema
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.parameter_file import packaged_text, write_value, write_values
+
+
+@pytest.fixture(scope="module")
+def thesis() -> Design:
+    return load_design()
+
+
+def test_facts_of_the_thesis(thesis: Design) -> None:
+    """Numbers that the thesis states, and their units as the tables keep them."""
+    assert thesis.actuator.piezo_spacing == 46.0
+    assert thesis.actuator.tip_height == 20.0
+    way = thesis.bearing_way
+    assert (way.length, way.width, way.height) == (280.0, 80.0, 25.4)
+    assert (way.bolt_edge, way.width - way.bolt_edge) == (10.0, 70.0)
+    assert thesis.screws.way.diameter == 9.525
+    assert thesis.screws.way.length == 25.4
+    assert thesis.set_screw.pitch == 3.175
+    assert (thesis.shim.thinnest, thesis.shim.thickest) == (0.0127, 0.762)
+    assert thesis.friction.bristle_damping == math.sqrt(1e5)
+    assert thesis.requirements.speed == 0.2
+    assert thesis.si("requirements.acceleration") == pytest.approx(thesis.environment.gravity)
+    assert [thesis.plus_minus(key) for key in ("stage.length", "stage.thickness", "pads.height")] == [0.1, 0.1, 0.01]
+
+
+def test_the_heights_of_the_machine(thesis: Design) -> None:
+    """The stack of section 8: base 0, way 25.4, sea and apex 27.4, piezo plane 7.4, holder bottom -34.6."""
+    derived = thesis.derived
+    assert derived.sea_height == pytest.approx(27.4)
+    assert derived.tip_apex == pytest.approx(27.4)
+    assert derived.piezo_plane == pytest.approx(7.4)
+    assert derived.holder_bottom == pytest.approx(-34.6)
+    assert derived.height_per_turn == pytest.approx(0.15875)
+    assert 2 * derived.height_adjustment == pytest.approx(1.0)
+    assert thesis.piezo.length + thesis.holder.floor - thesis.holder.height == pytest.approx(5.4)
+    assert derived.piezo_circle == pytest.approx(26.56, abs=0.005)
+    assert derived.actuator_places[1] == pytest.approx((-86.6, 50.0), abs=0.01)
+    assert derived.way_screw_end_margin == pytest.approx(25.7)
+    assert derived.way_screw_engagement == pytest.approx(11.1)
+    assert len(derived.way_screw_places) == 14
+    assert thesis.piezo.stiffness == pytest.approx(47e6, rel=2e-3)
+
+
+def test_piezos_stand_at_their_spacing_around_the_apex(thesis: Design) -> None:
+    one, two, three = load_design(None, ["actuator.piezo_spacing=50 mm"]).derived.piezo_places
+    for a, b in ((one, two), (two, three), (three, one)):
+        assert math.dist(a, b) == pytest.approx(50.0)
+    assert [sum(axis) for axis in zip(one, two, three)] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_every_entry_has_an_origin_of_its_own(thesis: Design) -> None:
+    """What is made from a drawing has a tolerance class; every origin is of a known kind."""
+    for entry in thesis.entries:
+        kind = entry.origin.split()[0]
+        assert kind in ("thesis", "catalogue", "assumed:", "computed:"), entry
+        assert (kind == "computed:") == (entry.key in COMPUTED)
+    made = {"stage", "pads", "bearing_way", "base", "tip", "holder", "height_pin_1", "height_pin_2", "tooth_iron"}
+    # A stroke, a margin or a coating is no dimension of a part.
+    no_dimension = {
+        "stage.travel",
+        "bearing_way.bolt_end",
+        "tip.coating_thickness",
+        "tip.relief_cover",
+        "height_pin_1.stroke",
+    }
+    for entry in thesis.entries:
+        if entry.unit == "mm" and entry.key.split(".")[0] in made and entry.key not in no_dimension:
+            assert entry.tolerance in ("X", "X.X", "X.XX"), entry
+
+
+def test_the_packaged_file_gives_no_number_that_follows_from_others() -> None:
+    text = packaged_text()
+    design = design_from_text(text, "here")
+    for key in COMPUTED:
+        assert design.entry(key).origin.startswith("computed:")
+
+
+def test_si_is_si_for_every_kind_of_key(thesis: Design) -> None:
+    assert thesis.si("stage.length") == 0.23
+    assert thesis.si("pads.count") == 3.0
+    assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(85.0))
+    assert thesis.si("bearing.film_thickness") == thesis.bearing.film_thickness == 2e-6
+    with pytest.raises(InputError, match="is no number"):
+        thesis.si("stage.material")
+    with pytest.raises(InputError, match=r"did you mean 'stage.length'\?"):
+        thesis.si("stage.lenght")
+
+
+def test_materials_by_key_and_name(thesis: Design) -> None:
+    assert thesis.material("bearing_way.material") is thesis.materials["sic"]
+    assert {"al_6061_t6", "invar_36", "sus416", "sic", "ptfe", "steel", "iron", "ndfeb", "pzt"} <= set(thesis.materials)
+    other = load_design(None, ["base.material=sus416"])
+    assert other.material("base.material").expansion == pytest.approx(9.9e-6)
+
+
+def test_a_users_own_material(tmp_path: Path) -> None:
+    file = tmp_path / "own.toml"
+    file.write_text(
+        'extends = "thesis"\n[stage]\nmaterial = "beryllium"\n[materials.beryllium]\ndescription = "Be S-200F"\n'
+        'density = "1850 kg/m^3"\nyoungs_modulus = "303 GPa"\npoisson_ratio = 0.07\nexpansion = "11.4 um/m/K"\n'
+        'strength = "240 MPa"\nstrength_kind = "yield"\nmagnetic = false\n',
+        "utf-8",
+    )
+    design = load_design(file)
+    assert design.material("stage.material").density == 1850.0
+    assert design.stage.length == 230.0
+
+
+def test_a_bare_value_shows_its_tolerance_class_by_its_decimals(tmp_path: Path) -> None:
+    file = tmp_path / "bare.toml"
+    file.write_text(
+        'extends = "thesis"\n[stage]\nthickness = "12.50 mm"\nlength = "240 mm"\nwidth = "27 cm"\n', "utf-8"
+    )
+    design = load_design(file)
+    assert [design.tolerance(f"stage.{name}") for name in ("thickness", "length", "width")] == ["X.XX", "X", "X.X"]
+    assert design.stage.width == 270.0
+
+
+def test_an_override_changes_its_value_and_what_follows_and_nothing_else(thesis: Design) -> None:
+    thicker = load_design(None, ["stage.thickness=13 mm", "stage.thickness=14 mm"])
+    changed = {item.key for item in diff(thesis, thicker)}
+    assert changed == {"stage.thickness", "stage.payload_drill_depth", "stage.payload_thread_depth"}
+    assert thicker.stage.thickness == 14.0
+    assert thicker.tolerance("stage.thickness") == thesis.tolerance("stage.thickness")
+    assert thicker.entry("stage.thickness").origin == "assumed: given by --set"
+    assert thicker.digest != thesis.digest
+
+
+def test_the_digest_is_of_values_not_of_text(thesis: Design) -> None:
+    assert load_design(None, ["screws.way.length=25.4 mm"]).digest == thesis.digest
+    assert load_design(None, ["stage.thickness=12.001 mm"]).digest != thesis.digest
+    commented = design_from_text("# a remark\n" + packaged_text(), "here")
+    assert commented.digest == thesis.digest
+
+
+def test_a_design_crosses_processes(thesis: Design) -> None:
+    assert pickle.loads(pickle.dumps(thesis)) == thesis
+
+
+def test_a_computed_value_may_be_given(thesis: Design) -> None:
+    given = load_design(None, ["bearing_way.bolt_count=6"])
+    assert given.bearing_way.bolt_count == 6
+    assert len(given.derived.way_screw_places) == 12
+    assert thesis.bearing_way.bolt_count == 7
+
+
+def test_every_key_of_the_schema_is_an_attribute(thesis: Design) -> None:
+    for entry in thesis.entries:
+        holder: object = thesis
+        for name in entry.key.split("."):
+            holder = holder[name] if holder is thesis.materials else getattr(holder, name)  # type: ignore[index]
+        assert holder == entry.value
+    assert len(schema()) <= len(thesis.entries)
+
+
+def test_a_value_with_an_uncertainty() -> None:
+    design = load_design(None, ["payload.mass=1.79 +- 0.01 kg", "stage.thickness=12 +- 0.02 mm"])
+    assert design.payload.mass == 1.79
+    assert design.entry("payload.mass").std == 0.01
+    assert design.entry("stage.thickness").std == pytest.approx(0.02)
+
+
+def test_a_measured_value_is_written_back_with_comments_kept(tmp_path: Path) -> None:
+    file = tmp_path / "stage.toml"
+    text = packaged_text().replace("[bearing]\n", "[bearing]\n# the film was run in for 4000 cycles\n")
+    file.write_text(text, "utf-8")
+    write_value(file, "bearing.dynamic_friction", 0.043, "measured: run_7")
+    written = file.read_text("utf-8")
+    old, new = text.splitlines(), written.splitlines()
+    assert [line for line in new if line not in old] == [
+        'dynamic_friction = {value = 0.043, origin = "measured: run_7"}'
+    ]
+    assert len(old) == len(new)
+    design = load_design(file)
+    assert design.bearing.dynamic_friction == 0.043
+    assert design.entry("bearing.dynamic_friction").origin == "measured: run_7"
+
+
+def test_writing_back_keeps_line_ends_and_adds_what_a_partial_file_lacks(tmp_path: Path) -> None:
+    file = tmp_path / "stage.toml"
+    file.write_bytes(b'extends = "thesis"\r\n[stage] # mine\r\nlength = "240 mm"\r\n')
+    write_values(
+        file, {"stage.thickness": ("12.05 mm", "measured: cmm_2"), "screws.way.torque": ("12 N*m", "measured: t")}
+    )
+    data = file.read_bytes()
+    assert b"[stage] # mine\r\n" in data
+    design = load_design(file)
+    assert design.stage.thickness == 12.05
+    assert design.screws.way.torque == 12.0
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "origin"),
+    [
+        ("stage.thickness", "12 kg", "measured: x"),
+        ("stage.thicknes", "12 mm", "measured: x"),
+        ("stage.thickness", "12 mm", "because"),
+        ("stage.length", "205 mm", "measured: x"),
+        ("length", "205 mm", "measured: x"),
+    ],
+)
+def test_a_bad_value_leaves_the_file_as_it_was(tmp_path: Path, key: str, value: str, origin: str) -> None:
+    file = tmp_path / "stage.toml"
+    file.write_text(packaged_text(), "utf-8")
+    with pytest.raises(InputError):
+        write_value(file, key, value, origin)
+    assert file.read_text("utf-8") == packaged_text()
+    assert list(tmp_path.iterdir()) == [file]

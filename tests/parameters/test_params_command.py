@@ -1,0 +1,79 @@
+"""`stagecad params` as a script sees it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters.design import load_design
+from workbench.cli import run
+
+
+def call(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
+    status = run(["params", *arguments])
+    streams = capsys.readouterr()
+    return status, streams.out, streams.err
+
+
+def test_the_document_holds_every_parameter_in_si(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = call(capsys, "--json", "--set", "stage.thickness=15 mm")
+    document = json.loads(out)
+    design = load_design(None, ["stage.thickness=15 mm"])
+    assert status == 0
+    assert document["digest"] == design.digest
+    assert set(document["parameters"]) == {entry.key for entry in design.entries}
+    thickness = document["parameters"]["stage.thickness"]
+    assert (thickness["value"], thickness["unit"], thickness["tolerance"]) == (0.015, "m", "X.X")
+    for entry in design.entries:
+        shown = document["parameters"][entry.key]
+        assert shown["origin"] == entry.origin
+        if isinstance(entry.value, float):
+            assert shown["value"] == design.si(entry.key)
+
+
+def test_the_table_shows_value_tolerance_and_origin(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = call(capsys, "actuator", "stage.thickness")
+    assert status == 0
+    rows = {line.split()[0]: line for line in out.splitlines() if line.split() and "." in line.split()[0]}
+    assert set(rows) >= {"actuator.piezo_spacing", "stage.thickness"}
+    assert "stage.length" not in rows
+    assert "46 mm" in rows["actuator.piezo_spacing"]
+    assert "thesis 4.1" in rows["actuator.piezo_spacing"]
+
+
+def test_what_differs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    other = tmp_path / "other.toml"
+    status, out, err = call(capsys, "--write", str(other), "--set", "stage.thickness=15 mm", "--set", "pads.count=4")
+    assert (status, out) == (0, "")
+    assert str(other) in err
+    status, out, _ = call(capsys, "--json", "--diff", str(other))
+    differences = {item["key"]: item for item in json.loads(out)["differences"]}
+    follows = {"stage.payload_drill_depth", "stage.payload_thread_depth"}
+    assert set(differences) == {"stage.thickness", "pads.count"} | follows
+    assert differences["stage.thickness"]["before"]["value"] == 0.012
+    assert differences["stage.thickness"]["after"]["value"] == 0.015
+    status, out, _ = call(capsys, "--params", str(other), "--diff", str(other))
+    assert "do not differ" in out
+    status, _, err = call(capsys, "--write", str(other))
+    assert status == 2
+    assert "is there already" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["stagee"], "no table or parameter 'stagee'; did you mean 'stage'?"),
+        (["stage.lenght"], "no table or parameter 'stage.lenght'; did you mean 'stage.length'?"),
+        (["--diff", "none.toml"], "none.toml: no such parameter file"),
+        (["--params", "none.toml"], "none.toml: no such parameter file"),
+        (["--set", "stage.length=3 kg"], "wrong dimension"),
+        (["--set", "stage.length=205 mm"], "must be at least 220 mm"),
+    ],
+)
+def test_a_mistake_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str], arguments: list[str], words: str) -> None:
+    status, out, err = call(capsys, *arguments, "--json")
+    assert (status, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
