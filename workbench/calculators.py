@@ -63,21 +63,21 @@ def _ratio(key: str) -> Callable[[Reading, Values], float]:
 
 
 def _hertz(run: Run, v: Values) -> dict[str, Any]:
-    from designcalc import hertz
+    from designcalc import hertz, hertz_stress
 
     modulus = hertz.contact_modulus(v["modulus_1"], v["poisson_1"], v["modulus_2"], v["poisson_2"])
     if v["length"] is None:
         contact = hertz.point_contact(
             v["load"], v["radius_1"], v["radius_2"], modulus, v["radius_1_minor"], v["radius_2_minor"]
         )
-        peaks = [hertz.point_shear_peak(contact, v[name]) for name in ("poisson_1", "poisson_2")]
+        peaks = [hertz_stress.point_shear_peak(contact, v[name]) for name in ("poisson_1", "poisson_2")]
         # Each body has its own stresses; what is asked for is the larger of the two.
         peak = max(peaks, key=lambda p: float(p.shear))
         major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
         approach, stiffness = as_json(float(contact.approach), "m"), as_json(float(contact.stiffness), "N/m")
     else:
         line = hertz.line_contact(v["load"], v["length"], v["radius_1"], v["radius_2"], modulus)
-        peak = hertz.line_shear_peak(line)
+        peak = hertz_stress.line_shear_peak(line)
         major, minor, pressure = v["length"] / 2, line.half_width, line.peak_pressure
         approach = stiffness = None  # in two dimensions both depend on how far away the approach is measured
     return {

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from designcalc.checks import budget, candidates, contact, drive, pads, surroundings, teeth, ways
+from designcalc.checks import budget, candidates, contact, drive, heat, height, pads, sensing, teeth, ways
 from designcalc.checks.check import Check, Input, Verdict
 from designcalc.checks.reading import Reading
 from stagecad.parameters.errors import InputError
@@ -23,9 +23,9 @@ SUBJECTS: dict[str, Callable[[Reading], Iterator[partial[Check]]]] = {
     "magnetic teeth": teeth.checks,
     "friction drive": drive.checks,
     "sliding bearing": pads.checks,
-    "heat and surroundings": surroundings.thermal_checks,
-    "sensors": surroundings.sensor_checks,
-    "height adjustment": surroundings.height_checks,
+    "heat and surroundings": heat.checks,
+    "sensors": sensing.checks,
+    "height adjustment": height.checks,
     "candidates": candidates.checks,
     "error budget": budget.checks,
 }
