@@ -16,7 +16,6 @@ import re
 import struct
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,22 +24,13 @@ import numpy as np
 from stagecad.solids.colours import Colour
 from stagecad.solids.frame import UNMOVED, Frame
 from stagecad.solids.mesh import Mesh
+from stagecad.solids.piece import Piece
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
 TIME_STAMP = "2000-01-01T00:00:00"
 ROUGHNESS = 0.7
-
-
-@dataclass(frozen=True)
-class Piece:
-    """One part somewhere in an assembly. `name` is the instance's, `part` the part's; a part alone has them equal."""
-
-    name: str
-    part: str
-    colour: Colour
-    frame: Frame = UNMOVED
 
 
 def stl_bytes(meshes: Sequence[Mesh]) -> bytes:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.solids.assembly import Instance, assemble
 from stagecad.solids.cache import Entry, Store
-from stagecad.solids.export import Piece, glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.frame import Frame
 from stagecad.solids.made_part import MadePart
+from stagecad.solids.piece import Piece
 from stagecad.solids.registry import ASSEMBLY
 
 if TYPE_CHECKING:
@@ -63,6 +63,8 @@ def make_assembly(store: Store, parts: Mapping[str, MadePart], design: Any) -> M
     """The assembly of `parts` (all that the design has), from the cache or made now."""
 
     def make(reading: Any, folder: Path) -> None:
+        from stagecad.solids.export import glb_bytes, step_bytes, stl_bytes
+
         instances = assemble(parts, reading)
         documents = [asdict(instance) for instance in instances]
         (folder / "instances.json").write_text(json.dumps(documents, indent=1), "utf-8")

@@ -12,17 +12,14 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.cache import Entry, Store
 from stagecad.solids.colours import Colour, colour_of
-from stagecad.solids.export import Piece, glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.mass import Geometry, geometry_of
 from stagecad.solids.registry import PURCHASED, module_name, module_of
 
@@ -153,7 +150,9 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
 
 
 def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
+    from stagecad.solids.export import glb_bytes, step_bytes, stl_bytes
     from stagecad.solids.mesh import mesh_of, save
+    from stagecad.solids.piece import Piece
 
     pieces = [Piece(name, name, colour)]
     (folder / f"{name}.step").write_bytes(step_bytes(name, pieces, {name: solid.wrapped}))
@@ -222,6 +221,9 @@ def make_parts(
             done[name] = make_part(store, name, design)
             advance(name)
     else:
+        from concurrent.futures import ProcessPoolExecutor, as_completed
+        from multiprocessing import get_context
+
         # `spawn`: a forked kernel with running threads may hang.
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
             tasks = {pool.submit(_make_elsewhere, store.folder, name, design): name for name in missing}

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.solids.cache import Entry, Store
-from stagecad.solids.export import Piece
 from stagecad.solids.machine import Machine
 from stagecad.solids.made_assembly import EXPLODED, meshes_of, pieces_of, shapes_of
 from stagecad.solids.made_part import MadePart
 from stagecad.solids.pictures import BELOW, ISOMETRIC, picture
+from stagecad.solids.piece import Piece
 from stagecad.solids.registry import ASSEMBLY
 
 PART_SIZE = (900, 650)

@@ -52,20 +52,18 @@ def geometry_of(solid: cq.Shape) -> Geometry:
     from OCP.Bnd import Bnd_Box
     from OCP.BRepBndLib import BRepBndLib
     from OCP.BRepGProp import BRepGProp
+    from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
 
-    properties = GProp_GProps()
-    BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
-    centre = properties.CentreOfMass()
-    # OCCT gives the matrix about the origin of the part; a second pass about the centre saves the subtraction of
-    # two large numbers.
-    about_centre = GProp_GProps(centre)
-    BRepGProp.VolumeProperties_s(solid.wrapped, about_centre, 1e-9, True)
-    matrix = about_centre.MatrixOfInertia()
     box = Bnd_Box()
     BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
     box.SetGap(0.0)
     x0, y0, z0, x1, y1, z1 = box.Get()
+    # Integrated about the middle of the box, so that the shift to the centre takes no small number from large ones.
+    properties = GProp_GProps(gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
+    BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
+    centre = properties.CentreOfMass()
+    matrix = properties.MatrixOfInertia()
     return Geometry(
         properties.Mass(),
         (centre.X(), centre.Y(), centre.Z()),

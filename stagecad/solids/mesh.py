@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -112,30 +112,23 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
         if part is None:
             raise ValueError("a face of the solid could not be meshed")
         BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, part)
-        placed = location.Transformation()
-        moves = not location.IsIdentity()
-        points = []
-        directions = []
-        for index in range(1, part.NbNodes() + 1):
-            point, direction = part.Node(index), part.Normal(index)
-            if moves:
-                point, direction = point.Transformed(placed), direction.Transformed(placed)
-            points.append((point.X(), point.Y(), point.Z()))
-            directions.append((direction.X(), direction.Y(), direction.Z()))
+        nodes = range(1, part.NbNodes() + 1)
+        places = np.array([part.Node(index).Coord() for index in nodes])
+        outward = np.array([part.Normal(index).Coord() for index in nodes])
+        if not location.IsIdentity():
+            places, outward = _moved(places, outward, location.Transformation())
         corners = np.array([part.Triangle(index).Get() for index in range(1, part.NbTriangles() + 1)]) - 1
-        outward = np.array(directions)
         if face.Orientation() == TopAbs_REVERSED:
             corners = corners[:, ::-1]
             outward = -outward
         # At the pole of a sphere a side of a triangle has no length: such a triangle covers nothing and opens the mesh.
-        places = np.array(points)
         a, b, c = (places[corners[:, i]] for i in range(3))
         flat = (a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1)
         corners = corners[~flat]
         vertices.append(places)
         normals.append(outward)
         triangles.append(corners + count)
-        count += len(points)
+        count += len(places)
     edge_points, edge_ends = _edges(copy)
     return Mesh(
         np.concatenate(vertices),
@@ -144,6 +137,12 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
         edge_points,
         edge_ends,
     )
+
+
+def _moved(places: np.ndarray, directions: np.ndarray, move: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Points and directions after the kernel's rigid move ``gp_Trsf``."""
+    rows = np.array([[move.Value(row, column) for column in range(1, 5)] for row in range(1, 4)])
+    return places @ rows[:, :3].T + rows[:, 3], directions @ rows[:, :3].T
 
 
 def _edges(meshed: object) -> tuple[np.ndarray, np.ndarray]:
@@ -171,10 +170,10 @@ def _edges(meshed: object) -> tuple[np.ndarray, np.ndarray]:
         polygon = BRep_Tool.PolygonOnTriangulation_s(edge, surface, location)
         if polygon is None:
             continue
-        nodes = [surface.Node(polygon.Node(i)) for i in range(1, polygon.NbNodes() + 1)]
-        placed = location.Transformation()
-        nodes = [node.Transformed(placed) for node in nodes]
-        lines.append(np.array([(node.X(), node.Y(), node.Z()) for node in nodes]))
+        line = np.array([surface.Node(polygon.Node(i)).Coord() for i in range(1, polygon.NbNodes() + 1)])
+        if not location.IsIdentity():
+            line, _ = _moved(line, line, location.Transformation())
+        lines.append(line)
     if not lines:
         return np.zeros((0, 3)), np.zeros(1, dtype=np.int64)
     return np.concatenate(lines), np.cumsum([0, *(len(line) for line in lines)])

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stagecad.solids.export import Piece
 from stagecad.solids.mesh import Mesh
+from stagecad.solids.piece import Piece
 
 SIZE = (1400, 1000)
 MARGIN = 0.06

@@ -14,10 +14,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.solids.export import Piece, glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.export import glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.frame import Frame
 from stagecad.solids.mass import geometry_of
 from stagecad.solids.mesh import Mesh, mesh_of
+from stagecad.solids.piece import Piece
 
 GREY = (0.7, 0.7, 0.8)
 TURNED = Frame(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (10.0, 20.0, 50.0))

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stagecad.solids.export import Piece
 from stagecad.solids.frame import IDENTITY, Frame
 from stagecad.solids.mesh import Mesh, mesh_of
 from stagecad.solids.pictures import picture
+from stagecad.solids.piece import Piece
 
 RED, BLUE = (0.9, 0.1, 0.1), (0.1, 0.1, 0.9)
 FRONT = (0.0, -1.0, 1e-6)
@@ -72,7 +72,7 @@ def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
 def test_works_without_a_display_and_repeats(cube: Mesh) -> None:
     program = """
 import sys, cadquery as cq
-from stagecad.solids.export import Piece
+from stagecad.solids.piece import Piece
 from stagecad.solids.mesh import mesh_of
 from stagecad.solids.pictures import picture
 mesh = mesh_of(cq.Workplane().box(10, 10, 10).val(), 1000.0)
