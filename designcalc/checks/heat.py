@@ -17,7 +17,8 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(tip_drift, r)
     yield partial(way_growth, r)
     yield partial(base_expansion, r)
-    yield partial(magnetism, r)
+    if r.design.teeth.fitted:
+        yield partial(magnetism, r)
     yield partial(vibration, r)
 
 

@@ -113,7 +113,7 @@ def test_one_changed_parameter_moves_the_checks_that_read_it_and_no_other():
 
 def test_four_pads_without_teeth_are_checked_as_well():
     checks = run_checks(load("pads.count=4", "teeth.fitted=false"))
-    assert not [c for c in checks if c.subject == "magnetic teeth"]
+    assert not [c for c in checks if c.subject == "magnetic teeth" or "teeth" in c.name]
     share = next(c for c in checks if c.name == "lightest pad load over the mean")
     assert share.value == pytest.approx(1.0)
 
