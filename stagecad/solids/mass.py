@@ -5,16 +5,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.mass_properties import MassProperties
-from stagecad.solids.frame import Frame, add, scaled
+from stagecad.solids.frame import Frame, Vector, add, scaled
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 MM = 1e-3
+
+SLACK = 2e-7
+"""Tolerance the kernel adds to a loose box, mm."""
 
 
 @dataclass(frozen=True)
@@ -49,16 +53,12 @@ class Geometry:
 
 def geometry_of(solid: cq.Shape) -> Geometry:
     """Volume properties of an exact solid; take them before any mesh is made, which would loosen the box."""
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
     from OCP.BRepGProp import BRepGProp
     from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
 
-    box = Bnd_Box()
-    BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
-    box.SetGap(0.0)
-    x0, y0, z0, x1, y1, z1 = box.Get()
+    low, high = exact_box(solid)
+    x0, y0, z0, x1, y1, z1 = *low, *high
     # Integrated about the middle of the box, so that the shift to the centre takes no small number from large ones.
     properties = GProp_GProps(gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
     BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
@@ -68,8 +68,39 @@ def geometry_of(solid: cq.Shape) -> Geometry:
         properties.Mass(),
         (centre.X(), centre.Y(), centre.Z()),
         tuple(tuple(matrix.Value(row, column) for column in (1, 2, 3)) for row in (1, 2, 3)),
-        ((x0, y0, z0), (x1, y1, z1)),
+        (low, high),
     )
+
+
+def exact_box(solid: cq.Shape) -> tuple[Vector, Vector]:
+    """Lowest and highest x, y, z of an exact solid, mm.
+
+    The kernel's optimal box is slow, its quick one loose: the optimal one is taken of those faces only whose loose box
+    reaches beyond the exact one found so far.
+    """
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    def corners(box: Bnd_Box) -> tuple[float, ...]:
+        box.SetGap(0.0)
+        x0, y0, z0, x1, y1, z1 = box.Get()
+        return (-x0, -y0, -z0, x1, y1, z1)
+
+    faces = []
+    for face in solid.Faces():
+        box = Bnd_Box()
+        BRepBndLib.Add_s(face.wrapped, box, False)
+        faces.append((corners(box), face))
+    reach = [-math.inf] * 6
+    for side in range(6):
+        for loose, face in sorted(faces, key=lambda item: -item[0][side]):
+            if loose[side] <= reach[side] + SLACK:
+                break
+            box = Bnd_Box()
+            BRepBndLib.AddOptimal_s(face.wrapped, box, False, False)
+            reach = [max(a, b) for a, b in zip(reach, corners(box), strict=True)]
+    a, b, c, d, e, f = reach
+    return (0.0 - a, 0.0 - b, 0.0 - c), (d, e, f)
 
 
 def mass_properties(geometry: Geometry, density: float) -> MassProperties:

@@ -145,22 +145,33 @@ def _moved(places: np.ndarray, directions: np.ndarray, move: Any) -> tuple[np.nd
     return places @ rows[:, :3].T + rows[:, 3], directions @ rows[:, :3].T
 
 
-def _edges(meshed: object) -> tuple[np.ndarray, np.ndarray]:
+def _edges(meshed: Any) -> tuple[np.ndarray, np.ndarray]:
     """Edges where the surface has a corner, as the mesh has them; seams and tangent joints are left out."""
     from OCP.BRep import BRep_Tool
     from OCP.GeomAbs import GeomAbs_C0
     from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
-    from OCP.TopExp import TopExp
+    from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS
-    from OCP.TopTools import TopTools_IndexedDataMapOfShapeListOfShape
+    from OCP.TopTools import TopTools_IndexedMapOfShape
 
-    table = TopTools_IndexedDataMapOfShapeListOfShape()
-    TopExp.MapShapesAndAncestors_s(meshed, TopAbs_EDGE, TopAbs_FACE, table)  # type: ignore[arg-type]
+    # Edges numbered by a map, with the faces that have them: the kernel's own table of the two is slow to read.
+    numbered = TopTools_IndexedMapOfShape()
+    beside: list[list[Any]] = []
+    faces_left = TopExp_Explorer(meshed, TopAbs_FACE)
+    while faces_left.More():
+        face = TopoDS.Face_s(faces_left.Current())
+        faces_left.Next()
+        edges_left = TopExp_Explorer(face, TopAbs_EDGE)
+        while edges_left.More():
+            number = numbered.Add(edges_left.Current())
+            edges_left.Next()
+            if number > len(beside):
+                beside.append([])
+            beside[number - 1].append(face)
     lines: list[np.ndarray] = []
-    for index in range(1, table.Extent() + 1):
-        edge = TopoDS.Edge_s(table.FindKey(index))
-        faces = [TopoDS.Face_s(face) for face in table.FindFromIndex(index)]
+    for number, faces in enumerate(beside, start=1):
+        edge = TopoDS.Edge_s(numbered.FindKey(number))
         if BRep_Tool.Degenerated_s(edge) or len(faces) != 2 or faces[0].IsSame(faces[1]):
             continue
         if BRep_Tool.Continuity_s(edge, faces[0], faces[1]) != GeomAbs_C0 or _tangent(edge, faces):
