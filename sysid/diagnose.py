@@ -31,9 +31,10 @@ class Trial:
         candidate: score and refit on the records of the fit.
         error: ranking error on the held-out records, in deviations.
         gain: drop of the mean squared loss on the held-out records.
-        significance: of that gain, in standard errors over blocks of time.
+        significance: of that gain, were what the effect leaves all noise, in standard errors.
+        p_value: chance of so large a gain, by turning the sign of whole blocks' gains.
+        steadiness: mean gain of a block over its standard error.
         fit_gain: drop of the mean squared loss on the records of the fit.
-        block_loss: summed loss per block of the held-out records.
         after_fit, after_validate: misfit by channel.
     """
 
@@ -43,12 +44,12 @@ class Trial:
     gain: float
     significance: float
     fit_gain: float
-    block_loss: np.ndarray
     residual: np.ndarray
     after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
     after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
 
     p_value: float = 1.0
+    steadiness: float = 0.0
 
     @property
     def family(self) -> str:
@@ -85,9 +86,9 @@ def try_all(
                 gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
                 significance=_significance(base.residual, residual, numbers),
                 fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
-                block_loss=loss,
                 residual=residual,
                 p_value=_chance(before - loss),
+                steadiness=_steadiness(before - loss),
             )
         )
     return sorted(trials, key=lambda t: t.error)
@@ -98,6 +99,12 @@ def _chance(drops: np.ndarray, flips: int = 2000) -> float:
     rng = np.random.default_rng(0)
     signs = rng.choice([-1.0, 1.0], size=(flips, drops.size))
     return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + flips))
+
+
+def _steadiness(drops: np.ndarray) -> float:
+    """Mean drop per block of time over its standard error, (m,) blocks: is it one lucky stretch, or throughout?"""
+    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
+    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0 else 0.0
 
 
 def _significance(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) -> float:
@@ -246,7 +253,9 @@ SHARE_OF_TWO = 0.96
 """Share that two effects must take together, where one alone leaves much."""
 
 LEAST_SIGNIFICANCE = 4.0
+LEAST_STEADINESS = 2.5
 LEAST_GAIN = 0.06
+"""Of the mean squared loss, on the records of the fit and on the held-out ones."""
 
 
 def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
@@ -278,7 +287,9 @@ def _count(trial: Trial) -> int:
 def is_worthwhile(base: BaseFit, trial: Trial) -> bool:
     """Whether an effect lowers the held-out loss by more than chance, and by enough to matter."""
     before = ranking_error(base.residual) ** 2
-    return trial.significance >= LEAST_SIGNIFICANCE and trial.gain >= LEAST_GAIN * before and trial.fit_gain > 0.0
+    before_fit = ranking_error(base.fitted.fit.residual) ** 2
+    certain = trial.significance >= LEAST_SIGNIFICANCE or trial.steadiness >= LEAST_STEADINESS
+    return certain and trial.gain >= LEAST_GAIN * before and trial.fit_gain >= LEAST_GAIN * before_fit
 
 
 def explained_share(base: BaseFit, trial: Trial) -> float:
@@ -334,4 +345,4 @@ def _quantisation(case: Case, base: BaseFit) -> Trial | None:
         return None
     error = ranking_error(refit.residual)
     candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)
-    return Trial(names[-1], candidate, error, 0.0, 99.0, 0.0, np.zeros(1), refit.residual, after_fit, after)
+    return Trial(names[-1], candidate, error, 0.0, 99.0, 0.0, refit.residual, after_fit, after)

@@ -134,11 +134,14 @@ def residual_maps(
 
 def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
     """Strongest first; time is believed only where no coordinate that carries over to other records comes near it."""
+    return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
 
-    def strength(m: ResidualMap) -> float:
-        return m.share * (0.6 if m.coordinate in ("time", "distance_travelled") else 1.0)
 
-    return sorted(maps, key=lambda m: -strength(m))
+_TRUST = {"time": 0.65, "distance_travelled": 0.55}
+"""Weight of a share that was learned and judged in one record, where anything smooth is a function of time."""
+
+ALIAS = 0.95
+"""Rank correlation with time from which a coordinate says no more than time does."""
 
 
 def _worst_channels(model: Model, records: Sequence[Prepared]) -> list[str]:
@@ -196,11 +199,27 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
         r, block = judge[1], judge[2]
     predicted = table[cells_judge]
     share = _share(r, predicted)
-    p_value = _p_value(share, r, predicted, block, rng)
+    if not own:
+        # Believed as far as it holds within the judged record and carries over to it from the others.
+        v, every = judge[0][name], np.arange(judge[1].size) % 2 == 0
+        inside = _cells(v, judge[0]["_direction"], _edges(v, name, BINS))
+        held = _means(inside[every], judge[1][every], int(inside.max()) + 1)[inside[~every]]
+        share = float(np.sqrt(share * _share(judge[1][~every], held)))
+        if abs(_rank_correlation(v, judge[0]["time"])) > ALIAS:
+            share *= 0.5
+    p_value = _p_value(_share(r, predicted), r, predicted, block, rng)
     inner = edges[1:-1]
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(inner, values)
     half_count = edges.size - 1
     return ResidualMap(name, max(share, 0.0), p_value, centres, table[:half_count], table[half_count:])
+
+
+def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
+    """Spearman's rank correlation of two coordinates (n,)."""
+    ranks = [np.argsort(np.argsort(v)).astype(float) for v in (a, b)]
+    if np.ptp(a) == 0 or np.ptp(b) == 0:
+        return 0.0
+    return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
 
 
 def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:

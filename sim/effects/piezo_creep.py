@@ -44,7 +44,7 @@ _LOGARITHMIC = Effect(
         Parameter("start", "s", 0.1, 1e-6, 1e4, "time from which it creeps", "0.1 s by convention",
                   role="shape", scan=Scan("time", 5e-4, 0.1, 5)),
         Parameter("decades", "1", 3.0, 1.0, 5.0, "decades of time over which it goes on", "drift ends with the record",
-                  role="shape"),
+                  role="shape", fixed=True),
     ),
     signal=_logarithmic,
 )  # fmt: skip
