@@ -157,13 +157,19 @@ def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, 
     for (label, predicted), ink in zip(curve.predicted.items(), inks):
         t, r = decimate(time, (curve.measured[span] - predicted[span]) * factor)
         panel.plot(t, r, color=ink, linewidth=0.7, label=label)
+    first = np.abs(curve.measured - next(iter(curve.predicted.values())))[span]
+    if np.isfinite(first).any():
+        # A few samples beside reversals, far above the rest, would flatten all there is to see.
+        reach = max(1.8 * float(np.nanquantile(first, 0.97)), 4.0 * curve.noise) * factor
+        panel.set_ylim(-reach, reach)
 
 
 def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
     """Measured under predicted, whole and at the worst stretch, and the residual beside the noise; SVG text."""
     factor, unit = axis_scale(curve.measured, curve.unit)
     residual = curve.measured - next(iter(curve.predicted.values()))
-    small, small_unit = axis_scale(3.0 * residual, curve.unit)
+    usual = np.nanquantile(np.abs(residual), 0.97) if np.isfinite(residual).any() else 0.0
+    small, small_unit = axis_scale(np.array([2.0 * usual]), curve.unit)
     zoom = worst_stretch(residual)
     everything = slice(0, curve.time.size)
     words = curve.channel.replace("_", " ")
@@ -183,9 +189,7 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
             panel.axvspan(curve.time[zoom][0], curve.time[zoom][-1], color="#f5e6c8", zorder=0, linewidth=0)
         axes[0, 0].set(ylabel=f"{words} ({unit})", title=f"{words}, record {curve.record}")
         axes[0, 1].set_title("where it is worst")
-        axes[1, 0].set(
-            ylabel=f"left ({small_unit})", title="measured less predicted; the band is two deviations of noise"
-        )
+        axes[1, 0].set(ylabel=f"left ({small_unit})", title="measured less predicted; band: two deviations of noise")
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
         return _svg(figure, f"overlay {curve.record} {curve.channel}")
 
@@ -250,6 +254,11 @@ def _draw_map(panel: Any, m: ResidualMap, unit: str) -> None:
         # Bins of equal count crowd where the axis spends its time.
         panel.set_xscale("symlog", linthresh=middle)
         panel.minorticks_off()
+        largest = float(np.max(np.abs(x)))
+        decades = np.unique([np.ceil(np.log10(middle)), np.floor(np.log10(largest))])
+        ticks = np.concatenate([-(10.0 ** decades[::-1]), [0.0], 10.0**decades])
+        panel.set_xticks(ticks[(ticks >= x.min()) & (ticks <= x.max()) | (ticks == 0.0)])
+        panel.xaxis.set_major_formatter("{x:g}")
     panel.set_xlabel(f"{m.coordinate.replace('_', ' ')}" + (f" ({shown})" if shown else ""))
 
 

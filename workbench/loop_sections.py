@@ -19,6 +19,7 @@ from sysid.compare import Comparison
 from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, Trial
 from sysid.document import channel_unit, parameters_json, public_key, worst_channel
 from sysid.intervals import Intervals, intervals
+from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
 from workbench.loop_text import COORDINATE_WORDS, noise_line, plain
@@ -32,7 +33,7 @@ STRONG_CORRELATION = 0.9
 def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Section:
     """What `compare` found."""
     case, fitted = found.case, found.base.fitted
-    over = max((m.over_noise for m in (*found.fit.values(), *found.validate.values())), default=1.0)
+    over = _excess(found.fit, found.validate)
     adequate = over <= ADEQUATE_OVER_NOISE[case.form]
     return {
         **_experiment(case),
@@ -41,7 +42,7 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
         "effects": _names(fitted.model.effects),
         "state": "good" if adequate else "bad",
         "number": _times(over),
-        "headline": _comparison_sentence(over, adequate, found.maps),
+        "headline": comparison_sentence(found),
         "misfit": _misfit_rows(document["before"]),
         "overlays": _overlays(found.case, {"model": fitted.model}, found.validate, (MODEL,)),
         "maps": _maps(case, found.maps),
@@ -51,14 +52,20 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
     }
 
 
-def _comparison_sentence(over: float, adequate: bool, maps: Sequence[ResidualMap]) -> str:
-    if adequate:
-        return "What is left is noise: these records ask for nothing more."
-    telling = [m for m in maps if m.share > 0.02][:2]
+def comparison_sentence(found: Comparison) -> str:
+    """What a comparison found, as a person would say it."""
+    over = _excess(found.fit, found.validate)
+    if over <= ADEQUATE_OVER_NOISE[found.case.form]:
+        return f"The model leaves {_times(over)} the noise: these records ask for nothing more."
+    telling = [m for m in found.maps if m.share > 0.02][:2]
     if not telling:
-        return "The model fails, but what is left hangs on nothing that was recorded."
+        return f"The model leaves {_times(over)} the noise, and what is left hangs on nothing that was recorded."
     words = " and ".join(f"{COORDINATE_WORDS[m.coordinate]} ({100 * m.share:.0f} % of what is left)" for m in telling)
     return f"The model leaves {_times(over)} the noise. What is left depends on {words}."
+
+
+def _excess(fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]) -> float:
+    return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
 
 
 def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
@@ -69,7 +76,7 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     if best is not None:
         label = f"with {best.family}" + ("" if found.best is not None else " (best tried)")
         models, inks = {"before": base.model, label: best.candidate.fitted.model}, (BEFORE, AFTER)
-    before = max((m.over_noise for m in (*found.before_fit.values(), *found.before_validate.values())), default=1.0)
+    before = _excess(found.before_fit, found.before_validate)
     section = {
         **_experiment(case),
         "kind": "diagnose",
@@ -84,7 +91,7 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
         "ranking": ranking_rows(document["ranking"], before),
         "ranking_channel": worst_channel(case, found.before_validate).replace("_", " "),
         "maps": _maps(case, found.maps),
-        "told_apart": _told_apart(found),
+        "told_apart": rivals_sentence(found),
         "effect": _effect_words(best) if found.best is not None else None,
         "seconds": document["seconds"],
     }
@@ -108,17 +115,26 @@ def verdict_sentence(found: Diagnosis) -> str:
     channel = worst_channel(case, found.before_validate)
     before, after = found.before_validate[channel], found.best.after_validate[channel]
     unit = channel_unit(case, channel)
-    text = (
-        f"{found.effect} is missing. With it the error of {channel.replace('_', ' ')} on the held-out records falls "
-        f"from {plain(before.rms, unit)} to {plain(after.rms, unit)}, from {_times(before.over_noise)} the noise to "
-        f"{_times(after.over_noise)}."
-    )
+    errors = f"{plain(before.rms, unit)} to {plain(after.rms, unit)}"
+    times = f"{_times(before.over_noise)} the noise to {_times(after.over_noise)}"
+    name = channel.replace("_", " ")
+    if after.rms / before.rms > 2.0 * after.over_noise / before.over_noise:
+        text = (
+            f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {times}. "
+            f"(The plain rms, {errors}, is ruled by the few samples beside reversals.)"
+        )
+    else:
+        text = (
+            f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {errors}, "
+            f"from {times}."
+        )
     if found.unexplained_share > 0.05:
         text += f" {100 * found.unexplained_share:.0f} % of the misfit stays: add it, and diagnose again."
     return text
 
 
-def _told_apart(found: Diagnosis) -> str:
+def rivals_sentence(found: Diagnosis) -> str:
+    """What these records cannot tell apart; empty where there is no rival."""
     names = list(found.indistinguishable)
     if not names or not found.effect:
         return ""
@@ -289,9 +305,7 @@ def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
         for j in range(i):
             r = float(matrix[i, j])
             if abs(r) > STRONG_CORRELATION:
-                words.append(
-                    f"{names[j]} and {names[i]} hang together (correlation {r:+.2f})."
-                )
+                words.append(f"{names[j]} and {names[i]} hang together (correlation {r:+.2f}).")
     if not fitted.fit.converged:
         words.append("The fit stopped before its last step was small.")
     cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in matrix]

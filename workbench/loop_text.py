@@ -46,7 +46,11 @@ def misfit_table(case: Case, rows: Iterable[tuple[str, Mapping[str, ChannelMisfi
     for label, by_channel in rows:
         for channel, m in by_channel.items():
             table.add_row(
-                label, channel, plain(m.rms, channel_unit(case, channel)), f"{m.over_noise:.2f} x", f"{m.fit_percent:.2f} %"
+                label,
+                channel,
+                plain(m.rms, channel_unit(case, channel)),
+                f"{m.over_noise:.2f} x",
+                f"{m.fit_percent:.2f} %",
             )
     return table
 
@@ -186,7 +190,9 @@ def ladder_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
         first = True
         for channel, m in fit.items():
             h = held.get(channel)
-            added = ", ".join(rung["added"]) or ("the model before anything was added" if rung["rung"] == 0 else "by hand")
+            added = ", ".join(rung["added"]) or (
+                "the model before anything was added" if rung["rung"] == 0 else "by hand"
+            )
             table.add_row(
                 f"{rung['rung']:03d}" if first else "",
                 added if first else "",

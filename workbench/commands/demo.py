@@ -1,0 +1,125 @@
+"""`stagecad demo`: the whole loop on packaged records with a hidden effect, start to end."""
+
+from __future__ import annotations
+
+import shutil
+from importlib.resources import as_file, files
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import click
+
+from stagecad.parameters.atomic import atomic_write_bytes
+from workbench.options import Run, common_options
+
+MOST_ROUNDS = 5
+"""Effects added at most; the packaged records ask for fewer."""
+
+
+@click.command("demo")
+@common_options
+def command(run: Run) -> None:
+    """Play the whole loop on packaged records of a slide: compare, diagnose, add, until what is left is noise.
+
+    The records are copied to OUT/demo, and every step is the very command of that name: repeat any by hand afterwards.
+    """
+    began = perf_counter()
+    folder = fresh_copy(run.out / "demo")
+    say = run.say
+    say(f"A slide on its bearing way was driven back and forth and its friction force measured. Records: {folder}")
+    say("The model knows Coulomb and viscous friction. Is that all there is?\n")
+    document: dict[str, Any] = {"schema": 1, "experiment": str(folder), "compare": _compare(run, folder), "rounds": []}
+    for _ in range(MOST_ROUNDS):
+        found, effect = _diagnose(run, folder)
+        document["rounds"].append({"diagnose": found})
+        if effect is None:
+            break
+        document["rounds"][-1]["add"] = _add(run, folder, effect)
+    document.update(_ladder(run, folder))
+    document["seconds"] = perf_counter() - began
+    say(f"\nDone in {document['seconds']:.0f} s. What was hidden: a Stribeck curve and the cogging of magnetic teeth,")
+    say("put in by a simulator that shares no law with this program.")
+    say(f"figure: {document['figure']}")
+    say(f"report: {document['report']}")
+    run.emit(document)
+
+
+def fresh_copy(folder: Path) -> Path:
+    """The packaged experiment in `folder`, as if nothing had been done to it yet; other files there stay."""
+    for left_over in ("ladder", "sections"):
+        shutil.rmtree(folder / left_over, ignore_errors=True)
+    with as_file(files("workbench") / "demo_records") as packaged:
+        for path in sorted(packaged.iterdir()):
+            if path.suffix in (".toml", ".csv"):
+                atomic_write_bytes(folder / path.name, path.read_bytes())
+    return folder
+
+
+def _compare(run: Run, folder: Path) -> dict[str, Any]:
+    from sysid.compare import compare
+    from sysid.document import comparison_json
+    from workbench.loop_report import write_comparison
+    from workbench.loop_sections import comparison_sentence
+
+    run.say(f"$ stagecad compare {folder}")
+    found = compare(folder)
+    document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
+    run.say(f"  {comparison_sentence(found)}\n")
+    write_comparison(run, found, document)
+    return document
+
+
+def _diagnose(run: Run, folder: Path) -> tuple[dict[str, Any], str | None]:
+    from sysid.diagnose import diagnose
+    from sysid.document import diagnosis_json
+    from workbench.loop_report import write_diagnosis
+    from workbench.loop_sections import rivals_sentence, verdict_sentence
+
+    run.say(f"$ stagecad diagnose {folder}")
+    with run.progress() as progress:
+        task = progress.add_task("trying every effect of the library", total=1)
+        found = diagnose(
+            folder, progress=lambda name, k, total: progress.update(task, description=name, completed=k, total=total)
+        )
+    document = diagnosis_json(found)
+    run.say(f"  {verdict_sentence(found)}")
+    rivals = rivals_sentence(found)
+    if rivals:
+        run.say(f"  {rivals}")
+    run.say(f"  ({len(found.trials)} effects tried in {found.seconds:.1f} s)\n")
+    write_diagnosis(run, found, document)
+    return document, found.effect
+
+
+def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
+    from sysid.document import both_json
+    from sysid.ladder import add_effects
+    from workbench.loop_text import parameter_table
+
+    run.say(f"$ stagecad add {folder} {effect}")
+    step = add_effects(folder, [effect])
+    parameters = dict(step.rung.document["parameters"])
+    run.console.print(parameter_table(parameters, f"Rung {step.rung.number:03d}, fitted again"))
+    run.say("")
+    return {
+        "rung": step.rung.number,
+        "effects": list(step.rung.effects),
+        "after": both_json(step.case, step.after_fit, step.after_validate),
+        "parameters": parameters,
+    }
+
+
+def _ladder(run: Run, folder: Path) -> dict[str, Any]:
+    from sysid.experiment import load_experiment
+    from sysid.ladder import current_ladder
+    from workbench.loop_report import write_ladder
+    from workbench.loop_text import ladder_table
+
+    run.say(f"$ stagecad ladder {folder}")
+    rungs, _ = current_ladder(load_experiment(folder))
+    if not rungs:
+        return {"ladder": [], "figure": None, "report": str(run.out / folder.name / "report.html")}
+    run.console.print(ladder_table(rungs))
+    report = write_ladder(run, folder.name, rungs)
+    return {"ladder": rungs, "figure": str(report.parent / "ladder.png"), "report": str(report)}
