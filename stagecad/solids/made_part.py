@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.cache import Entry, Store
 from stagecad.solids.colours import Colour, colour_of
+from stagecad.solids.kernel import import_kernel
 from stagecad.solids.mass import Geometry, geometry_of
 from stagecad.solids.registry import PURCHASED, module_name, module_of
 
@@ -111,6 +112,7 @@ def make_part(store: Store, name: str, design: Any) -> MadePart:
     """
 
     def make(reading: Any, folder: Path) -> None:
+        import_kernel()
         module = module_of(name)
         solid = module.build(reading)
         _require_solid(name, solid)
@@ -180,6 +182,7 @@ def write_solid(solid: cq.Shape, path: Path) -> None:
 
 def read_solid(path: Path) -> cq.Solid:
     """Read what `write_solid` wrote."""
+    import_kernel()
     import cadquery as cq
     from OCP.BinTools import BinTools
     from OCP.TopoDS import TopoDS_Shape
