@@ -148,7 +148,7 @@ _listed(
 )
 _listed("drive_lag", (SERVO, TIP), lambda r, b: Draw({"drive_lag": _log(r, 2e-3, 0.02)}, limit=3.0), "sensor_lag")
 _listed("drive_delay", (SERVO, TIP), lambda r, b: Draw({"drive_delay": _log(r, 2e-3, 0.02)}, limit=3.0), "sensor_delay")
-_listed("piezo_hysteresis", (TIP,), lambda r, b: Draw({"hysteresis": _uniform(r, 0.05, 0.25)}, limit=3.0))
+_listed("piezo_hysteresis", (TIP,), lambda r, b: Draw({"hysteresis": _uniform(r, 0.2, 0.7)}, limit=2.5))
 _listed(
     "piezo_creep", (TIP,),
     lambda r, b: Draw({"creep": _uniform(r, 0.03, 0.15)}, {"creep_time": _log(r, 0.4, 3.0)}),
