@@ -160,7 +160,7 @@ def table(outcomes: list[Outcome], beside: list[dict[str, bool]]) -> str:
     lines += [_line("3 noise deviations or more, hard", [o for o in clear if o.hard])]
     lines += [_line("1 to 3 noise deviations", [o for o in single if o.size == "weak"])]
     lines += [_line("two effects, first name", pairs)]
-    lines += [_text("two effects, both", (bool(o.both) for o in pairs))]
+    lines += [_text("two effects, both", (o.both for o in pairs if o.both is not None))]
     lines += [_text("answers that are ties", (o.tied > 1 for o in named))]
     lines += ["nothing hidden", _line("adequate", none)]
     lines += [_line("adequate, plain records", [o for o in none if not o.hard])]
