@@ -1,0 +1,84 @@
+"""Write effects.md, the page of every effect, from the declarations: python docs/make_effects.py."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from sim.effect import Effect, Parameter
+from sim.library import library
+from stagecad.parameters.atomic import atomic_write_text
+
+PAGE = Path(__file__).parent / "effects.md"
+HEAD = """\
+# The library of physical effects
+
+Made from the declarations in `sim/effects/` and `sim/cores/` by `python docs/make_effects.py`; `stagecad effects NAME`
+prints the same for one effect, `stagecad effects NAME --json` for a script. A name picks a law with `:`
+(`stribeck:rational`), a measured channel with `@` (`sensor_lag@position`). An effect of your own is declared the same
+way: see [the tutorial](tutorial.md#an-effect-of-your-own).
+
+Friction effects meet in one level: `level = (sum of levels) * (product of factors)`, and one core turns the level into
+a force. Forces are counted as friction is: positive where they oppose positive motion. Units are those of a linear axis;
+a rotary axis has rad for m, N*m for N, and so on.
+
+| effect | acts on | what it is |
+| --- | --- | --- |
+"""
+
+
+def page() -> str:
+    """The page as Markdown."""
+    effects = list(library().values())
+    rows = [f"| [`{e.name}`](#{_anchor(e)}) | {_where(e)} | {_cell(e.meaning)} |\n" for e in effects]
+    return HEAD + "".join(rows) + "".join(f"\n{_section(e)}" for e in effects)
+
+
+def _anchor(effect: Effect) -> str:
+    return effect.name.replace("@", "").replace(":", "")
+
+
+def _where(effect: Effect) -> str:
+    return f"{effect.acts_on} (core)" if effect.core is not None else effect.acts_on
+
+
+def _section(effect: Effect) -> str:
+    lines = [f"## {effect.name}", "", f"{_sentence(effect.meaning)}", ""]
+    if effect.equation:
+        lines += [f"    {line.strip()}" for line in effect.equation.splitlines()]
+        lines.append("")
+    facts = [
+        ("Shows", _sentence(effect.shows) if effect.shows else ""),
+        ("Seen against", ", ".join(effect.coordinates)),
+        ("Needs", ", ".join(effect.needs)),
+        ("Source", effect.source),
+    ]
+    lines += [f"- {label}: {text}" for label, text in facts if text]
+    for variant in effect.variants:
+        law = f": `{' '.join(variant.equation.split())}`" if variant.equation != effect.equation else ""
+        lines.append(f"- Variant `{variant.name}`{law}")
+    lines.append("")
+    if effect.parameters:
+        lines += ["| parameter | unit | default | bounds | role | meaning | where default and bounds come from |"]
+        lines += ["| --- | --- | --- | --- | --- | --- | --- |"]
+        lines += [_row(p) for p in effect.parameters]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _row(p: Parameter) -> str:
+    role = f"{p.role}, held" if p.fixed else p.role
+    cells = (f"`{p.name}`", p.unit, f"{p.default:g}", f"{p.low:g} to {p.high:g}", role, p.meaning, p.source)
+    return "| " + " | ".join(_cell(cell) for cell in cells) + " |"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def _sentence(text: str) -> str:
+    text = text[:1].upper() + text[1:]
+    return text if text.endswith(".") else f"{text}."
+
+
+if __name__ == "__main__":
+    atomic_write_text(PAGE, page())
