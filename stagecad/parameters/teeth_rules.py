@@ -175,3 +175,17 @@ def bars(d: Design) -> Iterator[str]:
         yield f"the heads of the bars' screws on {given(d, 'tooth_bar.end_height')} meet the stage"
     if bar.end_height >= bar.height:
         yield f"{given(d, 'tooth_bar.end_height')} is no lower than {given(d, 'tooth_bar.height')}"
+    foot, place, screw = bar.length / 2 - bar.end_length, bar.screw_span / 2, d.screws.bar
+    if place - screw.head_diameter / 2 < foot + bar.root_fillet or place + bar.screw_hole / 2 + wall > bar.length / 2:
+        low = 2 * (foot + bar.root_fillet) + screw.head_diameter
+        high = bar.length - bar.screw_hole - 2 * wall
+        yield (
+            f"{given(d, 'tooth_bar.screw_span')} does not put the screws on the feet; with "
+            f"{given(d, 'tooth_bar.length', 'tooth_bar.end_length')} it must lie from {length(low)} to {length(high)}"
+        )
+    if bar.screw_spacing + bar.screw_hole + 2 * wall > bar.foot_width + HAIR:
+        yield (
+            f"{given(d, 'tooth_bar.screw_spacing')} puts the screws off the feet; with "
+            f"{given(d, 'tooth_bar.foot_width')} it must be at most "
+            f"{length(bar.foot_width - bar.screw_hole - 2 * wall)}"
+        )
