@@ -51,7 +51,7 @@ def build(design: Any, compression: float = 0.0) -> cq.Solid:
             )
         )
     circle = cq.Wire.makeCircle(wire, cq.Vector(side, 0.0, heights[0]), cq.Vector(0.0, 1.0, 0.0))
-    return cq.Solid.sweep(circle, [], cq.Wire.assembleEdges(edges), True, True)
+    return cq.Solid.sweep(circle, [], cq.Wire.assembleEdges(edges), True, True).Solids()[0]
 
 
 def material(design: Any) -> str:
