@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -9,8 +10,10 @@ from typing import Any
 import cadquery as cq
 import pytest
 
+from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design, load_design, schema
 from stagecad.parameters.dimension import Dimension
+from stagecad.parameters.errors import InputError
 from stagecad.solids.measure import Gauge
 from stagecad.solids.reading import Reading
 from stagecad.solids.registry import MADE, module_of
@@ -164,3 +167,29 @@ def test_a_gauge_finds_a_wrong_dimension() -> None:
     pitch = next(d for d in stage(longer) if d.parameter == "stage.payload_pitch")
     with pytest.raises(LookupError):
         gauge.measure(pitch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_parts_of_random_valid_designs_measure_as_declared(seed: int) -> None:
+    """Some parameters anywhere within 30 % of the thesis's: if the rules accept them, every part can be made."""
+    rng = random.Random(seed)
+    every = sorted(set().union(*(read_by(name) for name in MADE)) - SWITCHES - set(COMPUTED))
+    keys = [key for key in every if not key.startswith("threads.")]
+    for _ in range(1000):
+        overrides = [changed(key, rng.uniform(0.7, 1.3)) for key in rng.sample(keys, 6)]
+        try:
+            design = load_design(overrides=overrides)
+            break
+        except InputError:
+            continue
+    else:
+        pytest.fail("the rules accept nothing")
+    for name in MADE:
+        module = module_of(name)
+        solid = module.build(design)
+        assert solid.isValid(), (name, overrides)
+        gauge = Gauge(solid)
+        for dimension in module.dimensions(design):
+            measured = gauge.measure(dimension)
+            assert measured is None or measured == pytest.approx(dimension.value, abs=1e-6), (dimension, overrides)
