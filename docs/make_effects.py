@@ -18,8 +18,8 @@ prints the same for one effect, `stagecad effects NAME --json` for a script. A n
 way: see [the tutorial](tutorial.md#an-effect-of-your-own).
 
 Friction effects meet in one level: `level = (sum of levels) * (product of factors)`, and one core turns the level into
-a force. Forces are counted as friction is: positive where they oppose positive motion. Units are those of a linear axis;
-a rotary axis has rad for m, N*m for N, and so on.
+a force. Forces are counted as friction is: positive where they oppose positive motion. Units are those of a linear
+axis; a rotary axis has rad for m, N*m for N, and so on.
 
 | effect | acts on | what it is |
 | --- | --- | --- |
