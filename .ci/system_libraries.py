@@ -8,7 +8,12 @@ import shutil
 import subprocess
 import sys
 
-NEEDED = {"libGL.so.1": "libgl1", "libexpat.so.1": "libexpat1", "libX11.so.6": "libx11-6", "libXrender.so.1": "libxrender1"}
+NEEDED = {
+    "libGL.so.1": "libgl1",
+    "libexpat.so.1": "libexpat1",
+    "libX11.so.6": "libx11-6",
+    "libXrender.so.1": "libxrender1",
+}
 
 
 def missing() -> list[str]:

@@ -69,8 +69,12 @@ def _in_process(command: list[str]) -> dict[str, Any]:
 def _as_program(command: list[str]) -> dict[str, Any]:
     """The command's document, by running the program as a user does."""
     done = subprocess.run(
-        [sys.executable, "-m", "workbench.cli", *command], cwd=ROOT, capture_output=True, text=True,
-        timeout=TIMEOUT, check=False,
+        [sys.executable, "-m", "workbench.cli", *command],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
     )
     if done.returncode != 0:
         raise RuntimeError(done.stderr.strip()[-300:] or f"exit {done.returncode}")
@@ -97,7 +101,11 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         verdict, names = said(document)
         where = [row["coordinate"] for row in document.get("where", [])]
         out = replace(
-            out, right=first_right(document, entry), said=verdict, tied=max(len(names), 1), seconds=seconds,
+            out,
+            right=first_right(document, entry),
+            said=verdict,
+            tied=max(len(names), 1),
+            seconds=seconds,
             started=worst_over_noise(document.get("before", {})),
             where_right=bool(where) and where[0] in entry["where"] if "where" in entry else None,
         )
@@ -225,7 +233,8 @@ def main() -> None:
         if folder is not None:
             key = json.loads((folder / "key.json").read_text(encoding="utf-8"))
             wanted = [
-                name for name, entry in key.items()
+                name
+                for name, entry in key.items()
                 if not a.only or any(part == name or part in entry["effect"] for part in a.only)
             ]
             tasks = [(folder / name, key[name], not a.no_follow, a.fresh, not a.no_peers) for name in wanted]
@@ -237,7 +246,9 @@ def main() -> None:
                     mark = "ok   " if o.right and not o.failed and o.both is not False else "WRONG"
                     print(
                         f"{done}/{len(tasks)} {mark} {o.case} {o.rig} {o.effect} {o.size}{' hard' if o.hard else ''}:"
-                        f" {o.said} {o.failed}", file=sys.stderr, flush=True,
+                        f" {o.said} {o.failed}",
+                        file=sys.stderr,
+                        flush=True,
                     )
             rows.sort(key=lambda row: row[0].case)
             print(table([row[0] for row in rows], [row[1] for row in rows]))

@@ -27,7 +27,13 @@ PARAMETERS = {
     "direction_asymmetry.coulomb": "asymmetry",
 }
 EFFECTS = (
-    "viscous", "stribeck", "quadratic_drag", "constant_bias", "cable_spring", "magnetic_cogging", "direction_asymmetry",
+    "viscous",
+    "stribeck",
+    "quadratic_drag",
+    "constant_bias",
+    "cable_spring",
+    "magnetic_cogging",
+    "direction_asymmetry",
 )
 
 
@@ -35,7 +41,11 @@ def _intervals(folder: Path, effect: str) -> dict[str, Any]:
     """Parameters with their intervals after the effect was added, from the rung it wrote."""
     done = subprocess.run(
         [sys.executable, "-m", "workbench.cli", "add", str(folder), effect, "--json", "--out", str(folder / "out")],
-        cwd=ROOT, capture_output=True, text=True, timeout=300, check=False,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
     )
     if done.returncode != 0:
         raise RuntimeError(done.stderr.strip()[-300:])
@@ -63,8 +73,15 @@ def coverage_table(count: int, seed: int, folder: Path, jobs: int) -> str:
 
     shutil.rmtree(folder, ignore_errors=True)
     key = make_cases(
-        folder, seed + 5000, count, {"single": 1.0}, hard=0.0, levels=("strong", "moderate"), effects=EFFECTS,
-        jobs=jobs, same_form=True,
+        folder,
+        seed + 5000,
+        count,
+        {"single": 1.0},
+        hard=0.0,
+        levels=("strong", "moderate"),
+        effects=EFFECTS,
+        jobs=jobs,
+        same_form=True,
     )
     with ThreadPoolExecutor(jobs) as pool:
         results = list(pool.map(_covered, [(folder / name, entry) for name, entry in key.items()]))

@@ -170,7 +170,8 @@ class Effect:
         for parameter in self.parameters:
             if parameter.name == name:
                 return parameter
-        raise InputError(f"effect '{self.name}' has no parameter '{name}'{nearest(name, [p.name for p in self.parameters])}")
+        known = nearest(name, [p.name for p in self.parameters])
+        raise InputError(f"effect '{self.name}' has no parameter '{name}'{known}")
 
     @cached_property
     def values_type(self) -> Any:

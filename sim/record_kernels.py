@@ -58,7 +58,7 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
 
 @compiled
 def play(signal: np.ndarray, half_width: float) -> np.ndarray:
-    """Play (backlash) operator: the output rests while the input moves within `half_width` of it, and is pushed else."""
+    """Play (backlash) operator: the output rests while the input is within `half_width` of it, and is pushed else."""
     out = np.empty(signal.size)
     y = signal[0]
     for i in range(signal.size):
@@ -72,7 +72,7 @@ def play(signal: np.ndarray, half_width: float) -> np.ndarray:
 
 @compiled
 def stop(position: np.ndarray, stretch: float) -> np.ndarray:
-    """Stop operator over +-`stretch`, as a fraction in [-1, 1]: an ideal elastic-plastic bristle driven by `position`."""
+    """Stop operator over +-`stretch`, as a fraction in [-1, 1]: an elastic, ideally plastic bristle on `position`."""
     out = np.empty(position.size)
     z = 0.0
     out[0] = 0.0
@@ -102,7 +102,7 @@ def maxwell_slip(position: np.ndarray, stretches: np.ndarray, weights: np.ndarra
 
 @compiled
 def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
-    """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979; Ruina 1983), exact per step."""
+    """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979, Ruina 1983), exact a step."""
     out = np.empty(time.size)
     age = 0.0
     out[0] = 0.0

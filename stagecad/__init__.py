@@ -1,3 +1,3 @@
-"""One parameter file describes a piezo friction-drive stage; solids, drawings, checks and simulations are read off it."""
+"""One parameter file describes a piezo friction-drive stage; solids, checks and simulations are read off it."""
 
 __version__ = "0.1.0"

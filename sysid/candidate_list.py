@@ -43,7 +43,12 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
         effect = find(name, case.custom)
         if not _can_show(case, effect):
             continue
-        if effect.core is not None and has_core and (name == "coulomb" or taken & (cores - {"coulomb"})) and not all_effects:
+        if (
+            effect.core is not None
+            and has_core
+            and (name == "coulomb" or taken & (cores - {"coulomb"}))
+            and not all_effects
+        ):
             continue
         if effect.core is None and not has_core and (effect.factor is not None or effect.level is not None):
             continue
@@ -96,7 +101,7 @@ def _varies(records: Sequence[object], name: str) -> bool:
 
 
 def _on_channels(case: Case, effect: Effect, present: Sequence[str]) -> list[Effect]:
-    """A sensor effect on each measured channel by itself and, on an actuator's tip, on all alike; others as they are."""
+    """A sensor effect on each measured channel and, on an actuator's tip, on all alike; other effects as they are."""
     if effect.acts_on != "sensor":
         return [effect]
     channels = list(case.fit_records[0].measured)

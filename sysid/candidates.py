@@ -16,7 +16,7 @@ import numpy as np
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model
 from sysid.fit import robust_scale
-from sysid.misfit import Weighting, weighted_residual
+from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales, shape_grid, size_of, with_effect
 
 WINSOR = 8.0

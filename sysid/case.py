@@ -1,4 +1,4 @@
-"""An experiment made ready: records prepared, noise known, model at its best fit. Where every command of the loop begins."""
+"""An experiment made ready: records prepared, noise known, model at its best fit. Every command begins here."""
 
 from __future__ import annotations
 
@@ -76,7 +76,9 @@ def load_case(path: str | Path, design: DesignValues | None = None) -> Case:
     """
     experiment = load_experiment(path, design)
     if experiment.rig.kind not in FORMS:
-        raise InputError(f"{experiment.path}: rig.kind = '{experiment.rig.kind}' cannot be compared yet; allowed: {', '.join(FORMS)}")
+        raise InputError(
+            f"{experiment.path}: rig.kind = '{experiment.rig.kind}' cannot be compared yet; allowed: {', '.join(FORMS)}"
+        )
     return make_case(experiment, load_records(experiment))
 
 
@@ -121,10 +123,10 @@ def _noise(experiment: Experiment, records: Sequence[Record]) -> tuple[dict[str,
         per_record = [r.noise[channel] for r in records if channel in r.noise]
         if given is None and per_record:
             given = float(np.sqrt(np.mean(np.square(per_record))))
-        if channel == "position" and experiment.rig.kind == "velocity-drive" and given is None:
-            # A known input: only its smoothness matters, and only where the velocity has to be taken from it.
-            if any("velocity" in r.channels for r in records):
-                continue
+        # A known input: only its smoothness matters, and only where the velocity has to be taken from it.
+        imposed = channel == "position" and experiment.rig.kind == "velocity-drive" and given is None
+        if imposed and any("velocity" in r.channels for r in records):
+            continue
         found = estimate_noise(records, channel, given)
         noise[channel] = found
         if found.note:
@@ -199,9 +201,7 @@ def _guess_stiffness(records: Sequence[Record]) -> float:
     )
 
 
-def _guess_mass(
-    records: Sequence[Record], kind: str, stiffness: float | None, noise: Mapping[str, Noise]
-) -> float:
+def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
     """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
     best = 1.0
     for record in [r for r in records if r.role == "fit"][:1]:

@@ -75,14 +75,14 @@ def misfit_json(case: Case, by_channel: Mapping[str, ChannelMisfit]) -> dict[str
     }
 
 
-def both_json(
-    case: Case, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
-) -> dict[str, Any]:
+def both_json(case: Case, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
     """Misfit on the records of the fit and on the held-out ones."""
     return {"fit": misfit_json(case, fit), "validate": misfit_json(case, validate)}
 
 
-def parameters_json(case: Case, fitted: Fitted, found: Intervals | None = None, only: str | None = None) -> dict[str, Any]:
+def parameters_json(
+    case: Case, fitted: Fitted, found: Intervals | None = None, only: str | None = None
+) -> dict[str, Any]:
     """Fitted values with deviation and 95 % interval, by key; `only` those of one effect."""
     found = intervals(fitted, case.fit_records) if found is None else found
     out: dict[str, Any] = {}
@@ -160,7 +160,9 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "reason": diagnosis.reason,
         "noise": noise_json(case),
         "before": both_json(case, diagnosis.before_fit, diagnosis.before_validate),
-        "after": both_json(case, after.after_fit, after.after_validate) if after is not None else {"fit": {}, "validate": {}},
+        "after": both_json(case, after.after_fit, after.after_validate)
+        if after is not None
+        else {"fit": {}, "validate": {}},
         "ranking": ranking_json(diagnosis),
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,

@@ -73,7 +73,9 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
     return float(np.sum(np.where(size <= corner, 0.5 * size**2, corner * (size - 0.5 * corner))))
 
 
-def jacobian(function: ResidualFunction, point: np.ndarray, base: np.ndarray, unknowns: Sequence[Unknown]) -> np.ndarray:
+def jacobian(
+    function: ResidualFunction, point: np.ndarray, base: np.ndarray, unknowns: Sequence[Unknown]
+) -> np.ndarray:
     """Forward (at a high bound, backward) differences (n, p) of the residual."""
     out = np.empty((base.size, point.size))
     for k, unknown in enumerate(unknowns):
@@ -147,7 +149,9 @@ def least_squares(
             trial = point.copy()
             trial[free] = np.clip(point[free] + step, low[free], high[free])
             new = function(trial)
-            new_cost = (huber_cost(new, scale) if robust else 0.5 * float(new @ new)) if np.isfinite(new).all() else np.inf
+            new_cost = (
+                (huber_cost(new, scale) if robust else 0.5 * float(new @ new)) if np.isfinite(new).all() else np.inf
+            )
             if new_cost < cost:
                 improved = True
                 damping = max(damping * 0.1, 1e-9)
@@ -165,9 +169,7 @@ def least_squares(
             break
     scale = robust_scale(base)
     weights = huber_weights(base, scale) if robust else np.ones_like(base)
-    at_bound = tuple(
-        u.key for u, value in zip(unknowns, point, strict=True) if (value <= u.low or value >= u.high)
-    )
+    at_bound = tuple(u.key for u, value in zip(unknowns, point, strict=True) if (value <= u.low or value >= u.high))
     return FitResult(
         values=dict(zip(keys, point.tolist(), strict=True)),
         cost=huber_cost(base, scale) if robust else 0.5 * float(base @ base),

@@ -94,7 +94,9 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     experiment = case.experiment
     effect = find(name, case.custom)
     present = [e.name for e in fitted.model.effects]
-    if name in present or (":" not in name and "@" not in name and base_name(name) in {base_name(p) for p in present if "@" not in p}):
+    if name in present or (
+        ":" not in name and "@" not in name and base_name(name) in {base_name(p) for p in present if "@" not in p}
+    ):
         raise InputError(f"{experiment.path}: model.effects has '{name}' already")
     if base_name(name) == "sensor_quantisation":
         return _with_quantisation(case, name)
@@ -111,11 +113,14 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
             f"{nearest(name, can)}"
         )
     basis, target = target_of(fitted)
-    tried = [try_effect(fitted, option, case.fit_records, case.scales, basis, target, starts=3, iterations=40) for option in options]
+    tried = [
+        try_effect(fitted, option, case.fit_records, case.scales, basis, target, starts=3, iterations=40)
+        for option in options
+    ]
     good = [c for c in tried if c is not None]
     if not good:
         raise InputError(f"{experiment.path}: effect '{name}' changes nothing in what these records measured")
-    best = min(good, key=lambda c: (c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns))))
+    best = min(good, key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     from sysid.base_fit import fit_model
 
     return case, fit_model(best.fitted.model, case.fit_records, iterations=40)

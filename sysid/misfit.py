@@ -113,7 +113,7 @@ def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> W
         pick = {}
         for channel in record.measured:
             index = np.flatnonzero(record.valid[channel])
-            pick[channel] = index[:: every]
+            pick[channel] = index[::every]
         picks.append(pick)
     return Weighting(tuple(deviations), tuple(picks))
 

@@ -46,37 +46,38 @@ class Scales:
         return 1.0 if name == "one" else float(getattr(self, name))
 
 
+_SCALES = ("force", "position", "velocity", "time", "sample", "travelled", "load", "temperature", "input", "channel")
+
+
 def scales_of(records: Sequence[Prepared]) -> Scales:
     """Scales of a set of records: the largest over them."""
 
     def largest(of: list[float]) -> float:
         return max(of) if of else 1.0
 
-    force, position, velocity, time, sample, travelled, load, temperature, drive, channel = ([] for _ in range(10))
+    found: dict[str, list[float]] = {name: [] for name in _SCALES}
     load_mean, temperature_mean = 1.0, 0.0
     for record in records:
         if isinstance(record, TipRecord):
-            time.append(float(record.time[-1]))
-            sample.append(record.step)
-            drive.append(max(float(np.ptp(u)) for u in record.drives))
-            channel.append(max(float(np.ptp(y)) for y in record.measured.values()))
+            found["time"].append(float(record.time[-1]))
+            found["sample"].append(record.step)
+            found["input"].append(max(float(np.ptp(u)) for u in record.drives))
+            found["channel"].append(max(float(np.ptp(y)) for y in record.measured.values()))
             continue
         axis = record.axis
         y = record.measured[record.force_channel]
-        force.append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
-        channel.append(float(np.max(np.abs(y))))
-        position.append(float(np.ptp(axis.position)))
-        velocity.append(float(np.max(np.abs(axis.velocity))))
-        time.append(float(axis.time[-1]))
-        sample.append(record.step)
-        travelled.append(float(axis.travelled[-1]))
-        load.append(float(np.ptp(axis.load)))
-        temperature.append(float(np.ptp(axis.temperature)))
+        found["force"].append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
+        found["channel"].append(float(np.max(np.abs(y))))
+        found["position"].append(float(np.ptp(axis.position)))
+        found["velocity"].append(float(np.max(np.abs(axis.velocity))))
+        found["time"].append(float(axis.time[-1]))
+        found["sample"].append(record.step)
+        found["travelled"].append(float(axis.travelled[-1]))
+        found["load"].append(float(np.ptp(axis.load)))
+        found["temperature"].append(float(np.ptp(axis.temperature)))
         load_mean, temperature_mean = float(np.mean(axis.load)), float(np.mean(axis.temperature))
-    return Scales(
-        *(largest(of) for of in (force, position, velocity, time)), min(sample),
-        *(largest(of) for of in (travelled, load, temperature, drive, channel)), load_mean, temperature_mean,
-    )  # fmt: skip
+    sizes = {name: min(values) if name == "sample" else largest(values) for name, values in found.items()}
+    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean)
 
 
 _BY_UNIT = {
@@ -137,7 +138,10 @@ def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
         low, high = max(low, -scales.position), min(high, scales.position)
     if parameter.scan is not None:
         scale = _scan_scale(parameter, scales)
-        low, high = max(low, 0.3 * parameter.scan.low * scale), min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * parameter.scan.high * scale)
+        low, high = (
+            max(low, 0.3 * parameter.scan.low * scale),
+            min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * parameter.scan.high * scale),
+        )
         if low > high:
             low, high = parameter.low, parameter.high
     return low, high
@@ -181,9 +185,7 @@ class Model:
     def at(self, values: Mapping[str, float]) -> Model:
         """The same model with other values, which are also where its next fit begins."""
         merged = {**self.values, **values}
-        return replace(
-            self, values=merged, unknowns=tuple(replace(u, start=merged[u.key]) for u in self.unknowns)
-        )
+        return replace(self, values=merged, unknowns=tuple(replace(u, start=merged[u.key]) for u in self.unknowns))
 
 
 def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:

@@ -183,9 +183,7 @@ def _irregular(records: Sequence[Record], channel: str) -> Colour:
     return Colour(value, 0.0, False, value)
 
 
-def _quiet(
-    records: Sequence[Record], channel: str, overall: Colour, quantum: float | None
-) -> Colour | None:
+def _quiet(records: Sequence[Record], channel: str, overall: Colour, quantum: float | None) -> Colour | None:
     """The noise where the input stands still, if that is long enough and free of motion that goes on."""
     pieces: list[np.ndarray] = []
     for record in records:

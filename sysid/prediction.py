@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -
         if effect.memory is not None:
             p = values_of(effect, values)
             key = (*key, effect.name, p)
-            axis = remember(balance.memo, ("axis", key), lambda e=effect, a=axis, q=p: e.memory(a, q))
+            axis = remember(balance.memo, ("axis", key), partial(effect.memory, axis, p))
     return axis, key
 
 
@@ -56,12 +57,10 @@ def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) 
     for effect in effects:
         if effect.level is not None:
             p = values_of(effect, values)
-            total = total + remember(balance.memo, ("level", effect.name, p, key), lambda e=effect, q=p: e.level(axis, q))
+            total = total + remember(balance.memo, ("level", effect.name, p, key), partial(effect.level, axis, p))
         if effect.factor is not None:
             p = values_of(effect, values)
-            factor = factor * remember(
-                balance.memo, ("factor", effect.name, p, key), lambda e=effect, q=p: e.factor(axis, q)
-            )
+            factor = factor * remember(balance.memo, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
     return np.maximum(total * factor, 0.0)
 
 
@@ -71,9 +70,7 @@ def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     for effect in effects:
         if effect.force is not None:
             p = values_of(effect, values)
-            total = total + remember(
-                balance.memo, ("force", effect.name, p), lambda e=effect, q=p: e.force(balance.axis, q)
-            )
+            total = total + remember(balance.memo, ("force", effect.name, p), partial(effect.force, balance.axis, p))
     return total
 
 
@@ -81,7 +78,7 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     """Predicted channels (n,) of a force balance, filtered as the measured ones are."""
     level = friction_level(balance, effects, values)
     forces = axis_force(balance, effects, values)
-    axis, key = friction_axis(balance, effects, values)
+    axis, _ = friction_axis(balance, effects, values)
     mass = values.get("rig.mass", 0.0)
     inertia = mass * balance.acceleration if balance.acceleration is not None else 0.0
     core = next((e for e in effects if e.core is not None), None)
@@ -108,9 +105,8 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     for effect in effects:
         if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
             p = values_of(effect, values)
-            ridden = remember(
-                balance.memo, ("ride", effect.name, p[:2]), lambda e=effect, q=p: e.signal(balance.acceleration, balance.step, q)
-            )
+            ride = partial(effect.signal, balance.acceleration, balance.step, p)
+            ridden = remember(balance.memo, ("ride", effect.name, p[:2]), ride)
             total = total + mass * p.mass_ratio * (ridden - balance.acceleration)
     if balance.kind == "force-drive":
         total = _before_the_drive(balance, effects, values, total)

@@ -170,6 +170,7 @@ def driven_mass(
     floor = {channel: float(np.hypot(sigma_force * gain, mass * acceleration_noise))}
     inputs: dict[str, np.ndarray] = {}
     if kind == "spring-pull":
+        assert pull is not None
         inputs["pull_position"] = whole(pull)
         inputs["spring_force"] = whole(force)
         if channel == "spring_force" and "position" in channels:

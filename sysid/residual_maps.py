@@ -118,9 +118,12 @@ def residual_maps(
     """
     rng = np.random.default_rng(seed)
     maps = []
+    passing = False
     for channel in _worst_channels(model, [*fit_records, *held_out]):
         learn = _samples(model, fit_records, fit_weights, channel)
         judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
+        time = judge[0]["time"]
+        passing = passing or is_passing(judge[1], (time - time.min()) / (np.ptp(time) * (1.0 + 1e-9)))
         for name in learn[0]:
             if name != "_direction" and name in judge[0]:
                 maps.append(_map(name, learn, judge, rng))
@@ -129,12 +132,35 @@ def residual_maps(
     for m in maps:
         if m.coordinate not in best or m.share > best[m.coordinate].share:
             best[m.coordinate] = m
-    return order_maps(list(best.values()))
+    return order_maps(list(best.values()), passing)
 
 
-def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
-    """Strongest first; time is believed only where no coordinate that carries over to other records comes near it."""
-    return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
+def order_maps(maps: list[ResidualMap], passing: bool = False) -> list[ResidualMap]:
+    """Strongest first; time is believed only where no coordinate that carries over to other records comes near it,
+    or where the misfit is `passing`: it comes and goes within a part of the record."""
+    trust = {**_TRUST, "time": 1.0} if passing else _TRUST
+    return sorted(maps, key=lambda m: -m.share * trust.get(m.coordinate, 1.0))
+
+
+def is_passing(residual: np.ndarray, position: np.ndarray) -> bool:
+    """Whether nearly all of a residual's energy lies in one short stretch of its record.
+
+    Args:
+        residual: in noise deviations, (n,).
+        position: of each sample in its record, in [0, 1), (n,).
+    """
+    bins = 40
+    energy = np.bincount((position * bins).astype(int), residual**2 - np.median(residual**2), minlength=bins)
+    energy = np.maximum(energy, 0.0)
+    total = float(energy.sum())
+    width = int(PASSING_PART * bins)
+    window = np.convolve(energy, np.ones(width), mode="valid")
+    return total > 0.0 and float(window.max()) > PASSING_ENERGY * total
+
+
+PASSING_PART = 0.35
+PASSING_ENERGY = 0.85
+"""A misfit is passing when so much of its energy lies within so short a part of the record."""
 
 
 _TRUST = {"time": 0.65, "distance_travelled": 0.55}

@@ -59,9 +59,7 @@ class GaussianFilter:
                 kernel = -kernel
             self._spectra[order] = np.fft.rfft(kernel, self._length)
         h = self.half
-        padded = np.concatenate(
-            [2.0 * signal[0] - signal[h:0:-1], signal, 2.0 * signal[-1] - signal[-2 : -h - 2 : -1]]
-        )
+        padded = np.concatenate([2.0 * signal[0] - signal[h:0:-1], signal, 2.0 * signal[-1] - signal[-2 : -h - 2 : -1]])
         full = np.fft.irfft(np.fft.rfft(padded, self._length) * self._spectra[order], self._length)
         return full[2 * h : 2 * h + self.size]
 

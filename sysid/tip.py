@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -80,7 +81,7 @@ def _stretch(record: TipRecord, effects: Sequence[Effect], values: Values, index
             continue
         p = values_of(effect, values)
         key = (*key, effect.name, p)
-        signal = remember(record.memo, key, lambda e=effect, s=signal, q=p: e.signal(s, record.step, q))
+        signal = remember(record.memo, key, partial(effect.signal, signal, record.step, p))
     return signal
 
 

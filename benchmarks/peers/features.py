@@ -12,8 +12,24 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
 _UNITS = {
-    "s": 1.0, "ms": 1e-3, "m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "rad": 1.0, "mrad": 1e-3, "deg": np.pi / 180,
-    "N": 1.0, "mN": 1e-3, "N*m": 1.0, "mN*m": 1e-3, "V": 1.0, "degC": 1.0, "m/s": 1.0, "mm/s": 1e-3, "rad/s": 1.0,
+    "s": 1.0,
+    "ms": 1e-3,
+    "m": 1.0,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "rad": 1.0,
+    "mrad": 1e-3,
+    "deg": np.pi / 180,
+    "N": 1.0,
+    "mN": 1e-3,
+    "N*m": 1.0,
+    "mN*m": 1e-3,
+    "V": 1.0,
+    "degC": 1.0,
+    "m/s": 1.0,
+    "mm/s": 1e-3,
+    "rad/s": 1.0,
     "deg/s": np.pi / 180,
 }
 WIDTH = 6.0
@@ -115,10 +131,7 @@ def _axis(data: dict[str, np.ndarray], kind: str, known: dict, base: list[str]) 
     return Problem(
         target[keep],
         np.column_stack([column[keep] for column in columns]) if columns else empty,
-        {
-            name: np.column_stack([c[keep] for c in group])
-            for name, group in shapes.items() if name not in base_names
-        },
+        {name: np.column_stack([c[keep] for c in group]) for name, group in shapes.items() if name not in base_names},
     )
 
 

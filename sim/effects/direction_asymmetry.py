@@ -31,9 +31,7 @@ EFFECT = Effect(
     coordinates=("direction", "velocity"),
     parameters=(
         Parameter("coulomb", "1", 0.05, -0.9, 0.9, "relative difference of the friction level", "level stays positive"),
-        Parameter(
-            "viscous", "N*s/m", 0.0, -1e6, 1e6, "half the difference of the viscous coefficients", "either sign"
-        ),
+        Parameter("viscous", "N*s/m", 0.0, -1e6, 1e6, "half the difference of the viscous coefficients", "either sign"),
     ),
     factor=_factor,
     force=_force,

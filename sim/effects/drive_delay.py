@@ -23,8 +23,17 @@ EFFECT = Effect(
     acts_on="drive",
     coordinates=("frequency", "input"),
     parameters=(
-        Parameter("delay", "s", 1e-3, 0.0, 100.0, "time by which the signal comes late", "sampling and transport",
-                  role="shape", scan=Scan("sample", 0.3, 100.0, 8)),
+        Parameter(
+            "delay",
+            "s",
+            1e-3,
+            0.0,
+            100.0,
+            "time by which the signal comes late",
+            "sampling and transport",
+            role="shape",
+            scan=Scan("sample", 0.3, 100.0, 8),
+        ),
     ),
     signal=_signal,
 )

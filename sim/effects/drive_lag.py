@@ -22,8 +22,17 @@ EFFECT = Effect(
     acts_on="drive",
     coordinates=("frequency", "input"),
     parameters=(
-        Parameter("time_constant", "s", 1e-3, 0.0, 100.0, "time to 63 % of a step", "amplifier or piezo charging lag",
-                  role="shape", scan=Scan("sample", 0.3, 300.0, 10)),
+        Parameter(
+            "time_constant",
+            "s",
+            1e-3,
+            0.0,
+            100.0,
+            "time to 63 % of a step",
+            "amplifier or piezo charging lag",
+            role="shape",
+            scan=Scan("sample", 0.3, 300.0, 10),
+        ),
     ),
     signal=_signal,
 )

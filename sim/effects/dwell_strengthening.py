@@ -28,8 +28,15 @@ def _kato(axis: Axis, p: Any) -> Any:
 
 
 _MEMORY_LENGTH = Parameter(
-    "memory_length", "m", 1e-5, 1e-9, 1e3, "sliding distance that renews the contacts",
-    "1-100 um in metals: Dieterich 1979", role="shape", scan=Scan("position", 1e-4, 0.1, 8),
+    "memory_length",
+    "m",
+    1e-5,
+    1e-9,
+    1e3,
+    "sliding distance that renews the contacts",
+    "1-100 um in metals: Dieterich 1979",
+    role="shape",
+    scan=Scan("position", 1e-4, 0.1, 8),
 )
 
 _LOGARITHMIC = Effect(
@@ -42,8 +49,17 @@ _LOGARITHMIC = Effect(
     coordinates=("contact_age", "velocity"),
     parameters=(
         Parameter("force", "N", 0.05, 0.0, 1e9, "rise of the level per e-fold of contact time", "ageing strengthens"),
-        Parameter("cut_off", "s", 0.05, 1e-6, 1e4, "contact time from which the rise is logarithmic",
-                  "bounded by the record's length", role="shape", scan=Scan("time", 5e-4, 0.1, 5)),
+        Parameter(
+            "cut_off",
+            "s",
+            0.05,
+            1e-6,
+            1e4,
+            "contact time from which the rise is logarithmic",
+            "bounded by the record's length",
+            role="shape",
+            scan=Scan("time", 5e-4, 0.1, 5),
+        ),
         _MEMORY_LENGTH,
     ),
     level=_logarithmic,
@@ -57,8 +73,17 @@ _KATO = replace(
     source="Kato, Sato, Matsubayashi, J. Lubrication Technology 94 (1972) 34: rate 0.04-1.66, exponent 0.36-0.67",
     parameters=(
         Parameter("force", "N", 0.1, 0.0, 1e9, "ceiling above the level of a fresh contact", "ageing strengthens"),
-        Parameter("rate", "1", 1.66, 1e-3, 1e3, "gamma of Kato's law, in s^-exponent", "Kato 1972: 1.66 on ways",
-                  role="shape", scan=Scan("one", 0.3, 8.0, 4)),
+        Parameter(
+            "rate",
+            "1",
+            1.66,
+            1e-3,
+            1e3,
+            "gamma of Kato's law, in s^-exponent",
+            "Kato 1972: 1.66 on ways",
+            role="shape",
+            scan=Scan("one", 0.3, 8.0, 4),
+        ),
         Parameter("exponent", "1", 0.65, 0.2, 1.0, "m of Kato's law", "Kato 1972: 0.65", role="reference"),
         _MEMORY_LENGTH,
     ),

@@ -23,8 +23,17 @@ EFFECT = Effect(
     acts_on="memory",
     coordinates=("velocity", "acceleration"),
     parameters=(
-        Parameter("delay", "s", 5e-3, 0.0, 10.0, "lag of the friction behind the speed", "Hess and Soom: 3-9 ms",
-                  role="shape", scan=Scan("sample", 2.0, 60.0, 7)),
+        Parameter(
+            "delay",
+            "s",
+            5e-3,
+            0.0,
+            10.0,
+            "lag of the friction behind the speed",
+            "Hess and Soom: 3-9 ms",
+            role="shape",
+            scan=Scan("sample", 2.0, 60.0, 7),
+        ),
     ),
     memory=_memory,
 )

@@ -21,10 +21,18 @@ EFFECT = Effect(
     coordinates=("normal_load",),
     needs=("load",),
     parameters=(
-        Parameter("sensitivity", "1", 1.0, 0.0, 3.0, "relative change of level per relative change of load",
-                  "Amontons: 1; adhesion lowers it; friction does not fall with load"),
-        Parameter("reference", "N", 1.0, 1e-12, 1e12, "load at which the level holds", "mean of the record",
-                  role="reference"),
+        Parameter(
+            "sensitivity",
+            "1",
+            1.0,
+            0.0,
+            3.0,
+            "relative change of level per relative change of load",
+            "Amontons: 1; adhesion lowers it; friction does not fall with load",
+        ),
+        Parameter(
+            "reference", "N", 1.0, 1e-12, 1e12, "load at which the level holds", "mean of the record", role="reference"
+        ),
     ),
     factor=_factor,
 )

@@ -16,7 +16,7 @@ def _logarithmic(signal: Any, step: float, p: Any) -> Any:
     # The lags start at rest on the first row: a piezo that has stood at that voltage for long.
     signal = np.ascontiguousarray(signal)
     out = np.array(signal)
-    # A ladder of equal lags, evenly spaced on the logarithm, climbs like the logarithm between its first and its last time constant.
+    # A ladder of equal lags, even on the logarithm, climbs like it from its first to its last time constant.
     for k in range(13):
         out += p.decades / 12.0 * p.strength * first_order_lag(signal, step, p.start * 10.0 ** (k * p.decades / 12.0))
     return out

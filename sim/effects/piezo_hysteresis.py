@@ -41,10 +41,18 @@ _PLAY = Effect(
     coordinates=("input",),
     parameters=(
         Parameter("strength", "1", 0.12, 0.0, 0.9, "part of the stroke that has hysteresis", "10-15 % in soft PZT"),
-        Parameter("width", "V", 30.0, 1e-6, 1e5, "largest half-width of a play", "bounded by the voltage's range",
-                  role="shape", scan=Scan("input", 0.05, 0.8, 5)),
-        Parameter("shape", "1", 0.0, -2.0, 2.0, "how the plays are spread over the width", "0: evenly",
-                  role="reference"),
+        Parameter(
+            "width",
+            "V",
+            30.0,
+            1e-6,
+            1e5,
+            "largest half-width of a play",
+            "bounded by the voltage's range",
+            role="shape",
+            scan=Scan("input", 0.05, 0.8, 5),
+        ),
+        Parameter("shape", "1", 0.0, -2.0, 3.0, "how the plays are spread over the width", "0: evenly", role="shape"),
     ),
     signal=_prandtl_ishlinskii,
 )

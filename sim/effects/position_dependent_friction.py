@@ -29,8 +29,15 @@ _SINE = Effect(
     parameters=(
         Parameter("amplitude", "1", 0.1, 0.0, 0.95, "relative variation of the level", "level stays positive"),
         Parameter(
-            "pitch", "m", 5e-3, 1e-9, 1e3, "length of one wave", "a pitch beyond the travel is a slope in disguise",
-            role="shape", scan=Scan("position", 0.02, 0.6, 110, "reciprocal"),
+            "pitch",
+            "m",
+            5e-3,
+            1e-9,
+            1e3,
+            "length of one wave",
+            "a pitch beyond the travel is a slope in disguise",
+            role="shape",
+            scan=Scan("position", 0.02, 0.6, 110, "reciprocal"),
         ),
         Parameter("phase", "rad", 0.0, -50.0, 50.0, "angle at x = 0", "full circle", role="phase"),
     ),

@@ -23,8 +23,17 @@ EFFECT = Effect(
     coordinates=("distance_travelled", "time"),
     parameters=(
         Parameter("excess", "1", 0.2, -0.9, 10.0, "relative excess of the level at the start", "level stays positive"),
-        Parameter("distance", "m", 1.0, 1e-9, 1e6, "distance over which it decays", "bounded by the distance slid",
-                  role="shape", scan=Scan("travelled", 0.03, 2.0, 9)),
+        Parameter(
+            "distance",
+            "m",
+            1.0,
+            1e-9,
+            1e6,
+            "distance over which it decays",
+            "bounded by the distance slid",
+            role="shape",
+            scan=Scan("travelled", 0.03, 2.0, 9),
+        ),
     ),
     factor=_factor,
 )

@@ -23,8 +23,17 @@ EFFECT = Effect(
     coordinates=("time",),
     parameters=(
         Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "how far the zero moves in the end", "either sign"),
-        Parameter("time_constant", "s", 10.0, 1e-6, 1e9, "warm-up time; far beyond the record it is a steady drift",
-                  "warm-up of electronics and mounts", role="shape", scan=Scan("time", 0.05, 5.0, 7)),
+        Parameter(
+            "time_constant",
+            "s",
+            10.0,
+            1e-6,
+            1e9,
+            "warm-up time; far beyond the record it is a steady drift",
+            "warm-up of electronics and mounts",
+            role="shape",
+            scan=Scan("time", 0.05, 5.0, 7),
+        ),
     ),
     signal=_signal,
 )

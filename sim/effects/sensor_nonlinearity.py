@@ -23,8 +23,16 @@ EFFECT = Effect(
     parameters=(
         Parameter("second_order", "1", 0.0, -0.5, 0.5, "quadratic part, of full scale", "either sign"),
         Parameter("third_order", "1", 0.0, -0.5, 0.5, "cubic part, of full scale", "either sign"),
-        Parameter("full_scale", "channel", 1.0, 1e-15, 1e15, "range of the sensor", "largest value of the record",
-                  role="reference"),
+        Parameter(
+            "full_scale",
+            "channel",
+            1.0,
+            1e-15,
+            1e15,
+            "range of the sensor",
+            "largest value of the record",
+            role="reference",
+        ),
     ),
     signal=_signal,
 )

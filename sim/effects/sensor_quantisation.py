@@ -21,7 +21,10 @@ EFFECT = Effect(
     source="Widrow and Kollar, Quantization Noise (2008), ch. 4",
     acts_on="sensor",
     coordinates=("position",),
-    parameters=(Parameter("step", "channel", 1e-6, 0.0, 1e9, "size of one step", "read off the record's values",
-                          role="reference"),),
+    parameters=(
+        Parameter(
+            "step", "channel", 1e-6, 0.0, 1e9, "size of one step", "read off the record's values", role="reference"
+        ),
+    ),
     signal=_signal,
 )

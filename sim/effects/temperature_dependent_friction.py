@@ -22,8 +22,16 @@ EFFECT = Effect(
     needs=("temperature",),
     parameters=(
         Parameter("coefficient", "1/K", -0.01, -0.5, 0.5, "relative change of the level per kelvin", "either sign"),
-        Parameter("reference", "degC", 20.0, -273.0, 3000.0, "temperature at which the level holds",
-                  "mean of the record", role="reference"),
+        Parameter(
+            "reference",
+            "degC",
+            20.0,
+            -273.0,
+            3000.0,
+            "temperature at which the level holds",
+            "mean of the record",
+            role="reference",
+        ),
     ),
     factor=_factor,
 )

@@ -27,7 +27,8 @@ def command(run: Run, experiment: Path, effects: tuple[str, ...], undo_last: boo
         from sysid.ladder_files import undo
 
         rung, kept = undo(load_experiment(experiment, design_values(run)))
-        run.say(f"back on rung {rung.number:03d}: {', '.join(rung.effects) or 'no effects'}; the undone rung is kept in {kept}")
+        effects_now = ", ".join(rung.effects) or "no effects"
+        run.say(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
         run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
         return
     from sysid.document import both_json

@@ -1,4 +1,4 @@
-"""`stagecad make`: everything from the parameter file, and one HTML report; only what a change touches is made again."""
+"""`stagecad make`: everything from the parameter file, and one HTML report; what no change touches is kept."""
 
 from __future__ import annotations
 
