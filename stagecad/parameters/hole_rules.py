@@ -85,9 +85,7 @@ def base_holes(d: Design) -> list[Hole]:
     for x, y in ((-along, 0.0), (along, -across), (along, across)):
         point = base.foot_drill_depth + t.m10_tap_drill / 2 * DRILL_POINT
         keys = ("base.foot_spacing_along", "base.foot_spacing_across")
-        holes.append(
-            Hole("a foot hole", keys, (x, y, -base.height), (x, y, point - base.height), t.m10_tap_drill / 2)
-        )
+        holes.append(Hole("a foot hole", keys, (x, y, -base.height), (x, y, point - base.height), t.m10_tap_drill / 2))
     return [*holes, *_mechanisms(d)]
 
 
@@ -293,6 +291,32 @@ def clamp_fingers(d: Design) -> Iterator[str]:
         )
     if base.clamp_screw_depth - base.clamp_counterbore / 2 < wall - HAIR:
         yield f"{given(d, 'base.clamp_screw_depth')} lets {given(d, 'base.clamp_counterbore')} break through the top"
+
+
+@rule
+def clamp_necks(d: Design) -> Iterator[str]:
+    """A clamp's finger reaches from its slot past the lug to its neck, and stays clear of the pins' bores."""
+    base, wall = d.base, d.making.least_wall
+    radius = base.pocket_diameter / 2
+    circle = radius + base.clamp_neck + base.clamp_relief_hole / 2
+    floor = radius - base.clamp_floor_slot / 2
+    for angle, key, slot in (
+        ("base.clamp_neck_angle_1", "base.clamp_slot_1", base.clamp_slot_1),
+        ("base.clamp_neck_angle_2", "base.clamp_slot_2", -base.clamp_slot_2),
+    ):
+        neck = math.radians(d.value(angle))
+        if circle * math.cos(neck) > slot - base.clamp_lug + HAIR or abs(slot) >= floor:
+            low = math.degrees(math.acos(max(-1.0, min(1.0, (slot - base.clamp_lug) / circle))))
+            least = math.ceil(10 * low) / 10
+            yield (
+                f"{given(d, angle)} puts the neck into the clamp's lug ({given(d, key, 'base.clamp_lug')}); it must be "
+                f"at least {least:g} deg"
+            )
+            continue
+        beside = (floor * math.sin(neck) - base.clamp_floor_slot, floor * math.sin(math.acos(slot / floor)))
+        bore = max(base.pin_1_bore, base.set_screw_access) / 2
+        if beside[0] < base.pin_1_bore / 2 + wall or beside[1] - base.clamp_floor_slot / 2 < bore + wall:
+            yield f"{given(d, angle, key)} lead the clamp's floor slot into the bore of height pin 1"
 
 
 @rule

@@ -207,6 +207,12 @@ def way_ledge(d: Design) -> Iterator[str]:
     way, head = d.bearing_way, d.screws.way.head_diameter
     if way.flange_thickness >= way.height:
         yield f"{given(d, 'bearing_way.flange_thickness')} leaves no ledge in {given(d, 'bearing_way.height')}"
+    elif way.height - way.flange_thickness <= way.ledge_fillet + way.edge_chamfer:
+        yield (
+            f"{given(d, 'bearing_way.height', 'bearing_way.flange_thickness')} leave "
+            f"{length(way.height - way.flange_thickness)} of ledge, too little for "
+            f"{given(d, 'bearing_way.ledge_fillet', 'bearing_way.edge_chamfer')}"
+        )
     if way.ledge_width >= way.width:
         yield f"{given(d, 'bearing_way.ledge_width')} leaves no running face on {given(d, 'bearing_way.width')}"
     if way.bolt_edge < head / 2 + way.edge_chamfer - HAIR:

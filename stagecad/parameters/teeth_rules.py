@@ -175,6 +175,14 @@ def bars(d: Design) -> Iterator[str]:
         yield f"the heads of the bars' screws on {given(d, 'tooth_bar.end_height')} meet the stage"
     if bar.end_height >= bar.height:
         yield f"{given(d, 'tooth_bar.end_height')} is no lower than {given(d, 'tooth_bar.height')}"
+    deepest = max(bar.channel_depth, d.teeth.groove_depth)
+    if bar.height - deepest <= max(bar.end_height + bar.root_fillet, bar.relief + wall):
+        yield (
+            f"{given(d, 'tooth_bar.height')} leaves no bar between its feet of {given(d, 'tooth_bar.end_height')} "
+            f"and a channel or groove {length(deepest)} deep"
+        )
+    if bar.channel_depth <= d.teeth.groove_depth:
+        yield f"{given(d, 'tooth_bar.channel_depth')} is no deeper than {given(d, 'teeth.groove_depth')}"
     foot, place, screw = bar.length / 2 - bar.end_length, bar.screw_span / 2, d.screws.bar
     if place - screw.head_diameter / 2 < foot + bar.root_fillet or place + bar.screw_hole / 2 + wall > bar.length / 2:
         low = 2 * (foot + bar.root_fillet) + screw.head_diameter

@@ -152,7 +152,7 @@ def test_face_datums_lie_on_the_solid(name: str) -> None:
         if solid.distance(at) > 1e-6 or not _on_surface(solid, at):
             continue
         ahead = tuple(p + 1e-3 * n for p, n in zip(datum.origin, datum.normal, strict=True))
-        assert not solid.isInside(cq.Vector(*ahead), 1e-6), f"{datum.name} points into the material"
+        assert not solid.isInside(cq.Vector(*ahead), 1e-6), f"{datum.name} points into the material"  # pyright: ignore[reportAttributeAccessIssue]
 
 
 def _on_surface(solid: cq.Shape, at: cq.Vertex) -> bool:
