@@ -107,7 +107,7 @@ def least_squares(
         iterations: at most so many accepted or refused steps.
         tolerance: relative change of cost at which it stops.
     """
-    point = np.array([min(max(u.start, u.low), u.high) for u in unknowns])
+    point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
     base = function(point)
     keys = tuple(u.key for u in unknowns)
     if not unknowns:

@@ -219,8 +219,8 @@ def sharp_friction(
             for _ in range(parts):
                 force = g * min(1.0, gone / stretch - 1.0)
                 push = u - force
-                if speed <= 0.0 and push <= 0.0:
-                    # Held: the bristle rests where it balances what is applied.
+                if u < g:
+                    # Held: the bristle, well damped, rests where it balances what is applied.
                     speed = 0.0
                     force = max(-g, min(g, u))
                     gone = stretch * (force / g + 1.0)

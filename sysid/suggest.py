@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sysid.balance import Balance, make_axis
+from sysid.balance import Balance, make_axis, spread
 from sysid.case import Case, load_case, make_case
 from sysid.diagnose import Diagnosis, Progress, Trial, diagnose
 from sysid.experiment import DesignValues
@@ -264,6 +264,8 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
     width = first.whole.width if first.whole is not None else 0.0
     margin = int(np.ceil(4.0 * width / motion.step)) + 1
     inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
+    # Just where between two samples the axis turns is nobody's evidence.
+    inside &= ~spread(np.concatenate([[False], axis.direction[1:] != axis.direction[:-1]]), 2)
     record = replace(
         first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,

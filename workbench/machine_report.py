@@ -13,6 +13,7 @@ from stagecad.parameters.atomic import atomic_write_text
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
+    from stagecad.solids.interference import Meeting
     from workbench.options import Run
 
 REPORT = "report.html"
@@ -32,17 +33,19 @@ def write_report(
     check_figures: Mapping[str, Path],
     simulation_figures: Sequence[Path],
     bill: Sequence[Mapping[str, Any]],
+    meetings: Sequence[Meeting],
 ) -> Path:
     """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked.
 
     Args:
         run: of the command; the page goes to its folder.
         document: of `write_parts`: parts, moving body, measures.
-        pictures: PNG by name (`write_pictures`).
+        pictures: PNG by name (`stagecad.solids.made_pictures`).
         checks: every design check.
         check_figures: figures of the checks by title.
         simulation_figures: PNG of the simulations.
         bill: rows of the bill of materials.
+        meetings: pairs of parts that touch, fit, or overlap.
 
     Returns:
         The page.
@@ -79,7 +82,9 @@ def write_report(
     page = environment.get_template("machine.html").render(
         title=run.design.file,
         assembly=_embedded(pictures["assembly"]),
-        exploded=_embedded(pictures["exploded"]),
+        exploded=_embedded(pictures["assembly_exploded"]),
+        meetings=_by_kind(meetings),
+        clashes=sum(meeting.clash for meeting in meetings),
         assembly_files=[_link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
         moving_mass=_mass(document["moving_body"]["mass"]["value"]),
         whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
@@ -139,6 +144,22 @@ def _measure(quantity: Mapping[str, Any]) -> str:
 def _caption(path: Path) -> str:
     stem = path.stem
     return next((words for key, words in SIMULATIONS.items() if stem.startswith(key)), stem.replace("_", " "))
+
+
+def _by_kind(meetings: Sequence[Meeting]) -> list[dict[str, Any]]:
+    """Pairs of parts by kind of meeting, at mid-travel and mid-height, with least clearance and common volume."""
+    rows: dict[tuple[str, str, str], dict[str, Any]] = {}
+    for m in meetings:
+        first, second = (name.rstrip("0123456789").rstrip("_ ") for name in (m.first, m.second))
+        row = rows.setdefault(
+            (m.kind, first, second),
+            {"kind": m.kind, "first": first, "second": second, "count": 0, "clearance": None, "volume": 0.0},
+        )
+        row["count"] += m.travel == 0 and m.height == 0
+        row["volume"] = max(row["volume"], m.common_volume)
+        if m.clearance is not None:
+            row["clearance"] = m.clearance if row["clearance"] is None else min(row["clearance"], m.clearance)
+    return [rows[key] for key in sorted(rows)]
 
 
 def _by_table(run: Run) -> list[tuple[str, list[Any]]]:

@@ -28,11 +28,13 @@ def command(run: Run, simulations: bool) -> None:
     from designcalc.checks.report import counted
     from stagecad.solids.bill_of_materials import document as bill_document
     from stagecad.solids.cache import Store
+    from stagecad.solids.interference import clashes, make_meetings
     from stagecad.solids.machine import find_machine
+    from stagecad.solids.made_pictures import make_pictures
+    from stagecad.solids.outputs import write_stored
     from stagecad.solids.registry import chosen
     from workbench.commands.check import write_files
     from workbench.commands.parts import write_parts
-    from workbench.machine_pictures import write_pictures
     from workbench.machine_report import write_report
 
     design = run.design
@@ -42,17 +44,20 @@ def command(run: Run, simulations: bool) -> None:
     machine = find_machine(design, store)
     assert machine is not None
     with run.progress() as progress:
-        task = progress.add_task("pictures", total=len(machine.parts) + 3)
-        pictures = write_pictures(
-            machine, store, run.out / "pictures", lambda name: progress.update(task, advance=1, description=name)
-        )
+        task = progress.add_task("pictures", total=len(machine.parts) + 2)
+        files = make_pictures(store, machine, lambda name: progress.update(task, advance=1, description=name))
+        write_stored(run.out / "pictures", files)
+        pictures = {Path(name).stem: run.out / "pictures" / name for name in files}
+        progress.update(task, description="interference")
+        meetings = make_meetings(store, machine.parts, design)
+    run.say(f"interference: {len(clashes(meetings))} clashes, {len(meetings)} contacts, fits and near places looked at")
     checks = run_checks(design, machine.moving_body)
     write_files(checks, run.out / "checks")
     run.say(f"checks: {counted(checks)}")
     check_figures = _check_figures(run)
     figures = _simulate(run) if simulations else []
     page = write_report(
-        run, document, pictures, checks, check_figures, figures, bill_document(machine.bill_of_materials)
+        run, document, pictures, checks, check_figures, figures, bill_document(machine.bill_of_materials), meetings
     )
     run.say(f"report: {page}")
     run.emit(
