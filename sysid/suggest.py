@@ -266,6 +266,7 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
     inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
     # Just where between two samples the axis turns is nobody's evidence.
     inside &= ~spread(np.concatenate([[False], axis.direction[1:] != axis.direction[:-1]]), 2)
+    inside &= axis.reversal_distance >= 4.0 * first.stretch
     record = replace(
         first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,

@@ -216,7 +216,7 @@ def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool, words: Mappi
         for panel, m in zip(flat, maps):
             _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
             chance = "p < 0.001" if m.p_value <= 0.0015 else f"p = {m.p_value:.2g}"
-            panel.set_title(f"{words.get(m.coordinate, m.coordinate)}: {100 * m.share:.0f} %, {chance}")
+            panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {chance}")
         for panel in flat[len(maps) :]:
             panel.set_visible(False)
         for row in axes:

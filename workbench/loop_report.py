@@ -25,7 +25,7 @@ SCHEMA = 1
 
 def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> Path:
     """Figures and report of a comparison below `run.out`; returns the file to open."""
-    folder = _folder(run, comparison.case.experiment.folder.name)
+    folder = report_folder(run, comparison.case.experiment.folder.name)
     section = comparison_section(comparison, document)
     _figures(folder, "compare", section)
     return _keep(folder, section)
@@ -33,7 +33,7 @@ def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, An
 
 def write_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> Path:
     """Figures and report of a diagnosis below `run.out`; returns the file to open."""
-    folder = _folder(run, diagnosis.case.experiment.folder.name)
+    folder = report_folder(run, diagnosis.case.experiment.folder.name)
     section = diagnosis_section(diagnosis, document)
     _figures(folder, "diagnose", section)
     return _keep(folder, section)
@@ -41,7 +41,7 @@ def write_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any])
 
 def write_ladder(run: Run, name: str, rungs: Sequence[Mapping[str, Any]]) -> Path:
     """Figure (`ladder.png`, `ladder.svg`) and report of a ladder below `run.out`; returns the file to open."""
-    folder = _folder(run, name)
+    folder = report_folder(run, name)
     section = ladder_section(rungs, folder / "ladder.png")
     atomic_write_text(folder / "ladder.svg", section["figure"])
     return _keep(folder, section)
@@ -49,10 +49,11 @@ def write_ladder(run: Run, name: str, rungs: Sequence[Mapping[str, Any]]) -> Pat
 
 def write_section(run: Run, name: str, section: Section) -> Path:
     """Keep any other section (`kind`, `effects` and `records` tell where it belongs) and renew the report."""
-    return _keep(_folder(run, name), section)
+    return _keep(report_folder(run, name), section)
 
 
-def _folder(run: Run, name: str) -> Path:
+def report_folder(run: Run, name: str) -> Path:
+    """Folder of the report of the experiment called `name`."""
     return run.out / (re.sub(r"[^\w.-]", "_", name) or "experiment")
 
 

@@ -140,7 +140,7 @@ def rivals_sentence(found: Diagnosis) -> str:
         return ""
     return (
         f"These records cannot tell {found.effect} from {' or '.join(names)}: on the held-out records they differ by "
-        "no more than chance. 'stagecad suggest' names the motion that would separate them."
+        "no more than chance. 'stagecad suggest' looks for a motion that would."
     )
 
 

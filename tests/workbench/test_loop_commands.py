@@ -80,3 +80,17 @@ def test_nothing_of_a_comparison_is_written_but_below_out(tmp_path: Path) -> Non
     assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
     written = sorted(p.name for p in (tmp_path / "out" / "rig").iterdir())
     assert written == ["compare_overlay.svg", "compare_where.svg", "report.html", "sections"]
+
+
+def test_suggest_prints_a_list_of_motions_and_writes_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = fresh_copy(tmp_path / "rig")
+    assert cli.run(["suggest", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document[-1]["motion"] == "space-filling"
+    rates = [m["deviations_squared_per_second"] for m in document[:-1]]
+    assert rates == sorted(rates, reverse=True)
+    first = document[0]
+    assert first["separates"][0]["effects"][0] == "stribeck"
+    table = pd.read_csv(first["file"])
+    assert table["time [s]"].iloc[-1] == pytest.approx(first["seconds"], rel=1e-3)
+    assert first["motion"] in (tmp_path / "out" / "rig" / "report.html").read_text(encoding="utf-8")

@@ -6,12 +6,15 @@ import shutil
 from importlib.resources import as_file, files
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from stagecad.parameters.atomic import atomic_write_bytes
 from workbench.options import Run, common_options
+
+if TYPE_CHECKING:
+    from sysid.diagnose import Diagnosis
 
 MOST_ROUNDS = 5
 """Effects added at most; the packaged records ask for fewer."""
@@ -30,12 +33,16 @@ def command(run: Run) -> None:
     say(f"A slide on its bearing way was driven back and forth and its friction force measured. Records: {folder}")
     say("The model knows Coulomb and viscous friction. Is that all there is?\n")
     document: dict[str, Any] = {"schema": 1, "experiment": str(folder), "compare": _compare(run, folder), "rounds": []}
+    last = None
     for _ in range(MOST_ROUNDS):
-        found, effect = _diagnose(run, folder)
-        document["rounds"].append({"diagnose": found})
-        if effect is None:
+        found, told = _diagnose(run, folder)
+        document["rounds"].append({"diagnose": told})
+        if found.effect is None:
             break
-        document["rounds"][-1]["add"] = _add(run, folder, effect)
+        last = found
+        document["rounds"][-1]["add"] = _add(run, folder, found.effect)
+    if last is not None:
+        document["suggest"] = _suggest(run, folder, last)
     document.update(_ladder(run, folder))
     document["seconds"] = perf_counter() - began
     say(f"\nDone in {document['seconds']:.0f} s. What was hidden: a Stribeck curve and the cogging of magnetic teeth,")
@@ -70,7 +77,7 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
     return document
 
 
-def _diagnose(run: Run, folder: Path) -> tuple[dict[str, Any], str | None]:
+def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
     from sysid.diagnose import diagnose
     from sysid.document import diagnosis_json
     from workbench.loop_report import write_diagnosis
@@ -89,7 +96,7 @@ def _diagnose(run: Run, folder: Path) -> tuple[dict[str, Any], str | None]:
         run.say(f"  {rivals}")
     run.say(f"  ({len(found.trials)} effects tried in {found.seconds:.1f} s)\n")
     write_diagnosis(run, found, document)
-    return document, found.effect
+    return found, document
 
 
 def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
@@ -108,6 +115,22 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
         "after": both_json(step.case, step.after_fit, step.after_validate),
         "parameters": parameters,
     }
+
+
+def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
+    from sysid.suggest import motions_for, weigh
+    from workbench.loop_report import write_section
+    from workbench.loop_suggestion import sentences, suggestion_section, worth_json, write_motions
+
+    run.say(f"$ stagecad suggest {folder}")
+    # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
+    found = weigh(last, motions_for(last.case), last.effect)
+    paths = write_motions(run, found)
+    for line in sentences(found):
+        run.say(f"  {line}")
+    run.say("")
+    write_section(run, folder.name, suggestion_section(found))
+    return [worth_json(worth, path) for worth, path in zip(found.motions, paths, strict=True)]
 
 
 def _ladder(run: Run, folder: Path) -> dict[str, Any]:
