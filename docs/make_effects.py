@@ -15,7 +15,7 @@ HEAD = """\
 Made from the declarations in `sim/effects/` and `sim/cores/` by `python docs/make_effects.py`; `stagecad effects NAME`
 prints the same for one effect, `stagecad effects NAME --json` for a script. A name picks a law with `:`
 (`stribeck:rational`), a measured channel with `@` (`sensor_lag@position`). An effect of your own is declared the same
-way: see [the tutorial](tutorial.md#an-effect-of-your-own).
+way: see [the tutorial](tutorial.md#7-an-effect-of-your-own).
 
 Friction effects meet in one level: `level = (sum of levels) * (product of factors)`, and one core turns the level into
 a force. Forces are counted as friction is: positive where they oppose positive motion. Units are those of a linear

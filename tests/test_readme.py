@@ -41,7 +41,9 @@ def _anchor(heading: str) -> str:
 def _commands(page: Path) -> list[list[str]]:
     """Words of each stagecad command in the page's blocks, up to a pipe or a comment."""
     found = []
-    for block in re.findall(r"^```\w*\n(.*?)^```|(?:^    .*\n)+", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL):
+    for block in re.findall(
+        r"^```\w*\n(.*?)^```|(?:^    .*\n)+", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL
+    ):
         for line in block.splitlines():
             match = re.match(r"\s*(?:\$ )?(?:\.venv\S+[/\\])?stagecad (?P<rest>.*)", line)
             if match:
@@ -90,7 +92,9 @@ def _refresh() -> ModuleType:
 
 def test_a_page_with_a_false_output_is_found_out(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
-    page.write_text('# Page\n\n```text title=a.txt\nword\n```\n\n```console\n$ cat a.txt\nother\n```\n', encoding="utf-8")
+    page.write_text(
+        "# Page\n\n```text title=a.txt\nword\n```\n\n```console\n$ cat a.txt\nother\n```\n", encoding="utf-8"
+    )
     old, new = _refresh().refresh(page)
     assert old != new
     assert new.endswith("$ cat a.txt\nword\n```\n")

@@ -1,0 +1,48 @@
+"""Put the values of the constants that decide into theory.md: python docs/make_thresholds.py."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from stagecad.parameters.atomic import atomic_write_text
+from sysid import diagnose, intervals, misfit, residual_maps
+
+PAGE = Path(__file__).parent / "theory.md"
+TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
+# In the order in which a verdict meets them.
+CONSTANTS = (
+    (misfit, "KEPT", "part of the samples in the robust error"),
+    (misfit, "LOSS_CORNER", "deviations from which the ranking's loss is linear"),
+    (diagnose, "LEAST_SIGNIFICANCE", "standard errors of the held-out gain from which it is more than chance"),
+    (diagnose, "LEAST_STEADINESS", "or: mean gain of a block of time over its standard error"),
+    (diagnose, "LEAST_GAIN", "part of the loss that must go, on the records of the fit and on the held-out ones"),
+    (diagnose, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
+    (residual_maps, "BINS", "bins of a residual map"),
+    (diagnose, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
+    (diagnose, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
+    (diagnose, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),
+    (diagnose, "SHARE_OF_TWO", "the first of these, for two effects together"),
+    (diagnose, "VARIANCE_OF_TWO", "the second, for two together"),
+    (diagnose, "AT_REVERSALS", "effects that an error in the time of a reversal looks like"),
+    (intervals, "BLOCKS_PER_RECORD", "blocks of time per record behind an interval"),
+)
+
+
+def with_thresholds(text: str) -> str:
+    """The page with the constants' values as they are now."""
+    head = "| constant | value | what it is |\n| --- | --- | --- |\n"
+    rows = [f"| `{name}` | {_shown(getattr(module, name))} | {meaning} |\n" for module, name, meaning in CONSTANTS]
+    return TABLE.sub(lambda found: found[1] + head + "".join(rows) + found[2], text)
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{item:g} (`{key}`)" for key, item in value.items())
+    if isinstance(value, tuple):
+        return ", ".join(f"`{item}`" for item in value)
+    return f"{value:g}"
+
+
+if __name__ == "__main__":
+    atomic_write_text(PAGE, with_thresholds(PAGE.read_text(encoding="utf-8")))
