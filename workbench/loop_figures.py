@@ -127,19 +127,32 @@ def worst_stretch(residual: np.ndarray, least: int = 150) -> slice:
 
 
 def _figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
+    """A figure of `width` by `height` inches, with room for labels in inches: a solved layout takes twice the time."""
     # Figure and not pyplot: no window system, and nothing global that outlives the figure.
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height))
-    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    inside = (width - 0.8) / columns - 0.45
+    tall = (height - 0.95) / rows - 0.65 if rows > 1 else height - 0.95
+    grid = {"wspace": 0.45 / inside, "hspace": 0.65 / tall, **options}
+    frame = {"left": 0.7 / width, "right": 1 - 0.1 / width, "bottom": 0.45 / height, "top": 1 - 0.5 / height}
+    return figure, figure.subplots(rows, columns, squeeze=False, gridspec_kw={**frame, **grid})
+
+
+def _legend(figure: Any, panel: Any) -> None:
+    handles, labels = panel.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper right", ncols=4, borderaxespad=0.1)
 
 
 def _svg(figure: Any, name: str) -> str:
     from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     out = io.StringIO()
+    figure.patch.set_visible(False)
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
-        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+        # `savefig` would draw everything once more to learn its size.
+        FigureCanvasSVG(figure).print_svg(out, metadata={"Date": None, "Creator": None})
     text = out.getvalue()
     # Verdana has the widths of DejaVu Sans, for readers without it.
     return text[text.index("<svg") :].replace("'DejaVu Sans'", "'DejaVu Sans', Verdana")
@@ -148,7 +161,15 @@ def _svg(figure: Any, name: str) -> str:
 def _styled() -> Any:
     from matplotlib import rc_context
 
-    return rc_context({**STYLE, "font.size": 8.5, "axes.titlesize": 9, "axes.titlelocation": "left"})
+    return rc_context(
+        {
+            **STYLE,
+            "font.size": 8.5,
+            "axes.titlesize": 9,
+            "axes.titlelocation": "left",
+            "figure.constrained_layout.use": False,
+        }
+    )
 
 
 def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, factor: float) -> None:
@@ -160,7 +181,8 @@ def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, 
     first = np.abs(curve.measured - next(iter(curve.predicted.values())))[span]
     if np.isfinite(first).any():
         # A few samples beside reversals, far above the rest, would flatten all there is to see.
-        reach = max(1.8 * float(np.nanquantile(first, 0.97)), 4.0 * curve.noise) * factor
+        part = 0.985 if first.size == curve.time.size else 0.93
+        reach = max(1.5 * float(np.nanquantile(first, part)), 4.0 * curve.noise) * factor
         panel.set_ylim(-reach, reach)
 
 
@@ -168,7 +190,7 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
     """Measured under predicted, whole and at the worst stretch, and the residual beside the noise; SVG text."""
     factor, unit = axis_scale(curve.measured, curve.unit)
     residual = curve.measured - next(iter(curve.predicted.values()))
-    usual = np.nanquantile(np.abs(residual), 0.97) if np.isfinite(residual).any() else 0.0
+    usual = np.nanquantile(np.abs(residual), 0.985) if np.isfinite(residual).any() else 0.0
     small, small_unit = axis_scale(np.array([2.0 * usual]), curve.unit)
     zoom = worst_stretch(residual)
     everything = slice(0, curve.time.size)
@@ -190,7 +212,7 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
         axes[0, 0].set(ylabel=f"{words} ({unit})", title=f"{words}, record {curve.record}")
         axes[0, 1].set_title("where it is worst")
         axes[1, 0].set(ylabel=f"left ({small_unit})", title="measured less predicted; band: two deviations of noise")
-        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper right", ncols=4)
+        _legend(figure, axes[0, 0])
         return _svg(figure, f"overlay {curve.record} {curve.channel}")
 
 
@@ -206,12 +228,12 @@ def coordinate_unit(coordinate: str, rotary: bool, tip: bool) -> str:
     }.get(coordinate, "1")  # fmt: skip
 
 
-def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool, words: Mapping[str, str]) -> str:
+def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
     """Residual, in noise deviations, against each coordinate, apart for the two directions of motion; SVG text."""
     columns = min(3, len(maps))
     rows = -(-len(maps) // columns)
     with _styled():
-        figure, axes = _figure(rows, columns, 9.6, 0.4 + 2.35 * rows)
+        figure, axes = _figure(rows, columns, 9.6, 0.4 + 2.5 * rows)
         flat = axes.ravel()
         for panel, m in zip(flat, maps):
             _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
@@ -224,7 +246,7 @@ def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool, words: Mappi
         if not tip:
             drawn = next((p for p, m in zip(flat, maps) if m.coordinate != "frequency"), None)
             if drawn is not None:
-                figure.legend(*drawn.get_legend_handles_labels(), loc="outside upper right", ncols=2)
+                _legend(figure, drawn)
         return _svg(figure, "maps " + " ".join(m.coordinate for m in maps))
 
 

@@ -221,7 +221,7 @@ def _names(effects: Iterable[Effect]) -> list[str]:
 
 
 def _times(over: float) -> str:
-    return f"{over:.3g} ×" if over < 9.995 else f"{over:.0f} ×"
+    return f"{over:.2f} ×" if over < 9.995 else f"{over:.0f} ×"
 
 
 def _misfit_rows(before: Mapping[str, Any], after: Mapping[str, Any] | None = None) -> list[dict[str, str]]:
@@ -263,7 +263,7 @@ def _maps(case: Case, maps: Sequence[ResidualMap]) -> dict[str, Any]:
     shown = [m for m in maps if m.share > SHARE_SHOWN][:6] or list(maps[:3])
     rotary, tip = case.experiment.rig.rotary, case.kind == "actuator-tip"
     return {
-        "figure": draw_maps(shown, rotary, tip, COORDINATE_WORDS) if shown else "",
+        "figure": draw_maps(shown, rotary, tip) if shown else "",
         "rows": [
             {
                 "coordinate": COORDINATE_WORDS[m.coordinate],
@@ -326,7 +326,7 @@ def ranking_rows(ranking: Sequence[Mapping[str, Any]], before: float) -> list[di
             "effect": row["effect"],
             "law": law.partition(":")[2] or law.partition("@")[2] or "",
             "expected": f"{100 * row['expected_reduction']:.0f} %",
-            "reached": f"{100 * reduction:.1f} %" if reduction is not None else "",
+            "reached": f"{round(100 * reduction, 1) + 0.0:.1f} %" if reduction is not None else "",
             "error": plain(error["value"], error["unit"]) if error else "",
             "over": _times(over),
             "bar": 100.0 * min(1.0, max(0.0, math.log(max(over, 1.0)) / span)),

@@ -85,7 +85,7 @@ def test_the_ladder_is_a_page_that_fetches_nothing_and_is_the_same_twice(tmp_pat
     parser.feed(page)
     assert parser.found == []
     assert "a_rig__b_" in page
-    assert "74 ×" in page and "1.1 ×" in page
+    assert "74 ×" in page and "1.10 ×" in page
     figures = sorted(p.name for p in report.parent.iterdir())
     assert figures == ["ladder.png", "ladder.svg", "report.html", "sections"]
     before = {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
