@@ -48,6 +48,8 @@ def output_of(command: str, folder: Path) -> list[str]:
         ["bash", "-c", command], cwd=folder, env={**os.environ, "PATH": path}, text=True, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, encoding="utf-8", check=False,
     )  # fmt: skip
+    if "Traceback (most recent call last)" in done.stdout:
+        raise SystemExit(f"a fault of the program, not a page to write down: {command}\n{done.stdout}")
     return [line.rstrip() for line in done.stdout.splitlines()]
 
 

@@ -16,7 +16,7 @@ from workbench.cli import COMMANDS, stagecad
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-RUN = ("README.md", "docs/tutorial.md")
+RUN = ("README.md", "docs/tutorial.md", "docs/parts_and_parameters.md")
 """Pages whose outputs are held against what the commands print."""
 
 
@@ -41,10 +41,9 @@ def _anchor(heading: str) -> str:
 def _commands(page: Path) -> list[list[str]]:
     """Words of each stagecad command in the page's blocks, up to a pipe or a comment."""
     found = []
-    for block in re.findall(
-        r"^```\w*\n(.*?)^```|(?:^    .*\n)+", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL
-    ):
-        for line in block.splitlines():
+    blocks = re.compile(r"^```\w*\n.*?^```|(?:^    .*\n)+", re.MULTILINE | re.DOTALL)
+    for block in blocks.finditer(page.read_text(encoding="utf-8")):
+        for line in block[0].splitlines():
             match = re.match(r"\s*(?:\$ )?(?:\.venv\S+[/\\])?stagecad (?P<rest>.*)", line)
             if match:
                 words = shlex.split(match["rest"].replace("\\", "/"), comments=True)
