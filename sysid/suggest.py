@@ -195,13 +195,34 @@ def _apart_on_records(case: Case, one: Model, other: Model) -> float:
     for pick in full.picks:
         total += max((p.size for p in pick.values()), default=0)
     every = max(1, total // SCORED)
-    picks = tuple({c: p[::every] for c, p in pick.items()} for pick in full.picks)
+    picks = tuple(
+        {c: _away_from_turns(record, p)[::every] for c, p in pick.items()}
+        for record, pick in zip(case.fit_records, full.picks, strict=True)
+    )
     thinned = replace(full, picks=picks)
     record = case.fit_records[0]
     gap = every * record.step
     if isinstance(record, Balance) and record.whole is not None:
         gap = every * max(1, int(record.whole.width / record.step)) * record.step
     return _independent(case, record, gap) * separation(one, other, case.fit_records, thinned)
+
+
+def _turning(record: Balance, reach: int) -> np.ndarray:
+    """Samples (n,) at which an axis turns, `reach` on either side with them: nobody's evidence."""
+    direction = record.axis.direction if record.direction is None else record.direction
+    turns = np.concatenate([[False], direction[1:] != direction[:-1]])
+    turning = spread(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
+    if record.kind != "velocity-drive":
+        # A mass at rest is held by whatever the drive asks for: friction shows nothing of itself.
+        turning |= spread(record.axis.contact_age > 0.0, reach)
+    return turning
+
+
+def _away_from_turns(record: Prepared, pick: np.ndarray) -> np.ndarray:
+    if not isinstance(record, Balance):
+        return pick
+    width = record.whole.width if record.whole is not None else 0.0
+    return pick[~_turning(record, 2 + int(np.ceil(5.0 * width / record.step)))[pick]]
 
 
 def motions_for(case: Case) -> list[Motion]:
@@ -264,15 +285,13 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
     width = first.whole.width if first.whole is not None else 0.0
     margin = int(np.ceil(4.0 * width / motion.step)) + 1
     inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
-    # Just where between two samples the axis turns is nobody's evidence.
-    inside &= ~spread(np.concatenate([[False], axis.direction[1:] != axis.direction[:-1]]), 2)
-    inside &= axis.reversal_distance >= 4.0 * first.stretch
     record = replace(
         first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
         stuck=None, smooth=GaussianFilter(width, motion.step, n), whole=None, direction=None,
         inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, memo={}, coordinates={},
     )  # fmt: skip
+    record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(case, first, motion.step)
 
 

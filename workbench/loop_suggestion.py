@@ -33,8 +33,8 @@ def sentences(found: Suggestion) -> list[str]:
         return [*lines, f"{what}: the space-filling motion looks for what these records never showed."]
     for name in found.inseparable:
         lines.append(
-            f"no motion of this rig separates {found.rivals[0]} from {name}: with these channels they are the same; "
-            "another sensor would be needed."
+            f"no motion of this family separates {found.rivals[0]} from {name}: on this rig, with these channels, they "
+            "are one thing under two names."
         )
     best = found.motions[0]
     for pair in best.pairs:
