@@ -215,7 +215,7 @@ def judge(
             return done(
                 "adequate", None, (), 0.0, "what is left is noise, and no effect lowers it on the held-out record"
             )
-        if pattern < LEAST_PATTERN:
+        if pattern < LEAST_PATTERN and persistence(case, base) < LEAST_PERSISTENCE:
             return done(
                 "adequate", None, (), 0.0,
                 "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought",
@@ -259,6 +259,9 @@ AT_REVERSALS = (
 )
 """Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
 
+LEAST_PERSISTENCE = 0.25
+"""Correlation of the residual with itself four scored samples on, above the noise's own, that counts as a pattern."""
+
 LEAST_PATTERN = 0.15
 """Share of the residual's variance that some coordinate must explain before it counts as a pattern."""
 
@@ -287,6 +290,24 @@ def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) ->
 def _left(before: float, after: float) -> float:
     """Share of the variance above the noise that is left."""
     return float(min(1.0, max(0.0, after**2 - 1.0) / max(before**2 - 1.0, 1e-9)))
+
+
+def persistence(case: Case, base: BaseFit) -> float:
+    """Correlation of the held-out residual with itself four scored samples on, less that of the sensors' noise: what is
+    left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
+    lag, best = 4, 0.0
+    start = 0
+    for picks in base.weights.picks:
+        for channel, pick in picks.items():
+            r = np.clip(base.residual[start : start + pick.size], -8.0, 8.0)
+            start += pick.size
+            if r.size < 50:
+                continue
+            noise = case.noise.get(channel)
+            # Filtered records are thinned to a sample per filter width, where even coloured noise has been forgotten.
+            own = noise.correlation**lag if noise is not None and case.form == "output" else 0.0
+            best = max(best, float(np.corrcoef(r[lag:], r[:-lag])[0, 1]) - own)
+    return best
 
 
 def one_per_family(trials: Sequence[Trial]) -> list[Trial]:

@@ -1,8 +1,9 @@
 """Where a model fails: its residual against every coordinate, with how much of it each explains, and by what chance.
 
-A coordinate's map is the mean residual in bins of the coordinate, apart for the two directions of motion. It is learned
-on one part of the data and judged on another: on the held-out records where there are any (time and frequency apart,
-which mean nothing in another record), so a coordinate that happens to run with time in one record is not believed.
+A coordinate's map is the mean residual in bins of the coordinate, apart for the two directions of motion, over all
+records together: what depends on the coordinate looks the same whenever the axis comes by again. Time and distance
+travelled have a map for each record, since they mean nothing in another. Every coordinate has the same few bins, and is
+learned on every other sample and judged on the rest.
 """
 
 from __future__ import annotations
@@ -17,7 +18,13 @@ from sysid.misfit import Weighting, misfit
 from sysid.model import Model, Prepared, predict
 from sysid.tip import TipRecord
 
-BINS = 24
+BINS = 12
+"""Bins on which a coordinate's share is judged, the same for all: with many, anything is a function of time."""
+
+DRAWN_BINS = 24
+KEPT_BELOW = 0.995
+"""Quantile of the residual's size at which it is cut, so that no few samples decide."""
+
 PERMUTATIONS = 500
 BLOCKS = 40
 
@@ -74,7 +81,7 @@ def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
 _BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
 
 
-def _edges(values: np.ndarray, coordinate: str, bins: int = BINS) -> np.ndarray:
+def _edges(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
     if coordinate == "direction":
         return np.array([-np.inf, 0.0, np.inf])
     if coordinate in _BY_RANK:
@@ -114,16 +121,13 @@ def residual_maps(
 ) -> list[ResidualMap]:
     """Maps of the residual against every coordinate the records have, strongest first.
 
-    Residuals are in noise deviations, winsorised at five robust deviations so that no few samples decide.
+    Residuals are in noise deviations, winsorised so that no few samples decide.
     """
     rng = np.random.default_rng(seed)
     maps = []
-    passing = False
     for channel in _worst_channels(model, [*fit_records, *held_out]):
         learn = _samples(model, fit_records, fit_weights, channel)
         judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
-        time = judge[0]["time"]
-        passing = passing or is_passing(judge[1], (time - time.min()) / (np.ptp(time) * (1.0 + 1e-9)))
         for name in learn[0]:
             if name != "_direction" and name in judge[0]:
                 maps.append(_map(name, learn, judge, rng))
@@ -132,41 +136,18 @@ def residual_maps(
     for m in maps:
         if m.coordinate not in best or m.share > best[m.coordinate].share:
             best[m.coordinate] = m
-    return order_maps(list(best.values()), passing)
+    return order_maps(list(best.values()))
 
 
-def order_maps(maps: list[ResidualMap], passing: bool = False) -> list[ResidualMap]:
-    """Strongest first; time is believed only where no coordinate that carries over to other records comes near it,
-    or where the misfit is `passing`: it comes and goes within a part of the record."""
-    trust = {**_TRUST, "time": 1.0} if passing else _TRUST
-    return sorted(maps, key=lambda m: -m.share * trust.get(m.coordinate, 1.0))
+def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
+    """Strongest first; a coordinate comes before time where it explains nearly as much."""
+    return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
 
 
-def is_passing(residual: np.ndarray, position: np.ndarray) -> bool:
-    """Whether nearly all of a residual's energy lies in one short stretch of its record.
+_TRUST = {"time": 0.85, "distance_travelled": 0.7}
+"""Weight of a share that has a map of its own for each record."""
 
-    Args:
-        residual: in noise deviations, (n,).
-        position: of each sample in its record, in [0, 1), (n,).
-    """
-    bins = 40
-    energy = np.bincount((position * bins).astype(int), residual**2 - np.median(residual**2), minlength=bins)
-    energy = np.maximum(energy, 0.0)
-    total = float(energy.sum())
-    width = int(PASSING_PART * bins)
-    window = np.convolve(energy, np.ones(width), mode="valid")
-    return total > 0.0 and float(window.max()) > PASSING_ENERGY * total
-
-
-PASSING_PART = 0.35
-PASSING_ENERGY = 0.85
-"""A misfit is passing when so much of its energy lies within so short a part of the record."""
-
-
-_TRUST = {"time": 0.65, "distance_travelled": 0.55}
-"""Weight of a share that was learned and judged in one record, where anything smooth is a function of time."""
-
-ALIAS = 0.95
+ALIAS = 0.9
 """Rank correlation with time from which a coordinate says no more than time does."""
 
 
@@ -196,7 +177,7 @@ def _samples(
         coordinates.setdefault("_direction", []).append(direction[pick])
         start += BLOCKS
     residual = np.concatenate(residuals)
-    corner = 5.0 * max(1.4826 * float(np.median(np.abs(residual))), 1.0)
+    corner = float(np.quantile(np.abs(residual), KEPT_BELOW))
     merged = {name: np.concatenate(parts) for name, parts in coordinates.items()}
     merged = {name: values for name, values in merged.items() if values.size == residual.size}
     return merged, np.clip(residual, -corner, corner), np.concatenate(block_numbers)
@@ -206,38 +187,34 @@ Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
 
 
 def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:
-    values, residual = learn[0][name], learn[1]
-    own = name in ("time", "distance_travelled")
-    if own:
-        # Means nothing in another record: learned on every other sample of the judged one, judged on the rest.
-        values, residual = judge[0][name], judge[1]
-    edges = _edges(values, name, 2 * BINS if own else BINS)
+    """Map of one coordinate over all records together; of time and distance travelled, record by record."""
+    together = [learn] if judge is learn else [learn, judge]
+    values = np.concatenate([s[0][name] for s in together])
+    direction = np.concatenate([s[0]["_direction"] for s in together])
+    residual = np.concatenate([s[1] for s in together])
+    block = np.concatenate([s[2] + k * BLOCKS * 100 for k, s in enumerate(together)])
+    record = np.concatenate([np.full(s[1].size, k) for k, s in enumerate(together)])
+    edges = _edges(values, name, BINS)
+    cells = _cells(values, direction, edges)
     count = 2 * (edges.size - 1)
-    cells = _cells(values, (judge if own else learn)[0]["_direction"], edges)
-    if own:
-        half = np.arange(residual.size) % 2 == 0
-        table = _means(cells[half], residual[half], count)
-        cells_judge, r = cells[~half], residual[~half]
-        block = judge[2][~half]
-    else:
-        table = _means(cells, residual, count)
-        cells_judge = _cells(judge[0][name], judge[0]["_direction"], edges)
-        r, block = judge[1], judge[2]
-    predicted = table[cells_judge]
+    if name in ("time", "distance_travelled"):
+        cells = cells + count * record
+    half = np.arange(residual.size) % 2 == 0
+    table = _means(cells[half], residual[half], int(cells.max()) + 1)
+    predicted, r = table[cells[~half]], residual[~half]
     share = _share(r, predicted)
-    if not own:
-        # Believed as far as it holds within the judged record and carries over to it from the others.
-        v, every = judge[0][name], np.arange(judge[1].size) % 2 == 0
-        inside = _cells(v, judge[0]["_direction"], _edges(v, name, BINS))
-        held = _means(inside[every], judge[1][every], int(inside.max()) + 1)[inside[~every]]
-        share = float(np.sqrt(share * _share(judge[1][~every], held)))
-        if abs(_rank_correlation(v, judge[0]["time"])) > ALIAS:
-            share *= 0.5
-    p_value = _p_value(_share(r, predicted), r, predicted, block, rng)
-    inner = edges[1:-1]
-    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(inner, values)
-    half_count = edges.size - 1
-    return ResidualMap(name, max(share, 0.0), p_value, centres, table[:half_count], table[half_count:])
+    p_value = _p_value(share, r, predicted, block[~half], rng)
+    if name not in ("time", "distance_travelled") and abs(_rank_correlation(values, _times(together))) > ALIAS:
+        share *= 0.5
+    # Drawn finer than it is judged, from every sample.
+    fine = _edges(values, name, DRAWN_BINS)
+    means = _means(_cells(values, direction, fine), residual, 2 * (fine.size - 1))
+    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], values)
+    return ResidualMap(name, share, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
+
+
+def _times(together: Sequence[Samples]) -> np.ndarray:
+    return np.concatenate([s[0]["time"] for s in together])
 
 
 def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:

@@ -99,9 +99,7 @@ def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
         'effect = Effect("cubic_spring", "stiffens", force=force,\n'
         '    parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])\n'
     )
-    folder = _experiment(
-        tmp_path, 'kind = "spring-pull"', SPRING, 'effects = ["cubic_spring"]\ncustom = ["mine.py"]'
-    )
+    folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING, 'effects = ["cubic_spring"]\ncustom = ["mine.py"]')
     experiment = load_experiment(folder)
     assert experiment.effects == ("cubic_spring",) and experiment.custom == (tmp_path / "mine.py",)
 

@@ -135,7 +135,7 @@ def test_an_experiment_with_letters_changed_never_ends_in_a_traceback(tmp_path, 
 
 
 VALUES = st.one_of(
-    st.text(alphabet="0123456789.e+-kgNmsrad/*^ \"", max_size=12).map(lambda text: f"'''{text}'''"),
+    st.text(alphabet='0123456789.e+-kgNmsrad/*^ "', max_size=12).map(lambda text: f"'''{text}'''"),
     st.sampled_from(["1", "-1", "nan", "inf", "true", "[]", "{}", "[1]", "1979-05-27", "{a = 1}", '"design"', '["x"]']),
 )
 
