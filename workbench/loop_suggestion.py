@@ -101,16 +101,23 @@ def worth_json(worth: Worth, path: Path) -> dict[str, Any]:
     }
 
 
+def _title(found: Suggestion) -> str:
+    if len(found.rivals) < 2:
+        return "What to measure next"
+    unsettled = [p for p in found.motions[0].pairs if p.effects[1] not in found.inseparable and p.records < SETTLED]
+    return f"What to measure next: {found.motions[0].motion.name if unsettled else 'nothing is left to separate'}"
+
+
 def suggestion_section(found: Suggestion) -> Section:
     """The section of the report."""
     case, best = found.case, found.motions[0]
     return {
         "kind": "suggest",
-        "title": f"What to measure next: {best.motion.name}",
+        "title": _title(found),
         "effects": [e.name for e in case.start.effects],
         "records": {record.name: record.sha256 for record in case.records},
         "state": "found" if len(found.rivals) > 1 else "good",
-        "number": f"{best.least:.3g} σ" if best.pairs else "–",
+        "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
         "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in sentences(found)),
         "motions": [
             {

@@ -94,3 +94,14 @@ def test_suggest_prints_a_list_of_motions_and_writes_them(tmp_path: Path, capsys
     table = pd.read_csv(first["file"])
     assert table["time [s]"].iloc[-1] == pytest.approx(first["seconds"], rel=1e-3)
     assert first["motion"] in (tmp_path / "out" / "rig" / "report.html").read_text(encoding="utf-8")
+
+
+def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sys.path.insert(0, str(Path(__file__).parent.parent / "hidden_effect"))
+    from generator import Plan, make_case
+
+    make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
+    assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "no motion of this family separates" in said
+    assert "sensor_lag" in said and "drive_lag" in said
