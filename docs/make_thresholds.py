@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
-from sysid import diagnose, intervals, misfit, residual_maps
+from sysid import diagnose, intervals, misfit
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
@@ -18,7 +18,6 @@ CONSTANTS = (
     (diagnose, "LEAST_STEADINESS", "or: mean gain of a block of time over its standard error"),
     (diagnose, "LEAST_GAIN", "part of the loss that must go, on the records of the fit and on the held-out ones"),
     (diagnose, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
-    (residual_maps, "BINS", "bins of a residual map"),
     (diagnose, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
     (diagnose, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
     (diagnose, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),

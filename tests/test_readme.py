@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
+import shutil
 from pathlib import Path
 from types import ModuleType
 
@@ -69,6 +70,18 @@ def test_commands_and_options_exist(page: Path) -> None:
 def test_readme_names_commands() -> None:
     # The test above would pass on a page in which it finds none.
     assert len(_commands(ROOT / "README.md")) > 10
+
+
+def test_python_of_the_readme_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (block,) = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    shutil.copytree(ROOT / "examples" / "own_effect", tmp_path / "rig")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(block, "README.md", "exec"), {})
+    before, verdict, after = capsys.readouterr().out.splitlines()
+    assert verdict == "missing-effect bellows ()"
+    assert float(before) > 10.0 > 1.1 > float(after)
 
 
 def test_picture_is_small_and_not_blank() -> None:
