@@ -182,7 +182,8 @@ def driven_mass(
             )
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
-        noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole, direction=direction, turns=turns,
-        force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force, acceleration_noise=acceleration_noise, position_noise=sigma_position,
+        noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole,
+        direction=direction, turns=turns, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
+        acceleration_noise=acceleration_noise, position_noise=sigma_position,
         stretch=12.0 * sigma_position * light.noise_gain(0, correlation),
     )  # fmt: skip

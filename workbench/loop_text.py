@@ -64,7 +64,12 @@ def parameter_table(parameters: Mapping[str, Mapping[str, Any]], title: str = "P
         low, high = q.get("low"), q.get("high")
         interval = "not told by these records"
         # An open end is written as the text "inf": JSON has no infinity.
-        if all(isinstance(end, int | float) and math.isfinite(end) for end in (low, high)):
+        if (
+            isinstance(low, int | float)
+            and isinstance(high, int | float)
+            and math.isfinite(low)
+            and math.isfinite(high)
+        ):
             interval = f"{plain(low, q['unit'])} .. {plain(high, q['unit'])}"
         table.add_row(key, plain(q["value"], q["unit"]), interval, "at its bound" if q.get("at_bound") else "")
     return table

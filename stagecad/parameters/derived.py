@@ -85,9 +85,7 @@ COMPUTED: dict[str, Formula] = {
     ),
     "tooth_bar.height": Formula(
         "bearing_way.height + pads.height + stage.iron_pocket_depth - tooth_iron.height - teeth.gap",
-        lambda d: (
-            d.bearing_way.height + d.pads.height + d.stage.iron_pocket_depth - d.tooth_iron.height - d.teeth.gap
-        ),
+        lambda d: d.bearing_way.height + d.pads.height + d.stage.iron_pocket_depth - d.tooth_iron.height - d.teeth.gap,
         "X.XX",
     ),
     "spring.installed_length": Formula(

@@ -103,8 +103,7 @@ def height_screw(d: Design) -> Iterator[str]:
             yield f"{given(d, key)} does not pass the set screw's thread of {given(d, 'threads.unc_1_tap_drill')}"
     if base.pin_1_bore >= minor:
         yield (
-            f"{given(d, 'base.pin_1_bore')} takes away the set screw's thread of "
-            f"{given(d, 'threads.unc_1_tap_drill')}"
+            f"{given(d, 'base.pin_1_bore')} takes away the set screw's thread of {given(d, 'threads.unc_1_tap_drill')}"
         )
     if base.set_screw_access <= screw.diameter:
         yield f"{given(d, 'base.set_screw_access')} does not let {given(d, 'set_screw.diameter')} through"

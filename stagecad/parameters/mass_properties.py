@@ -50,9 +50,7 @@ class MassProperties:
         d = tuple(a - b for a, b in zip(point, self.centre_of_mass))
         square = sum(value * value for value in d)
         rows = tuple(
-            tuple(
-                self.inertia[i][j] + self.mass * ((square if i == j else 0.0) - d[i] * d[j]) for j in range(3)
-            )
+            tuple(self.inertia[i][j] + self.mass * ((square if i == j else 0.0) - d[i] * d[j]) for j in range(3))
             for i in range(3)
         )
         return rows  # type: ignore[return-value]

@@ -128,7 +128,7 @@ def _entry(name: str, path: str, table: dict[str, Any]) -> FileEntry:
         if word not in _PEDIGREE:
             raise InputError(f"{place}: '{word}' is not known beside value{nearest(word, _PEDIGREE)}")
     if "value" not in table:
-        raise InputError(f"{place}: has no value; write {{value = \"12 mm\", origin = \"assumed: why\"}}")
+        raise InputError(f'{place}: has no value; write {{value = "12 mm", origin = "assumed: why"}}')
     value, tolerance, origin = table["value"], table.get("tolerance"), table.get("origin")
     if not isinstance(value, str | int | float | bool):
         raise InputError(f"{place}: value = {_shown(value)} is no value; write text like '12 mm', or a number")

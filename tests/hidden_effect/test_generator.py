@@ -30,9 +30,7 @@ def test_with_nothing_hidden_the_base_model_leaves_nothing(rig: str) -> None:
     assert case.key["visible"] < 0.1
 
 
-@pytest.mark.parametrize(
-    "level,low,high", [("weak", 1.0, 3.0), ("moderate", 3.0, 10.0), ("strong", 10.0, 60.0)]
-)
+@pytest.mark.parametrize("level,low,high", [("weak", 1.0, 3.0), ("moderate", 3.0, 10.0), ("strong", 10.0, 60.0)])
 def test_a_hidden_effect_is_brought_to_its_level(level: str, low: float, high: float) -> None:
     case = make_case(Plan("velocity-drive", ("cable_spring",), level, rows=ROWS), np.random.default_rng(3))
     assert low <= case.key["visible"] <= high
@@ -47,9 +45,15 @@ def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> Non
     time = np.arange(rows) * 1e-3
     zero, one = np.zeros(rows), np.ones(rows)
     run = simulate_axis(
-        SPRING, AxisTruth(mass=1.0, pull_stiffness=stiffness, coulomb=coulomb),
-        Motion(speed * time, speed * one, zero, zero), load=10 * one, temperature=21 * one, factor=one,
-        extra=zero, pitches=np.ones(1), phases=np.zeros(1),
+        SPRING,
+        AxisTruth(mass=1.0, pull_stiffness=stiffness, coulomb=coulomb),
+        Motion(speed * time, speed * one, zero, zero),
+        load=10 * one,
+        temperature=21 * one,
+        factor=one,
+        extra=zero,
+        pitches=np.ones(1),
+        phases=np.zeros(1),
     )
     release = coulomb / (stiffness * speed)
     assert np.all(run.position[time < release - 2e-3] == 0.0)

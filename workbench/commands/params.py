@@ -136,8 +136,6 @@ def _show(run: Run, entries: list[Entry]) -> None:
     run.console.print(table)
 
 
-
-
 def _show_differences(run: Run, one: str, other: str, differences: list[Difference]) -> None:
     from rich.table import Table
     from rich.text import Text

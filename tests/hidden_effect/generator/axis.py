@@ -241,8 +241,16 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
 
 
 def simulate_axis(
-    mode: int, truth: AxisTruth, motion: Any, *, load: np.ndarray, temperature: np.ndarray,
-    factor: np.ndarray, extra: np.ndarray, pitches: np.ndarray, phases: np.ndarray,
+    mode: int,
+    truth: AxisTruth,
+    motion: Any,
+    *,
+    load: np.ndarray,
+    temperature: np.ndarray,
+    factor: np.ndarray,
+    extra: np.ndarray,
+    pitches: np.ndarray,
+    phases: np.ndarray,
 ) -> AxisRun:
     """Run one record of `motion` (see motions); channels have one value per millisecond.
 
@@ -251,7 +259,18 @@ def simulate_axis(
     """
     gains = np.array(motion.gains(truth.mass))
     out = _run(
-        mode, AxisTruth(*(float(value) for value in truth)), gains, motion.guide, motion.speed, motion.feed,
-        motion.gain, load, temperature, factor, extra, pitches, phases,
+        mode,
+        AxisTruth(*(float(value) for value in truth)),
+        gains,
+        motion.guide,
+        motion.speed,
+        motion.feed,
+        motion.gain,
+        load,
+        temperature,
+        factor,
+        extra,
+        pitches,
+        phases,
     )
     return AxisRun(*out)

@@ -229,8 +229,14 @@ def _run_axis(rig: _Rig, record: _Record, set_: _Settings, texture_seed: int) ->
     factor, push = _in_time(np.random.default_rng(record.seed), rows, set_.time)
     pitches, phases = _texture(texture_seed)
     return simulate_axis(
-        MODES[rig.plan.rig], rig.axis._replace(**set_.law), record.motion, load=record.load,
-        temperature=record.temperature, factor=factor, extra=push * rig.numbers["coulomb"], pitches=pitches,
+        MODES[rig.plan.rig],
+        rig.axis._replace(**set_.law),
+        record.motion,
+        load=record.load,
+        temperature=record.temperature,
+        factor=factor,
+        extra=push * rig.numbers["coulomb"],
+        pitches=pitches,
         phases=phases,
     )
 
@@ -272,7 +278,10 @@ def _axis_left(
     keep = steady(direction if not rests else run.direction, rests=rests)
     d = filled(run.direction)
     base = base_columns(
-        rig.base, d, velocity, rig.axis.stribeck_velocity,
+        rig.base,
+        d,
+        velocity,
+        rig.axis.stribeck_velocity,
         acceleration if rig.how.mass == "absent" and rig.plan.rig == "force-drive" else None,
     )
     if "presliding" in rig.base:
@@ -308,7 +317,8 @@ def _tip_left(rig: _Rig, record: _Record, out: tuple[np.ndarray, np.ndarray], se
     target = np.concatenate(out)
     base = [
         np.concatenate([-HEIGHT * (two - one) / SPACING, 0.5 * (one + two)]) * rig.tip.gain,
-        np.concatenate([ones, zero]) * 1e-6, np.concatenate([zero, ones]) * 1e-6,
+        np.concatenate([ones, zero]) * 1e-6,
+        np.concatenate([zero, ones]) * 1e-6,
     ]
     keep = np.ones(2 * n, bool)
     keep[[0, n]] = False
@@ -391,7 +401,11 @@ def _toml(rig: _Rig, known: dict[str, str], noises: dict[str, tuple[float, str]]
 
 
 def _columns(
-    rng: np.random.Generator, rig: _Rig, record: _Record, set_: _Settings, texture_seed: int,
+    rng: np.random.Generator,
+    rig: _Rig,
+    record: _Record,
+    set_: _Settings,
+    texture_seed: int,
 ) -> tuple[dict[str, tuple[str, np.ndarray]], list[str], dict[str, tuple[float, str]]]:
     """SI columns with their noise, the measured ones, and each one's noise."""
     rows, how, kind = rig.plan.rows, rig.how, rig.plan.rig
@@ -513,14 +527,23 @@ def make_case(plan: Plan, rng: np.random.Generator, tries: int = 12) -> Case:
         size = next((name for name, (low, _) in LEVELS.items() if visible >= low), "faint")
     where = sorted({name for entry in hidden for name in entry.where})
     key = {
-        "rig": plan.rig, "base": list(rig.base), "effect": "+".join(plan.effects) or "none",
-        "accept": _accept(rig, hidden, visible, also), "size": size, "visible": visible,
-        "strength": strengths[0] if len(strengths) == 1 else strengths, "nuisance": plan.nuisance, "hard": plan.hard,
-        "rotary": rig.radius is not None, "idle": list(rig.channels), "nuisances": rig.how.__dict__ | {},
-        "truth": {**rig.axis._replace(**set_.law)._asdict()} if plan.rig != "actuator-tip" else {
-            **rig.tip._replace(**set_.law)._asdict()
-        },
-        "sensor": set_.sensor._asdict(), "rivals_left": {name: round(left, 3) for name, left in also.items()},
+        "rig": plan.rig,
+        "base": list(rig.base),
+        "effect": "+".join(plan.effects) or "none",
+        "accept": _accept(rig, hidden, visible, also),
+        "size": size,
+        "visible": visible,
+        "strength": strengths[0] if len(strengths) == 1 else strengths,
+        "nuisance": plan.nuisance,
+        "hard": plan.hard,
+        "rotary": rig.radius is not None,
+        "idle": list(rig.channels),
+        "nuisances": rig.how.__dict__ | {},
+        "truth": {**rig.axis._replace(**set_.law)._asdict()}
+        if plan.rig != "actuator-tip"
+        else {**rig.tip._replace(**set_.law)._asdict()},
+        "sensor": set_.sensor._asdict(),
+        "rivals_left": {name: round(left, 3) for name, left in also.items()},
     }
     if where:
         key["where"] = where

@@ -36,7 +36,13 @@ def _noise(rng: np.random.Generator, count: int, top: float) -> np.ndarray:
 
 
 def _segments(
-    rng: np.random.Generator, rows: int, reach: float, slow: float, fast: float, *, random_share: float,
+    rng: np.random.Generator,
+    rows: int,
+    reach: float,
+    slow: float,
+    fast: float,
+    *,
+    random_share: float,
     rest_share: float,
 ) -> np.ndarray:
     """Speeds (m/s) of a motion that stays within +-reach (m): the first second runs the whole range both ways."""
@@ -141,8 +147,10 @@ def _voltage(rng: np.random.Generator, rows: int, bias: float) -> np.ndarray:
         size = rng.uniform(8.0, 40.0)
         kind = rng.random()
         if kind < 0.3:
-            wave = size * np.linspace(1.0, rng.uniform(0.1, 1.0), count) * (
-                2.0 / np.pi * np.arcsin(np.sin(2 * np.pi * min(f, 12.0) * t + rng.uniform(0, 6.28)))
+            wave = (
+                size
+                * np.linspace(1.0, rng.uniform(0.1, 1.0), count)
+                * (2.0 / np.pi * np.arcsin(np.sin(2 * np.pi * min(f, 12.0) * t + rng.uniform(0, 6.28))))
             )
         elif kind < 0.6:
             wave = size * np.sin(2 * np.pi * f * t + rng.uniform(0, 6.28))

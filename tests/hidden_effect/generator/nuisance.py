@@ -80,13 +80,21 @@ def channel_temperature(rng: np.random.Generator, rows: int) -> np.ndarray:
 
 
 _UNITS = {
-    "s": [("ms", 1e3)], "m": [("mm", 1e3), ("um", 1e6)], "rad": [("deg", 180.0 / np.pi), ("mrad", 1e3)],
-    "N": [("mN", 1e3)], "N*m": [("mN*m", 1e3)], "m/s": [("mm/s", 1e3)], "rad/s": [("deg/s", 180.0 / np.pi)],
+    "s": [("ms", 1e3)],
+    "m": [("mm", 1e3), ("um", 1e6)],
+    "rad": [("deg", 180.0 / np.pi), ("mrad", 1e3)],
+    "N": [("mN", 1e3)],
+    "N*m": [("mN*m", 1e3)],
+    "m/s": [("mm/s", 1e3)],
+    "rad/s": [("deg/s", 180.0 / np.pi)],
 }
 
 
 def as_logged(
-    rng: np.random.Generator, columns: dict[str, tuple[str, np.ndarray]], measured: list[str], how: Nuisance,
+    rng: np.random.Generator,
+    columns: dict[str, tuple[str, np.ndarray]],
+    measured: list[str],
+    how: Nuisance,
     units: dict[str, tuple[str, float]],
 ) -> pd.DataFrame:
     """The table as it is written: `columns` maps a name to (SI unit, values); headers read `name [unit]`."""

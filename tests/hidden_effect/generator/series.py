@@ -22,8 +22,15 @@ def _names(rig: str, *, unlisted: bool) -> list[str]:
 
 
 def _plan(
-    rng: np.random.Generator, turn: int, kind: str, *, hard: bool, levels: Sequence[str], rows: int,
-    effects: Sequence[str] | None, same_form: bool,
+    rng: np.random.Generator,
+    turn: int,
+    kind: str,
+    *,
+    hard: bool,
+    levels: Sequence[str],
+    rows: int,
+    effects: Sequence[str] | None,
+    same_form: bool,
 ) -> Plan:
     rig = str(rng.choice(RIGS, p=[0.28, 0.27, 0.27, 0.18]))
     level = str(rng.choice(levels))
@@ -64,9 +71,17 @@ def _one(job: tuple[Path, int, int, int, str, dict]) -> tuple[str, dict]:
 
 
 def make_cases(
-    folder: Path, seed: int, count: int, kinds: dict[str, float] | None = None, *, hard: float = 0.35,
-    levels: Sequence[str] = ("strong", "moderate", "weak"), rows: int = 20000, effects: Sequence[str] | None = None,
-    jobs: int = 1, same_form: bool = False,
+    folder: Path,
+    seed: int,
+    count: int,
+    kinds: dict[str, float] | None = None,
+    *,
+    hard: float = 0.35,
+    levels: Sequence[str] = ("strong", "moderate", "weak"),
+    rows: int = 20000,
+    effects: Sequence[str] | None = None,
+    jobs: int = 1,
+    same_form: bool = False,
 ) -> dict[str, dict]:
     """Write `count` cases below `folder` with `key.json`, and return the key. The seed decides everything.
 
@@ -84,9 +99,20 @@ def make_cases(
     drawn = rng.choice(list(shares), count, p=[value / total for value in shares.values()])
     tough = rng.random(count) < hard
     work = [
-        (Path(folder), seed, index, int((drawn[:index] == drawn[index]).sum()), str(drawn[index]),
-         {"hard": bool(tough[index]), "levels": tuple(levels), "rows": rows, "effects": effects,
-          "same_form": same_form})
+        (
+            Path(folder),
+            seed,
+            index,
+            int((drawn[:index] == drawn[index]).sum()),
+            str(drawn[index]),
+            {
+                "hard": bool(tough[index]),
+                "levels": tuple(levels),
+                "rows": rows,
+                "effects": effects,
+                "same_form": same_form,
+            },
+        )
         for index in range(count)
     ]
     Path(folder).mkdir(parents=True, exist_ok=True)

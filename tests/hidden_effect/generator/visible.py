@@ -45,7 +45,10 @@ def steady(direction: np.ndarray, *, rests: bool) -> np.ndarray:
 
 
 def base_columns(
-    base: Sequence[str], direction: np.ndarray, velocity: np.ndarray, stribeck_velocity: float,
+    base: Sequence[str],
+    direction: np.ndarray,
+    velocity: np.ndarray,
+    stribeck_velocity: float,
     acceleration: np.ndarray | None = None,
 ) -> list[np.ndarray]:
     """The base model's terms, linearised about its true Stribeck velocity; `acceleration` when the mass is fitted."""
@@ -63,8 +66,12 @@ def base_columns(
 
 
 def rival_columns(
-    direction: np.ndarray, velocity: np.ndarray, position: np.ndarray, channels: Mapping[str, np.ndarray],
-    radius: float | None, force: np.ndarray,
+    direction: np.ndarray,
+    velocity: np.ndarray,
+    position: np.ndarray,
+    channels: Mapping[str, np.ndarray],
+    radius: float | None,
+    force: np.ndarray,
 ) -> dict[str, list[list[np.ndarray]]]:
     """Terms by which another effect might pass for the hidden one: for each name, some shapes to choose from."""
     one = np.ones_like(velocity)
