@@ -9,17 +9,19 @@ READY := $(VENV)/.ready
 
 demo: $(READY) system
 	$(BIN)/stagecad make --out build
+	$(BIN)/stagecad demo --out build
 	@echo
-	@echo "Open build/report.html in a browser."
+	@echo "Open build/report.html (the machine) and the report named above (the loop) in a browser."
 
 test: $(READY) system lint
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m "not slow"
+	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup -m "not slow"
 
 test-slow: $(READY) system
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
 
 bench: $(READY) system
-	for script in benchmarks/*.py; do echo "== $$script"; $(BIN)/python $$script || exit 1; done
+	for name in parts cold_start stick_slip hidden_effects; do \
+		echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -267,7 +268,7 @@ def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.r
         if share > best.share:
             rough = 96
             edges = np.linspace(0, frequency.size, rough + 1).astype(int)
-            mean = np.array([power[a:b].max() for a, b in zip(edges[:-1], edges[1:], strict=True)])
+            mean = np.array([power[a:b].max() for a, b in pairwise(edges)])
             centre = 0.5 * (frequency[edges[:-1]] + frequency[np.minimum(edges[1:], frequency.size - 1)])
             best = ResidualMap("frequency", share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
     return best
