@@ -260,7 +260,9 @@ def _overlays(
 
 
 def _maps(case: Case, maps: Sequence[ResidualMap]) -> dict[str, Any]:
-    shown = [m for m in maps if m.share > SHARE_SHOWN][:6] or list(maps[:3])
+    # An axis that never rests has one age of contact: nothing to draw it against.
+    drawable = [m for m in maps if m.centres.size > 1 and np.ptp(m.centres) > 0.0]
+    shown = [m for m in drawable if m.share > SHARE_SHOWN][:6] or drawable[:3]
     rotary, tip = case.experiment.rig.rotary, case.kind == "actuator-tip"
     return {
         "figure": draw_maps(shown, rotary, tip) if shown else "",

@@ -116,7 +116,7 @@ def suggestion_section(found: Suggestion) -> Section:
         "title": _title(found),
         "effects": [e.name for e in case.start.effects],
         "records": {record.name: record.sha256 for record in case.records},
-        "state": "found" if len(found.rivals) > 1 else "good",
+        "state": "good" if found.diagnosis.verdict == "adequate" else "found",
         "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
         "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in sentences(found)),
         "motions": [
