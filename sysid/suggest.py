@@ -150,7 +150,8 @@ def weigh(
 def rivals_of(found: Diagnosis) -> list[Trial]:
     """The best trial, those tied with it, and the others that come near it; none where nothing is missing."""
     best = found.best
-    if best is None or found.verdict != "missing-effect" or not best.candidate.fitted.fit.keys:
+    if best is None or found.verdict != "missing-effect" or best.family == "sensor_quantisation":
+        # A grid is read off the values themselves: no motion is needed to tell it from anything.
         return []
     usable = [t for t in found.trials if t is not best and t.candidate.fitted.fit.keys and t.fit_gain > 0.0]
     tied = [t for t in usable if t.family in found.indistinguishable]
