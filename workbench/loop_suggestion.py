@@ -29,7 +29,7 @@ def sentences(found: Suggestion) -> list[str]:
         what = {
             "adequate": "what is left is noise, and nothing is to be separated",
             "unexplained": "no effect of the library explains what is left, so none is to be separated",
-        }.get(found.diagnosis.verdict, f"{found.rivals[0] if found.rivals else 'the effect'} has no rival")
+        }.get(found.diagnosis.verdict, f"{found.diagnosis.effect} has no rival")
         return [*lines, f"{what}: the space-filling motion looks for what these records never showed."]
     for name in found.inseparable:
         lines.append(
