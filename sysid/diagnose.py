@@ -235,6 +235,11 @@ def judge(
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     if share >= SHARE_ENOUGH or 1.0 - left >= VARIANCE_ENOUGH or after <= 1.5:
         return done("missing-effect", best, ties, left, "explains what can be explained")
+    remaining = _pattern_after(case, base, best)
+    if share >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT:
+        return done(
+            "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
+        )
     rest, rest_left = _second_share(case, base, best, all_effects, over)
     if rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
         return done("missing-effect", best, ties, left, "explains its share; another effect explains the rest")
@@ -272,12 +277,17 @@ effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at th
 VARIANCE_ENOUGH = 0.93
 """The same in the robust variance, which a few rough samples do not weigh down: 0.95 and more, against 0.86."""
 
+SHARE_OF_A_PART = 0.25
+LEAST_PATTERN_LEFT = 0.3
+"""An effect that takes this share, and leaves a residual of which no coordinate explains so much, is missing beside
+others; where a coordinate still explains much of what is left, the effect only leans on one that no library has."""
+
 SHARE_OF_TWO = 0.92
 VARIANCE_OF_TWO = 0.97
 """Shares that two effects must take together, where one alone leaves much."""
 
 LEAST_SIGNIFICANCE = 4.0
-LEAST_STEADINESS = 2.5
+LEAST_STEADINESS = 1.5
 LEAST_GAIN = 0.06
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
 
@@ -363,6 +373,13 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
             best = other
     names = [t.family for t in group if t is not best and _count(t) <= _count(best)][:2]
     return tuple(names), best
+
+
+def _pattern_after(case: Case, base: BaseFit, best: Trial) -> float:
+    """Largest share of the residual that one coordinate explains once the effect is in."""
+    fitted = best.candidate.fitted
+    maps = residual_maps(fitted.model, case.fit_records, fitted.weights, case.validate_records, base.weights)
+    return max((m.share for m in maps), default=0.0)
 
 
 def _second_share(case: Case, base: BaseFit, best: Trial, all_effects: bool, over: float) -> tuple[float, float]:

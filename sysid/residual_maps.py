@@ -205,7 +205,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     predicted, r = table[cells[~half]], residual[~half]
     share = _share(r, predicted)
     p_value = _p_value(share, r, predicted, block[~half], rng)
-    if name not in ("time", "distance_travelled") and abs(_rank_correlation(values, _times(together))) > ALIAS:
+    if name not in ("time", "distance_travelled") and all(_runs_with_time(s[0], name) for s in together):
         share *= 0.5
     # Drawn finer than it is judged, from every sample.
     fine = _edges(values, name, DRAWN_BINS)
@@ -214,8 +214,8 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     return ResidualMap(name, share, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
 
 
-def _times(together: Sequence[Samples]) -> np.ndarray:
-    return np.concatenate([s[0]["time"] for s in together])
+def _runs_with_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:
+    return abs(_rank_correlation(coordinates[name], coordinates["time"])) > ALIAS
 
 
 def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:

@@ -64,7 +64,7 @@ class GaussianFilter:
         return full[2 * h : 2 * h + self.size]
 
     def noise_gain(self, order: int = 0, correlation: float = 0.0) -> float:
-        """Standard deviation of the output for input noise of unit variance, white or AR(1) of `correlation` a sample."""
+        """Standard deviation of the output for noise of unit variance, white or AR(1) of `correlation` a sample."""
         kernel = self.kernel(order)
         if correlation == 0.0:
             return float(np.sqrt(np.sum(kernel**2)))
