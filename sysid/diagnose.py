@@ -233,10 +233,13 @@ def judge(
     share = explained_share(base, best)
     if over <= enough and (share < 0.5 or best.family in AT_REVERSALS):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
+    patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
+    if case.form == "force_balance" and best.family in AT_REVERSALS and not patterned:
+        return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if share >= SHARE_ENOUGH or 1.0 - left >= VARIANCE_ENOUGH or after <= 1.5:
         return done("missing-effect", best, ties, left, "explains what can be explained")
     remaining = _pattern_after(case, base, best)
-    if share >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT:
+    if max(share, 1.0 - left) >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT:
         return done(
             "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
         )
@@ -277,7 +280,7 @@ effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at th
 VARIANCE_ENOUGH = 0.93
 """The same in the robust variance, which a few rough samples do not weigh down: 0.95 and more, against 0.86."""
 
-SHARE_OF_A_PART = 0.25
+SHARE_OF_A_PART = 0.55
 LEAST_PATTERN_LEFT = 0.3
 """An effect that takes this share, and leaves a residual of which no coordinate explains so much, is missing beside
 others; where a coordinate still explains much of what is left, the effect only leans on one that no library has."""

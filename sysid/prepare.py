@@ -62,7 +62,7 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> Balance:
         name=record.name, role=record.role, kind="velocity-drive", step=step, axis=axis,
         measured={"friction_force": force}, valid={"friction_force": valid}, noise={"friction_force": sigma},
         acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, n), force_channel="friction_force",
-        jitter=0.5 * step, stretch=max(1e-6 * float(np.ptp(position)), 12.0 * sigma_position),
+        jitter=0.5 * step, stretch=max(1e-8 * float(np.ptp(position)), 12.0 * sigma_position),
     )  # fmt: skip
 
 
