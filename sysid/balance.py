@@ -28,11 +28,9 @@ class Balance:
     `measured` has the force channel, filtered (spring force, drive force or friction force), and, on a spring-pull rig
     with both, the position. `noise` is the standard deviation that sensor noise leaves in each channel's residual.
 
-    `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that filter
-    in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`, and equals
-    `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step). `heading`, where the velocity
-    is given, is a path whose steps have the sign of the velocity at their end: friction turns with it, not with the
-    mean over the step.
+    `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that
+    filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`,
+    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step).
     """
 
     name: str
@@ -49,7 +47,6 @@ class Balance:
     whole: GaussianFilter | None = None
     direction: np.ndarray | None = None
     turns: np.ndarray | None = None
-    heading: np.ndarray | None = None
     force_channel: str = ""
     jitter: float = 0.0
     inputs: dict[str, np.ndarray] = field(default_factory=dict)

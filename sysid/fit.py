@@ -70,7 +70,8 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
     """Sum of Huber's loss over the residual (n,)."""
     size = np.abs(residual)
     corner = HUBER * scale
-    return float(np.sum(np.where(size <= corner, 0.5 * size**2, corner * (size - 0.5 * corner))))
+    inner = np.minimum(size, corner)
+    return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
 
 
 def jacobian(

@@ -35,7 +35,8 @@ def trimmed_rms(residual: np.ndarray) -> float:
 def huber_square(residual: np.ndarray) -> np.ndarray:
     """Twice Huber's loss (n,) of a residual in noise deviations: its square up to the corner, linear beyond."""
     size = np.abs(residual)
-    return np.where(size <= LOSS_CORNER, size**2, LOSS_CORNER * (2.0 * size - LOSS_CORNER))
+    inner = np.minimum(size, LOSS_CORNER)
+    return inner**2 + 2.0 * LOSS_CORNER * (size - inner)
 
 
 @dataclass(frozen=True)

@@ -89,9 +89,7 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
         p = values_of(core, values)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
-        turning = core.core.name == "coulomb" and balance.heading is not None and axis is balance.axis
-        path = balance.heading if turning else axis.position
-        friction = forces + core.core.along(path, axis.velocity, axis.time, level, p)
+        friction = forces + core.core.along(axis.position, axis.velocity, axis.time, level, p)
     else:
         # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
         assert balance.whole is not None and balance.direction is not None and balance.applied is not None

@@ -57,15 +57,12 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> Balance:
     )  # fmt: skip
     valid = ~(gap | hole | missing)
     valid[0] = False
-    heading = None
-    if "velocity" in channels:
-        heading = np.concatenate([[0.0], np.cumsum(velocity[1:]) * step])
     sigma = noise["friction_force"].value
     return Balance(
         name=record.name, role=record.role, kind="velocity-drive", step=step, axis=axis,
         measured={"friction_force": force}, valid={"friction_force": valid}, noise={"friction_force": sigma},
         acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, n), force_channel="friction_force",
-        heading=heading, jitter=0.5 * step, stretch=max(1e-8 * float(np.ptp(position)), 12.0 * sigma_position),
+        jitter=0.5 * step, stretch=max(1e-8 * float(np.ptp(position)), 12.0 * sigma_position),
     )  # fmt: skip
 
 
