@@ -84,23 +84,6 @@ def stop(position: np.ndarray, stretch: float) -> np.ndarray:
 
 
 @compiled
-def maxwell_slip(position: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Weighted sum of stop operators: a generalised Prandtl-Ishlinskii friction law, as a fraction of the level."""
-    elements = stretches.size
-    out = np.zeros(position.size)
-    z = np.zeros(elements)
-    for i in range(1, position.size):
-        step = position[i] - position[i - 1]
-        total = 0.0
-        for k in range(elements):
-            u = min(1.0, max(-1.0, z[k] + step / stretches[k]))
-            z[k] = u
-            total += weights[k] * u
-        out[i] = total
-    return out
-
-
-@compiled
 def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
     """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979, Ruina 1983), exact a step."""
     out = np.empty(time.size)

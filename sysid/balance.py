@@ -54,7 +54,6 @@ class Balance:
     acceleration_noise: float = 0.0
     position_noise: float = 0.0
     stretch: float = 0.0
-    coordinates: dict[str, np.ndarray] = field(default_factory=dict)
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property

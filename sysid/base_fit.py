@@ -50,12 +50,6 @@ def _fit(model: Model, records: Sequence[Prepared], weights: Weighting, iteratio
     return least_squares(residual, model.unknowns, iterations=iterations)
 
 
-def best_of(starts: Sequence[Model], records: Sequence[Prepared], weights: Weighting | None = None) -> Fitted:
-    """The best fit over several starts."""
-    fits = [fit_model(start, records, weights) for start in starts]
-    return min(fits, key=lambda f: f.fit.cost)
-
-
 def ranking_error(residual: np.ndarray) -> float:
     """Error by which models are ranked: root mean Huber square of a residual in deviations."""
     return float(np.sqrt(np.mean(huber_square(residual)))) if residual.size else float("nan")

@@ -11,10 +11,9 @@ from sim.effect import rotary_unit
 from stagecad.parameters.quantities import as_json
 from sysid.base_fit import Fitted, ranking_error
 from sysid.case import BaseFit, Case
-from sysid.diagnose import Diagnosis, Trial
+from sysid.diagnose import Diagnosis
 from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
-from sysid.model import base_name
 from sysid.prediction import split_channel
 from sysid.residual_maps import ResidualMap
 from sysid.rigs import CHANNELS
@@ -137,13 +136,9 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
         if trial.name != trial.family:
             row["law"] = trial.name
         if after is not None:
-            row["parameters"] = parameters_json(case, trial.candidate.fitted, only=_fitted_name(trial))
+            row["parameters"] = parameters_json(case, trial.candidate.fitted, only=trial.name)
         rows.append(row)
     return rows
-
-
-def _fitted_name(trial: Trial) -> str:
-    return trial.name
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -194,8 +189,3 @@ def comparison_json(
         "notes": list(case.notes),
         "seconds": seconds,
     }
-
-
-def family_names(effects: Sequence[str]) -> list[str]:
-    """Effects by the names everyone uses."""
-    return [base_name(e) for e in effects]

@@ -10,7 +10,7 @@ from typing import Any
 
 from sim.library import find
 from stagecad.parameters.errors import InputError, nearest
-from sysid.base_fit import Fitted
+from sysid.base_fit import Fitted, fit_model
 from sysid.candidate_list import candidates_of
 from sysid.candidates import target_of, try_effect
 from sysid.case import BaseFit, Case, fit_case, load_case, make_case
@@ -121,8 +121,6 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     if not good:
         raise InputError(f"{experiment.path}: effect '{name}' changes nothing in what these records measured")
     best = min(good, key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
-    from sysid.base_fit import fit_model
-
     return case, fit_model(best.fitted.model, case.fit_records, iterations=40)
 
 

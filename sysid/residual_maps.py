@@ -53,13 +53,11 @@ class ResidualMap:
 def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
     """The coordinates (n,) that a record's residual is held against, by the interface's names; `frequency` aside."""
     if isinstance(record, TipRecord):
-        first = record.drives[0]
         rate = np.gradient(np.mean(record.drives, axis=0), record.step)
         out = {"time": record.time, "input": np.mean(record.drives, axis=0), "velocity": rate}
         for name, signal in record.measured.items():
             out[f"position@{name}"] = signal
         out["acceleration"] = np.gradient(rate, record.step)
-        del first
         return out
     axis = record.axis
     out = {

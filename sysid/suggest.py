@@ -271,7 +271,7 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
         bias = case.experiment.rig.known.get("bias_voltage")
         drives = [motion.signals[f"voltage_{k + 1}"] - (bias.value if bias else 0.0) for k in range(len(first.drives))]
         record: Prepared = replace(
-            first, name=motion.name, step=motion.step, time=time, drives=drives, memo={}, coordinates={},
+            first, name=motion.name, step=motion.step, time=time, drives=drives, memo={},
             measured={c: np.zeros(n) for c in first.measured}, valid=dict.fromkeys(first.measured, scored),
         )  # fmt: skip
         return record, _independent(case, first, motion.step)
@@ -290,7 +290,7 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
         first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
         stuck=None, smooth=GaussianFilter(width, motion.step, n), whole=None, direction=None,
-        inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, memo={}, coordinates={},
+        inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, memo={},
     )  # fmt: skip
     record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(case, first, motion.step)

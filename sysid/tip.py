@@ -39,7 +39,6 @@ class TipRecord:
     noise: dict[str, float]
     piezo_spacing: float
     tip_height: float
-    coordinates: dict[str, np.ndarray] = field(default_factory=dict)
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property

@@ -11,7 +11,7 @@ from rich.table import Table
 from stagecad.parameters.quantities import format_quantity
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import Diagnosis
+from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis
 from sysid.document import channel_unit, public_key, worst_channel
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit
@@ -114,7 +114,7 @@ def say_comparison(run: Run, comparison: Comparison, parameters: Mapping[str, An
     for key in comparison.base.fitted.fit.dead:
         run.say(f"{public_key(key)} changes nothing in these records")
     over = max((m.over_noise for m in (*comparison.fit.values(), *comparison.validate.values())), default=1.0)
-    if over <= 1.15:
+    if over <= ADEQUATE_OVER_NOISE[case.form]:
         run.say(f"{over:.2f} x the noise: what is left is noise.")
         return
     run.console.print(where_table(comparison.maps))

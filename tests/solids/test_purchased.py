@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import io
 import math
 
 import pytest
+import trimesh
 
 from stagecad.parameters.design import Design, load_design
 from stagecad.solids.cache import Store
@@ -90,3 +92,11 @@ def test_only_the_touched_part_is_made_again(design: Design, store: Store) -> No
     for name in PURCHASED:
         same = make_part(store, name, longer).entry.key == make_part(store, name, design).entry.key
         assert same == (name != "way_screw")
+
+
+@pytest.mark.parametrize("name", PURCHASED)
+def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Design, store: Store) -> None:
+    part = make_part(store, name, design)
+    body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
+    assert body.is_watertight
+    assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)
