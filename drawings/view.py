@@ -1,0 +1,124 @@
+"""What a view on a sheet is: curves in the plane of projection at 1:1, and where the view stands on the paper.
+
+Three coordinate systems meet here, all in millimetres. Part: (x, y, z), as the solid is built. View: (u, v) in the
+plane of projection, u to the right, v up, at 1:1, with the view's origin at the projection of the part's own. Paper:
+(x, y) from the lower left corner of the trimmed sheet.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal
+
+from stagecad.parameters.dimension import Point
+
+Point2 = tuple[float, float]
+Box2 = tuple[float, float, float, float]
+"""Lower left and upper right corner: u0, v0, u1, v1."""
+
+Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH"]
+"""Kinds of line of a view, by the names of their layers in the DXF file (ISO 128-2).
+
+`SECTION` is the cutting line that another view shows where a section is taken; the cut outline itself is `VISIBLE`.
+"""
+
+
+@dataclass(frozen=True)
+class Segment:
+    """A straight line."""
+
+    start: Point2
+    end: Point2
+
+
+@dataclass(frozen=True)
+class Arc:
+    """A circle's arc, counter-clockwise from one angle to the other, degrees; a whole circle from 0 to 360."""
+
+    centre: Point2
+    radius: float
+    start_angle: float = 0.0
+    end_angle: float = 360.0
+
+
+@dataclass(frozen=True)
+class Polyline:
+    """Any other curve, as points closer than one sees."""
+
+    points: tuple[Point2, ...]
+
+
+Curve = Segment | Arc | Polyline
+
+
+@dataclass(frozen=True)
+class Projection:
+    """A direction of view: what points right and what points up on the paper; one looks along -(right x up).
+
+    Args:
+        name: `top`, `front`, ..., as in `stagecad.parameters.dimension.View`.
+        right, up: unit vectors in part coordinates, at right angles.
+    """
+
+    name: str
+    right: Point
+    up: Point
+
+    @property
+    def towards_eye(self) -> Point:
+        """Unit vector from the part to the eye."""
+        (a, b, c), (u, v, w) = self.right, self.up
+        return (b * w - c * v, c * u - a * w, a * v - b * u)
+
+    def to_view(self, point: Point) -> Point2:
+        """Where a point of the part is seen, mm at 1:1."""
+        return (sum(a * b for a, b in zip(self.right, point)), sum(a * b for a, b in zip(self.up, point)))
+
+
+_S2, _S3, _S6 = math.sqrt(2), math.sqrt(3), math.sqrt(6)
+
+PROJECTIONS = {
+    projection.name: projection
+    for projection in (
+        Projection("front", (1, 0, 0), (0, 0, 1)),
+        Projection("back", (-1, 0, 0), (0, 0, 1)),
+        Projection("right", (0, 1, 0), (0, 0, 1)),
+        Projection("left", (0, -1, 0), (0, 0, 1)),
+        Projection("top", (1, 0, 0), (0, 1, 0)),
+        Projection("bottom", (1, 0, 0), (0, -1, 0)),
+        Projection("iso", (1 / _S2, 1 / _S2, 0), (-1 / _S6, 1 / _S6, 2 / _S6)),
+    )
+}
+"""Third angle: the top view stands above the front view, the right view to its right, the bottom view below it."""
+
+
+@dataclass(frozen=True)
+class View:
+    """One view: curves by layer, and its place on the paper.
+
+    Args:
+        name: unique on the sheet and what annotations refer to: `top`, `front`, `section A-A`, `detail X`.
+        projection: direction of view.
+        curves: by layer, view coordinates at 1:1.
+        scale: paper over part, 0.5 for 1:2.
+        place: paper coordinates of the view's origin.
+        label: printed below the view (`A-A`, `X (1:2)`); empty for none.
+        clip: centre and radius of the circle a detail is cut to, view coordinates.
+    """
+
+    name: str
+    projection: Projection
+    curves: dict[Layer, tuple[Curve, ...]] = field(default_factory=dict)
+    scale: float = 1.0
+    place: Point2 = (0.0, 0.0)
+    label: str = ""
+    clip: tuple[Point2, float] | None = None
+
+    def to_paper(self, point: Point2) -> Point2:
+        """Paper coordinates of a point of the view."""
+        return (self.place[0] + self.scale * point[0], self.place[1] + self.scale * point[1])
+
+    def part_to_paper(self, point: Point) -> Point2:
+        """Paper coordinates of where a point of the part is seen."""
+        return self.to_paper(self.projection.to_view(point))
