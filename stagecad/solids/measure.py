@@ -21,7 +21,7 @@ NEAR = 1e-4
 
 
 @dataclass(frozen=True)
-class _Surface:
+class Surface:
     """What a face lies on: a plane, cylinder, cone, sphere or torus, with its box and vertices."""
 
     face: cq.Face
@@ -70,10 +70,14 @@ class _Surface:
 
 
 class Gauge:
-    """The surfaces of one solid, read once, ready to be measured."""
+    """The surfaces of one solid, read once, ready to be measured.
+
+    Attributes:
+        surfaces: one per face, in the solid's order.
+    """
 
     def __init__(self, solid: cq.Shape) -> None:
-        self._surfaces = [_surface(face) for face in solid.Faces()]
+        self.surfaces = [_surface(face) for face in solid.Faces()]
 
     def measure(self, dimension: Dimension) -> float | None:
         """The dimension's value on the solid, mm (degrees; a number for slope and count).
@@ -107,9 +111,9 @@ class Gauge:
             case _:
                 return None
 
-    def _on(self, point: Point, *kinds: str) -> _Surface:
+    def _on(self, point: Point, *kinds: str) -> Surface:
         """The face at a point, of one of the kinds."""
-        for surface in self._surfaces:
+        for surface in self.surfaces:
             if surface.kind in kinds and surface.holds(point):
                 return surface
         raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
@@ -137,16 +141,16 @@ class Gauge:
 
     def _place(self, point: Point, along: Point) -> float:
         """Coordinate along `along` of the face at the point, or of the axis of the round feature there."""
-        for surface in self._surfaces:
+        for surface in self.surfaces:
             place = surface.place(point, along)
             if place is not None and surface.holds(point):
                 return place
         axis = self._axis_place(point, along)
         return self._level(point, along) if axis is None else axis
 
-    def _of(self, kind: str, axis: Point | None = None) -> Iterator[_Surface]:
+    def _of(self, kind: str, axis: Point | None = None) -> Iterator[Surface]:
         """The surfaces of a kind; with `axis`, those whose axis, or normal, runs along it."""
-        for surface in self._surfaces:
+        for surface in self.surfaces:
             if surface.kind == kind and (axis is None or abs(abs(_dot(surface.axis, axis)) - 1) < 1e-9):
                 yield surface
 
@@ -195,12 +199,12 @@ class Gauge:
         for surface in self._of("CYLINDER"):
             if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return len({round(place, 3) for place in self._row(surface, along)})
-        for here in self._surfaces:
+        for here in self.surfaces:
             if here.kind in ("SPHERE", "PLANE") and here.holds(point):
-                return sum(_alike(here, other) for other in self._surfaces)
+                return sum(_alike(here, other) for other in self.surfaces)
         raise LookupError(f"nothing to count at {point}")
 
-    def _row(self, first: _Surface, along: Point) -> list[float]:
+    def _row(self, first: Surface, along: Point) -> list[float]:
         """Places along `along` of the cylinders of the same radius whose axes stand in one row with the first's."""
         places = []
         for other in self._of("CYLINDER", first.axis):
@@ -216,7 +220,7 @@ class Gauge:
         return places
 
 
-def _alike(one: _Surface, other: _Surface) -> bool:
+def _alike(one: Surface, other: Surface) -> bool:
     """Spheres of one radius; faces in one plane."""
     if one.kind != other.kind:
         return False
@@ -234,7 +238,7 @@ def _minus(a: Point, b: Point) -> Point:
     return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
 
 
-def _surface(face: cq.Face) -> _Surface:
+def _surface(face: cq.Face) -> Surface:
     from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
 
     kind, adaptor = face.geomType(), BRepAdaptor_Surface(face.wrapped)
@@ -252,7 +256,7 @@ def _surface(face: cq.Face) -> _Surface:
         frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
     box = face.BoundingBox()
     at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
-    return _Surface(
+    return Surface(
         face,
         kind,
         (at.X(), at.Y(), at.Z()) if at else (0.0, 0.0, 0.0),
