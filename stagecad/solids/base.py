@@ -25,18 +25,25 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.base_clamp import clamp_cutters, clamp_datums
 from stagecad.solids.base_dimensions import declare_base
 from stagecad.solids.base_places import bar_hole_places, pocket_centres, reach_side, way_hole_places
 from stagecad.solids.blocks import cut_all, plate
-from stagecad.solids.declare import Declarations, X, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Z, named
 from stagecad.solids.holes import OVERRUN, corners, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "base"
+
+NOTES = (
+    "Pocket 1 in the middle of length and width; the base is symmetric about the plane of pocket 1 along the length.",
+    "Way holes, setting-pin, lifting, bracket and tooth bar holes also symmetric about the middle of the length.",
+    "Pockets 2 and 3 as pocket 1, turned to the opposite side face: height bores, leads, clamps.",
+    "Cut clamp slots after the pockets, and finish the pockets last.",
+)
 
 Place = tuple[float, float, float]
 
@@ -148,3 +155,15 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     declarations = Declarations(design)
     declare_base(declarations, design)
     return tuple(declarations)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Bed of the ways, as flat as they are to stay once bolted on; pockets upright on it."""
+    f, base = FaceRequirements(design), design.base
+    top = ((0.0, base.width / 2 - 3, 0.0),)
+    middle = ((0.0, 0.0, -base.pocket_depth / 2),)
+    f.datum("A", top, Z, "front")
+    f.keeps("flatness", "top", "bearing.way_straightness", top, Z, "front")
+    f.smooth("top", "bearing.way_roughness", top, Z, "front", "lapped")
+    f.keeps("perpendicularity", "pocket", "drawing.tolerance_x_xx", middle, Z, "section", datums=("A",), round=True)
+    return tuple(f)

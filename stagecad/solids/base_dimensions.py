@@ -31,7 +31,7 @@ def _block(d: Declarations, design: Any) -> None:
     x, y, low = base.length / 2, base.width / 2, -base.height
     d.linear("length", "base.length", (-x, 0, low / 10), (x, 0, low / 10), view="top")
     d.linear("width", "base.width", (0, -y, low / 2), (0, y, low / 2), view="top")
-    d.linear("height", "base.height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front", note="top lapped, Ra 1 um")
+    d.linear("height", "base.height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front")
     c = base.edge_chamfer / 2
     d.chamfer("edge chamfer", "base.edge_chamfer", (0, y - c, -c), note="all outer edges", view="front")
 
@@ -229,7 +229,18 @@ def _height_bores(d: Declarations, design: Any) -> None:
         on=X,
         count=3,
         view="section",
-        note="from the underside into the bore, at its end",
+        note="from the underside into the bore",
+    )
+    low = -base.height + 5
+    d.derived(
+        "vent to the bore's end",
+        base.vent_hole,
+        ("base.pin_1_bore_end", "base.vent_hole"),
+        (-base.pin_1_bore_end, 0, deep),
+        (vent, 0, low),
+        X,
+        count=3,
+        view="section",
     )
 
 
@@ -350,7 +361,7 @@ def _clamp_slots(d: Declarations, design: Any, clamp: Clamp) -> None:
         out,
         count=4,
         view="section",
-        note="through the pocket's floor, along its wall, from gap slot to neck",
+        note="through the pocket's floor, along its wall, from gap slot to neck angle",
     )
 
 

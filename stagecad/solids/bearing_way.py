@@ -19,15 +19,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, edges_where, plate
-from stagecad.solids.declare import Declarations, X, Y, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "bearing_way"
+
+NOTES = ("Row of holes symmetric about the middle of the length. Two off, alike.",)
 
 
 def bolt_places(design: Any) -> list[tuple[float, float]]:
@@ -100,9 +102,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     row = bolts[0][1]
     d.linear("length", "bearing_way.length", (-x, y / 2, top / 2), (x, y / 2, top / 2), view="top")
     d.linear("width", "bearing_way.width", (0, -y, flange / 2), (0, y, flange / 2), view="top")
-    d.linear(
-        "height", "bearing_way.height", (0, 0, 0), (0, 0, top), view="right", note="top and bottom lapped, parallel"
-    )
+    d.linear("height", "bearing_way.height", (0, 0, 0), (0, 0, top), view="right")
     d.linear(
         "ledge width",
         "bearing_way.ledge_width",
@@ -152,3 +152,17 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
         view="top",
     )
     return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Lapped running face and bed: the motion is as straight as they are, the joint as stiff."""
+    f, way = FaceRequirements(design), design.bearing_way
+    ledge, down = -way.width / 2 + way.ledge_width, (0.0, 0.0, -1.0)
+    bed, run = ((0.0, way.width / 4, 0.0),), ((0.0, (ledge + way.width / 2) / 2, way.height),)
+    f.datum("A", bed, down, "right")
+    f.keeps("flatness", "bed", "bearing.way_straightness", bed, down, "right")
+    f.keeps("flatness", "running face", "bearing.way_straightness", run, Z, "right")
+    f.keeps("parallelism", "running face to bed", "drawing.tolerance_x_xx", run, Z, "right", datums=("A",))
+    f.smooth("bed", "bearing.way_roughness", bed, down, "right", "lapped")
+    f.smooth("running face", "bearing.way_roughness", run, Z, "right", "lapped")
+    return tuple(f)

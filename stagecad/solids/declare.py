@@ -9,7 +9,18 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from stagecad.parameters.dimension import Datum, Dimension, Kind, Point, View
+from stagecad.parameters.dimension import (
+    Characteristic,
+    Datum,
+    DatumFeature,
+    Dimension,
+    FaceRequirement,
+    GeometricTolerance,
+    Kind,
+    Point,
+    SurfaceTexture,
+    View,
+)
 from stagecad.solids.threads import DESIGNATION
 
 X: Point = (1.0, 0.0, 0.0)
@@ -73,6 +84,22 @@ class Declarations:
         """Leg of the 45 degree chamfer on whose face `on` lies."""
         self.add("chamfer", name, key, (on,), along, **more)
 
+    def derived(
+        self,
+        name: str,
+        value: float,
+        keys: tuple[str, ...],
+        first: Point,
+        second: Point,
+        along: Point | None = None,
+        **more: Any,
+    ) -> None:
+        """Distance that follows from several parameters, of the tolerance class of the first."""
+        tolerance, along = self._design.tolerance(keys[0]), along or towards(first, second)
+        self._all.append(
+            Dimension(name, "linear", value, "", (first, second), along, tolerance, derived_from=keys, **more)
+        )
+
     def counted(self, name: str, key: str, at: Point, along: Point = X, **more: Any) -> None:
         """Number of features in the pattern that holds the one at `at`, on the line along `along`."""
         self.add("count", name, key, (at,), along, **more)
@@ -130,6 +157,42 @@ class Declarations:
             self.depth(
                 f"{feature} drill depth", drill_depth, mouth, end, note=note, view=view, feature=feature, count=count
             )
+
+
+class FaceRequirements:
+    """What the faces of one part must be, in the order in which it is written down; values by their keys."""
+
+    def __init__(self, design: Any) -> None:
+        self._design = design
+        self._all: list[FaceRequirement] = []
+
+    def __iter__(self) -> Iterator[FaceRequirement]:
+        return iter(self._all)
+
+    def datum(self, letter: str, points: tuple[Point, ...], normal: Point, view: View, *, round: bool = False) -> None:
+        """A face, some faces in one plane, or an axis that others are referred to."""
+        self._all.append(DatumFeature(letter, points, normal, view, round))
+
+    def keeps(
+        self,
+        characteristic: Characteristic,
+        name: str,
+        key: str,
+        points: tuple[Point, ...],
+        normal: Point,
+        view: View,
+        **more: Any,
+    ) -> None:
+        """Form or direction within the value of `key`, a length."""
+        value = round(self._design.si(key) * 1e3, 9)
+        self._all.append(GeometricTolerance(name, characteristic, value, key, points, normal, view, **more))
+
+    def smooth(
+        self, name: str, key: str, points: tuple[Point, ...], normal: Point, view: View, process: str = ""
+    ) -> None:
+        """Mean roughness Ra of the value of `key`."""
+        value = round(self._design.si(key) * 1e6, 9)
+        self._all.append(SurfaceTexture(name, value, key, points, normal, view, process))
 
 
 def named(*datums: Datum) -> dict[str, Datum]:

@@ -18,9 +18,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all
-from stagecad.solids.declare import Declarations, X, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Z, named
 from stagecad.solids.holes import OVERRUN, stepped_hole, turned
 
 if TYPE_CHECKING:
@@ -126,3 +126,12 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
         note="all turned edges and the hole's mouth",
     )
     return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """A wedge face that height pin 2 stands on in full, and a shank that guides it."""
+    f, wedge, back = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, -design.height_pin_1.length / 4)
+    f.keeps("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
+    f.keeps("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
+    f.smooth("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
+    return tuple(f)

@@ -15,9 +15,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, revolved
-from stagecad.solids.declare import Declarations, X, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Z, named
 from stagecad.solids.holes import OVERRUN
 
 if TYPE_CHECKING:
@@ -90,3 +90,12 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
         view="front",
     )
     return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """A lower end that meets the wedge in full, and a shank that its bore guides."""
+    f, wedge, middle = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, design.height_pin_2.length / 2)
+    f.keeps("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
+    f.keeps("flatness", "lower end", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
+    f.smooth("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
+    return tuple(f)

@@ -22,9 +22,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, edges_where, plate
-from stagecad.solids.declare import Declarations, X, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Z, named
 from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.tip import bolt_circle_radius, piezo_places
 
@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "holder"
+
+NOTES = (
+    "Bores at the corners of an equilateral triangle about the axis, clamp holes in line with them.",
+    "Lifting holes midway between the bores; index notches on the diameter parallel to the line of two bores.",
+)
 
 
 def build(design: Any) -> cq.Solid:
@@ -203,3 +208,20 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
         view="top",
     )
     return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Piezos upright in the pocket: their floors square to the diameter that the pocket guides."""
+    f, h = FaceRequirements(design), design.holder
+    axis, floors = (0.0, 0.0, h.floor / 2), tuple((x, y, h.floor) for x, y in _beside_ejectors(design))
+    f.datum("A", (axis,), Z, "front", round=True)
+    f.keeps("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
+    f.keeps("perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True)
+    f.smooth("floors", "bearing.way_roughness", floors, Z, "section")
+    return tuple(f)
+
+
+def _beside_ejectors(design: Any) -> list[tuple[float, float]]:
+    """A place (x, y) on each bore's floor: the ejector hole takes its middle."""
+    aside = (design.holder.ejector_hole + design.holder.bore_diameter) / 4
+    return [(x + aside, y) for x, y in piezo_places(design)]

@@ -98,7 +98,7 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
 
     # A mesh makes the bounding box loose and the stored solid large: it goes on a copy.
     copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
-    BRepMesh_IncrementalMesh(copy, linear, False, angular, False)
+    BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
     vertices: list[np.ndarray] = []
     normals: list[np.ndarray] = []
     triangles: list[np.ndarray] = []

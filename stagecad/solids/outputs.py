@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
@@ -29,9 +30,12 @@ def write_stored(out: Path, files: Mapping[str, Entry]) -> list[str]:
         DamagedError: a file in the cache is not what was put there; nothing wrong has been written.
     """
     written: list[str] = []
+    # Hashing leaves the interpreter to other threads: the files are read side by side.
+    with ThreadPoolExecutor() as pool:
+        there = dict(zip(files, pool.map(_digest, (out / name for name in files)), strict=True))
     for name, entry in files.items():
         target = out / name
-        if _digest(target) == entry.hashes[name]:
+        if there[name] == entry.hashes[name]:
             continue
         data = entry.data(name)
         if sha256(data) != entry.hashes[name]:

@@ -8,6 +8,9 @@ A part is one module of `stagecad.solids` (or `stagecad.solids.purchased`), name
 - ``datums(design) -> dict[str, Datum]``: named places others refer to (below).
 - ``dimensions(design) -> tuple[Dimension, ...]``: every dimension a maker needs (purchased parts have none).
 
+A part that is made has besides, where its function asks for them, ``requirements(design) -> tuple[FaceRequirement,
+...]``: datum letters, geometrical tolerances and surface texture of its faces; and ``NOTES``, texts for its sheet.
+
 A purchased part has besides ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
 and may have ``mass(design)`` in kilograms where the catalogue knows it better than the simplified solid.
 

@@ -26,9 +26,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, edges_where, joined, plate
-from stagecad.solids.declare import Declarations, X, Y, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.tooth_bar import pole_offset
 
@@ -36,6 +36,11 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "stage"
+
+NOTES = (
+    "Holes, pads, sea and pockets symmetric about the middle of length and width where no distance is given.",
+    "The single pad of three is in the middle of the length.",
+)
 
 
 def pad_centres(design: Any) -> list[tuple[float, float]]:
@@ -231,7 +236,15 @@ def _plate_dimensions(d: Declarations, design: Any) -> None:
         note="from the middle",
     )
     step = s.target_spacing / 2
-    d.linear("target spacing", "stage.target_spacing", (x, -step, top / 2), (x, step, top / 2), view="right", count=2)
+    d.linear(
+        "target spacing",
+        "stage.target_spacing",
+        (x, -step, top / 2),
+        (x, step, top / 2),
+        view="right",
+        count=2,
+        note="at mid-thickness",
+    )
     d.tapped(
         "target hole",
         "m4",
@@ -278,7 +291,7 @@ def _underside_dimensions(d: Declarations, design: Any) -> None:
             (x, -half, deep / 2),
             (x, half, deep / 2),
             view="bottom",
-            note="lapped, friction coating between the grooves",
+            note="friction coating between the grooves",
         )
         d.linear(
             "sea groove width",
@@ -323,3 +336,14 @@ def _underside_dimensions(d: Declarations, design: Any) -> None:
         view="bottom",
     )
     d.tapped("jack hole", "m3", (0, y, s.thickness), (0, 0, -1), count=2)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """A sea parallel to the plane of the pads' crowns: the tip's load stays the same along the travel."""
+    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
+    crowns = tuple((x, y, -design.pads.height) for x, y in sorted(pad_centres(design)))
+    sea = ((0.0, 0.0, 0.0),)
+    f.datum("A", crowns, down, "front")
+    f.keeps("parallelism", "sea to pads", "drawing.tolerance_x_xx", sea, down, "front", datums=("A",))
+    f.smooth("sea", "drive.roughness", sea, down, "front", "lapped")
+    return tuple(f)

@@ -19,15 +19,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, edges_where, joined, revolved, upright_edges
-from stagecad.solids.declare import Declarations, X, Y, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.holes import repeated, stepped_hole
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "tip"
+
+NOTES = (
+    "Feet and arms at the corners of an equilateral triangle about the nose; symmetric about each arm.",
+    "Nose anodised hard as the friction contact; seats masked.",
+)
 
 
 def bolt_circle_radius(design: Any) -> float:
@@ -155,3 +160,12 @@ def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, fl
     way = (-outward[0], -outward[1] - 1.0)
     r = centre + radius * way[0] / math.hypot(*way)
     return (0.0, -r, top + radius + radius * way[1] / math.hypot(*way))
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Seats in one plane, so that three equal piezos hold the nose upright."""
+    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
+    seats = tuple((x, y, 0.0) for x, y in piezo_places(design))
+    f.keeps("flatness", "seats", "drawing.tolerance_x_xx", seats, down, "front", combined=True)
+    f.smooth("seats", "bearing.way_roughness", seats, down, "front")
+    return tuple(f)

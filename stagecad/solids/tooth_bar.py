@@ -19,9 +19,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, edges_where, joined, plate, upright_edges
-from stagecad.solids.declare import Declarations, X, Y, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.holes import OVERRUN, corners, repeated, stepped_hole
 from stagecad.solids.tooth_iron import declare_teeth, groove_spans, tooth_centres
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "tooth_bar"
+
+NOTES = ("Symmetric about both centre planes: a group of teeth on either side of the channel. Two off, alike.",)
 
 
 def pole_offset(design: Any) -> float:
@@ -152,5 +154,30 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     flank = bar.height - (bar.channel_depth + design.teeth.groove_depth) / 2
     d.linear("channel width", "magnet.thickness", (0, -half, flank), (0, half, flank), view="right")
     d.depth("channel depth", "tooth_bar.channel_depth", (0, 0, bar.height), (0, 0, deep), view="right")
+    keys, level = ("teeth.pitch", "teeth.per_iron", "magnet.thickness"), (bar.relief + deep) / 2
+    d.derived("rail width", 2 * width, keys, (0, -width, level), (0, width, level), view="right")
+    second = centres[len(centres) // 2]
+    half = design.teeth.width / 2
+    crest = bar.height - design.teeth.groove_depth / 2
+    d.derived(
+        "between the groups of teeth",
+        second - centres[0],
+        keys,
+        (0, centres[0] - half, crest),
+        (0, second - half, crest),
+        view="right",
+    )
     declare_teeth(d, design, centres, bar.height, into=-1.0, groups=2)
     return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Feet in one plane, and crests parallel to it: the gap to the irons is the same along the travel."""
+    f, bar, down = FaceRequirements(design), design.tooth_bar, (0.0, 0.0, -1.0)
+    feet = tuple((side * (bar.length - bar.end_length) / 2, 0.0, 0.0) for side in (-1, 1))
+    shift = pole_offset(design)
+    crests = tuple((0.0, side * shift + c, bar.height) for side in (-1, 1) for c in tooth_centres(design))
+    f.datum("A", feet, down, "front")
+    f.keeps("flatness", "feet", "drawing.tolerance_x_xx", feet, down, "front", combined=True)
+    f.keeps("parallelism", "crests to feet", "drawing.tolerance_x_xx", crests, Z, "front", datums=("A",), combined=True)
+    return tuple(f)

@@ -15,15 +15,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.blocks import cut_all, edges_where, plate
-from stagecad.solids.declare import Declarations, Y, Z, named
+from stagecad.solids.declare import Declarations, FaceRequirements, Y, Z, named
 from stagecad.solids.holes import OVERRUN
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 NAME = "tooth_iron"
+
+NOTES = ("Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",)
 
 
 def tooth_centres(design: Any) -> list[float]:
@@ -79,6 +81,9 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     x, y, crest = iron.length / 2, design.teeth.per_iron * design.teeth.pitch / 2, -iron.height
     d.linear("length", "tooth_iron.length", (-x, 0, crest / 4), (x, 0, crest / 4), view="top")
     d.linear("height", "tooth_iron.height", (0, centres[0], 0), (0, centres[0], crest), view="right")
+    if design.teeth.per_iron > 1:
+        keys = ("teeth.pitch", "teeth.per_iron")
+        d.derived("width", 2 * y, keys, (0, -y, crest / 4), (0, y, crest / 4), view="top")
     nook = iron.corner_radius * (1 - math.sqrt(0.5))
     d.radius("corner radius", "tooth_iron.corner_radius", (x - nook, y - nook, crest / 4), count=4, view="top")
     c = iron.edge_chamfer / 2
@@ -114,3 +119,15 @@ def declare_teeth(
             (0, first + pitch / 2, crest + into * 2 * teeth.groove_depth),
             view="right",
         )
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Crests parallel to the seat: the gap to the bar is the same all over."""
+    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
+    seat = ((0.0, 0.0, 0.0),)
+    crests = tuple((0.0, y, -design.tooth_iron.height) for y in tooth_centres(design))
+    f.datum("A", seat, Z, "right")
+    f.keeps(
+        "parallelism", "crests to seat", "drawing.tolerance_x_xx", crests, down, "right", datums=("A",), combined=True
+    )
+    return tuple(f)
