@@ -11,11 +11,11 @@ import numpy as np
 from designcalc.checks import run_checks
 from designcalc.checks.check import Check
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.mass_properties import MassProperties
-from stagecad.parameters.quantities import from_si, parse_quantity
+from stagecad.parameters.quantities import from_si, parse_quantity, to_si
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import MassProperties
 
 DEFAULT_POINTS = 11
 
@@ -51,7 +51,8 @@ def read_range(text: str, design: Design) -> Range:
         InputError: another form, an unknown key, a wrong quantity, or a key that is no number.
     """
     key, equals, rest = (part.strip() for part in text.partition("="))
-    parts = [part.strip() for part in rest.split(":")]
+    # Quotation marks that no shell took away, as in a list of words of a script, mean nothing here.
+    parts = [part.strip().strip("\"'").strip() for part in rest.split(":")]
     if not equals or len(parts) not in (2, 3) or not all(parts):
         raise InputError(f"--sweep '{text}': write KEY=LOW:HIGH or KEY=LOW:HIGH:N, like stage.thickness=8mm:20mm:13")
     entry = design.entry(key)
@@ -74,70 +75,31 @@ def read_range(text: str, design: Design) -> Range:
     return Range(key, entry.unit, tuple(values))
 
 
-def body_of(design: Design, base: Design, base_body: MassProperties | None) -> MassProperties | None:
-    """Mass properties of the moving body for a changed design, without making its solids.
-
-    The base design's body, measured, with the mass of the plain plate's change added: exact for a longer, wider or
-    thicker plate but for the features cut through it.
-    """
-    if base_body is None:
-        return None
-    change = _plate(design) - _plate(base)
-    if change == 0:
-        return base_body
-    scale = (base_body.mass + change) / base_body.mass
-    inertia = np.asarray(base_body.inertia, float) * scale
-    return MassProperties(
-        base_body.volume * scale, base_body.mass + change, base_body.centre_of_mass, inertia, base_body.bounding_box
-    )
-
-
-def sweep(
-    swept: Range,
-    load: Callable[[str], Design],
-    base: Design,
-    base_body: MassProperties | None,
-    advance: Callable[[], None] = lambda: None,
-    body: Callable[[Design], MassProperties | None] | None = None,
-) -> list[Point]:
-    """Run the checks at every value of a range.
-
-    Args:
-        swept: the range.
-        load: design with one more override, `KEY=VALUE`.
-        base: the design as it stands.
-        base_body: its moving body.
-        advance: called after each point.
-        body: moving body of a changed design; `body_of` when left out.
-
-    Returns:
-        a point for each value; one that breaks a rule of the design says so instead of its checks.
-    """
-    points: list[Point] = []
-    for value in swept.values:
-        points.append(run_point(swept, value, load, base, base_body, body))
-        advance()
-    return points
-
-
 def run_point(
     swept: Range,
     value: float,
     load: Callable[[str], Design],
     base: Design,
-    base_body: MassProperties | None,
-    body: Callable[[Design], MassProperties | None] | None = None,
+    body: Callable[[Design], MassProperties | None],
 ) -> Point:
-    """One value of a sweep; arguments as `sweep`."""
-    from stagecad.parameters.quantities import to_si
+    """The checks at one value of a sweep.
 
+    Args:
+        swept: the range.
+        value: one of its values.
+        load: design with one more override, `KEY=VALUE`.
+        base: the design as it stands.
+        body: mass properties of a design's moving body, from its own solids; None estimates from plain volumes.
+
+    Returns:
+        the point; one that breaks a rule of the design says so in place of its checks.
+    """
     si = to_si(value, swept.unit)
     try:
         design = load(swept.override(int(value) if isinstance(base.value(swept.key), int) else value))
     except InputError as error:
         return Point(si, (), str(error))
-    moving = body(design) if body is not None else body_of(design, base, base_body)
-    return Point(si, tuple(run_checks(design, moving)))
+    return Point(si, tuple(run_checks(design, body(design))))
 
 
 def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
@@ -179,9 +141,3 @@ def moved(points: Sequence[Point], least: float = 1e-3) -> list[str]:
     size = {name: width[name] / (1 + max(abs(v) for v in m)) for name, m in margins.items()}
     kept = [name for name in margins if width[name] > least]
     return sorted(kept, key=lambda name: (-len(verdicts[name]), -size[name]))
-
-
-def _plate(design: Design) -> float:
-    """Mass of the stage's plate without its features, kg."""
-    volume = design.si("stage.length") * design.si("stage.width") * design.si("stage.thickness")
-    return volume * design.si(f"materials.{design.value('stage.material')}.density")

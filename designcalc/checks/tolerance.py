@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.checks import SUBJECTS, run_checks
-from designcalc.checks.check import Check
-from designcalc.checks.sweep import body_of
+from stagecad.parameters.mass_properties import MassProperties
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import MassProperties
 
 Array = NDArray[np.float64]
 
@@ -98,7 +97,7 @@ def tolerance_study(
     samples: int = 10_000,
     seed: int = 1,
     subjects: tuple[str, ...] | None = None,
-    advance: Callable[[int, int], None] = lambda done, total: None,
+    run_all: Callable[[Callable[[str], Any], Sequence[str]], list[Any]] = lambda job, keys: [job(key) for key in keys],
 ) -> ToleranceStudy:
     """Monte-Carlo of the margins over the tolerances of every dimension that a check reads.
 
@@ -114,31 +113,24 @@ def tolerance_study(
         samples: number of machines.
         seed: of the random numbers.
         subjects: of the checks to look at; all but the candidates when left out.
-        advance: called with dimensions done and their number.
+        run_all: runs a job on every key, in order; the default in this process, one after another.
     """
     # A candidate passed over is not made: no tolerance of it matters.
     wanted = tuple(name for name in subjects or SUBJECTS if name != "candidates")
     base = run_checks(design, body, wanted)
-    named = {check.name: check for check in base if check.margin is not None}
+    named = {check.name: check.margin for check in base if check.margin is not None}
     readers: dict[str, set[str]] = {}
     for check in base:
         for key in check.inputs:
             readers.setdefault(key, set()).add(check.subject)
     keys = [entry.key for entry in design.entries if entry.key in readers and design.plus_minus(entry.key) > 0]
     names = list(named)
-    nominal = np.array([named[n].margin for n in names], float)
+    nominal = np.array([named[n] for n in names], float)
     slope, bend = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
-    for row, key in enumerate(keys):
-        ends = []
-        for sign in (-1, 1):
-            # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
-            value = float(design.value(key)) + sign * design.plus_minus(key)
-            changed = load(f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
-            again = run_checks(changed, body_of(changed, design, body), tuple(readers[key]))
-            ends.append(_margins(again, names, nominal))
+    found = run_all(partial(_ends, design, load, body, readers, named), keys)
+    for row, ends in enumerate(found):
         slope[row] = (ends[1] - ends[0]) / 2
         bend[row] = (ends[1] + ends[0]) / 2 - nominal
-        advance(row + 1, len(keys))
     x = np.random.default_rng(seed).uniform(-1, 1, (samples, len(keys)))
     margins = nominal + x @ slope + x**2 @ bend
     low, high = np.quantile(margins, [0.05, 0.95], axis=0)
@@ -170,8 +162,46 @@ def tolerance_study(
     return ToleranceStudy(samples, spreads, tuple(influences))
 
 
-def _margins(checks: Sequence[Check], names: Sequence[str], nominal: Array) -> Array:
-    """Margins by name; the nominal one where a check was not run again."""
-    found = {check.name: check.margin for check in checks}
-    values = [found.get(name) for name in names]
-    return np.array([base if value is None else value for value, base in zip(values, nominal)], float)
+def _ends(
+    design: Design,
+    load: Callable[[str], Design],
+    body: MassProperties | None,
+    readers: Mapping[str, set[str]],
+    nominal: Mapping[str, float],
+    key: str,
+) -> list[Array]:
+    """Margins with one dimension at either end of its tolerance, those of checks that do not read it as they were."""
+    ends = []
+    for sign in (-1, 1):
+        # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
+        value = float(design.value(key)) + sign * design.plus_minus(key)
+        changed = load(f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
+        checks = run_checks(changed, body_of(changed, design, body), tuple(sorted(readers[key])))
+        found = {check.name: check.margin for check in checks}
+        values = [(found.get(name), base) for name, base in nominal.items()]
+        ends.append(np.array([base if value is None else value for value, base in values], float))
+    return ends
+
+
+def body_of(design: Design, base: Design, base_body: MassProperties | None) -> MassProperties | None:
+    """Mass properties of the moving body for a design that differs by tolerances, without making its solids.
+
+    The base design's body with the mass of the plain plate's change added: exact for a longer, wider or thicker plate
+    but for the features cut through it, a tenth of a change that is itself a hundredth of the mass.
+    """
+    if base_body is None:
+        return None
+    change = _plate(design) - _plate(base)
+    if change == 0:
+        return base_body
+    scale = (base_body.mass + change) / base_body.mass
+    inertia = np.asarray(base_body.inertia, float) * scale
+    return MassProperties(
+        base_body.volume * scale, base_body.mass + change, base_body.centre_of_mass, inertia, base_body.bounding_box
+    )
+
+
+def _plate(design: Design) -> float:
+    """Mass of the stage's plate without its features, kg."""
+    volume = design.si("stage.length") * design.si("stage.width") * design.si("stage.thickness")
+    return volume * design.si(f"materials.{design.value('stage.material')}.density")

@@ -15,8 +15,8 @@ from designcalc.checks.candidates import ranking
 from designcalc.checks.check import Check
 from designcalc.checks.reading import Reading
 from designcalc.checks.report import corrections, markdown, requirements
-from designcalc.checks.sweep import Point, body_of, moved, read_range, sweep, table
-from designcalc.checks.tolerance import tolerance_study
+from designcalc.checks.sweep import moved, read_range, run_point, table
+from designcalc.checks.tolerance import body_of, tolerance_study
 from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import MassProperties
@@ -151,6 +151,14 @@ def test_a_bad_sweep_is_said(text, words):
         read_range(text, load())
 
 
+def test_quotation_marks_around_a_quantity_may_stay():
+    design = load()
+    plain = read_range("stage.thickness=8 mm:20 mm:13", design)
+    assert plain.values == tuple(float(v) for v in range(8, 21))
+    assert read_range('stage.thickness="8 mm":"20 mm":13', design) == plain
+    assert read_range("stage.thickness='8 mm':'0.02 m':13", design) == plain
+
+
 def test_sweep_moves_the_margins_and_survives_a_refused_point():
     design = load()
     swept = read_range("bearing_way.bolt_spacing=30 mm:80 mm:3", design)
@@ -161,7 +169,7 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
             raise InputError("too far apart")
         return load(override)
 
-    points = sweep(swept, some, design, None)
+    points = [run_point(swept, value, some, design, lambda changed: None) for value in swept.values]
     assert points[2].refused == "too far apart" and not points[2].checks
     assert moved(points)[0] == "bolt spacing against its optimum"  # its verdict changes
     document = table(swept, points)
@@ -170,7 +178,6 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
     assert document["values"][1] == {"value": 0.055, "unit": "m"}
     counts = read_range("pads.count=3:4:2", design)
     assert counts.override(int(counts.values[0])) == "pads.count=3"
-    assert isinstance(points[0], Point)
 
 
 def test_moving_body_of_a_thicker_plate_gains_the_plates_mass():

@@ -144,13 +144,6 @@ def test_check_sweeps_with_a_figure(capsys, tmp_path):
     assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
 
 
-def test_a_sweep_without_a_cluster_is_said(capsys, tmp_path):
-    words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
-    status, _, err = answer(capsys, *words, "--scheduler", "tcp://127.0.0.1:9")
-    assert status == 2
-    assert "--scheduler tcp://127.0.0.1:9" in err.splitlines()[-1]
-
-
 def test_check_draws_the_rail_and_the_map(capsys, tmp_path):
     status, *_ = answer(capsys, "check", "--no-solids", "--figures", "--out", str(tmp_path))
     assert status == 1

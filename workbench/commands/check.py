@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from designcalc.checks.check import Check
     from designcalc.checks.sweep import Point, Range
     from designcalc.checks.tolerance import ToleranceStudy
-    from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import MassProperties
 
 
@@ -29,7 +27,11 @@ if TYPE_CHECKING:
 )
 @click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
 @click.option("--figures", is_flag=True, help="Draw the rail curve and the map of the teeth.")
-@click.option("--scheduler", metavar="ADDRESS", help="Send the sweep to a dask cluster.")
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Send --sweep and --tolerance to a dask cluster.",
+)
 @common_options
 def command(
     run: Run,
@@ -58,12 +60,15 @@ def command(
         document = {"checks": document}
     if wanted is not None:
         from designcalc.checks.sweep import table
+        from workbench.margin_runs import sweep
 
-        points = _sweep(run, wanted, body, solids, scheduler)
+        points = sweep(run, wanted, body is not None, scheduler)
         document["sweep"] = table(wanted, points)
         _print_sweep(run, wanted, points, folder)
     if tolerance:
-        study = _tolerance(run, design, body, samples)
+        from workbench.margin_runs import tolerance as tolerance_study
+
+        study = tolerance_study(run, body, samples, scheduler)
         document["tolerance"] = study.as_json()
         _print_tolerance(run, study)
     if figures:
@@ -77,24 +82,14 @@ def command(
 
 
 def moving_body(run: Run) -> MassProperties | None:
-    """Mass properties of the moving body, from the cached solids; made when missing, None where they cannot be."""
-    from stagecad.solids.machine import find_machine
+    """Mass properties of the moving body from its solids, made when missing; None where they cannot be."""
+    from workbench.moving_body import moving_body_of
 
-    machine = find_machine(run.design)
-    if machine is not None:
-        return machine.moving_body
     try:
-        import cadquery  # noqa: F401
+        return moving_body_of(run.design)
     except ImportError as error:
         run.note(f"no solids can be made here ({error}): the moving mass is estimated from plain volumes")
         return None
-    from stagecad.solids.machine import make_machine
-    from stagecad.solids.registry import part_names
-
-    with run.progress() as progress:
-        task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
-        machine = make_machine(run.design, advance=lambda name: progress.update(task, advance=1, description=name))
-    return machine.moving_body
 
 
 def write_files(checks: Sequence[Check], folder: Path, candidates: Sequence[Candidate] = ()) -> None:
@@ -106,56 +101,6 @@ def write_files(checks: Sequence[Check], folder: Path, candidates: Sequence[Cand
     atomic_write_text(folder / "checks.md", markdown(checks, candidates))
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
-
-
-def _load(run: Run, override: str, rules: bool = True) -> Design:
-    """The run's design with one more override."""
-    from stagecad.parameters.design import load_design
-
-    path = run.params
-    if path is None and Path("stage.toml").is_file():
-        path = Path("stage.toml")
-    return load_design(path, (*run.overrides, override), rules=rules)
-
-
-def _solid_body(run: Run, design: Design) -> MassProperties:
-    from stagecad.solids.machine import find_machine, make_machine
-
-    return (find_machine(design) or make_machine(design)).moving_body
-
-
-def _sweep(run: Run, wanted: Range, body: MassProperties | None, solids: bool, scheduler: str | None) -> list[Point]:
-    from designcalc.checks.sweep import run_point, sweep
-
-    load = partial(_load, run)
-    if scheduler is None:
-        with run.progress() as progress:
-            task = progress.add_task("sweep", total=len(wanted.values))
-            return sweep(wanted, load, run.design, body, advance=lambda: progress.update(task, advance=1))
-    from workbench.cluster import cluster_map
-
-    shape = partial(_solid_body, run) if solids else None
-    return cluster_map(
-        scheduler, partial(_remote_point, run_point, wanted, load, run.design, body, shape), wanted.values
-    )
-
-
-def _remote_point(point: Any, wanted: Any, load: Any, base: Any, body: Any, shape: Any, value: float) -> Any:
-    return point(wanted, value, load, base, body, shape)
-
-
-def _tolerance(run: Run, design: Design, body: MassProperties | None, samples: int) -> ToleranceStudy:
-    from designcalc.checks.tolerance import tolerance_study
-
-    with run.progress() as progress:
-        task = progress.add_task("tolerances", total=None)
-        return tolerance_study(
-            design,
-            partial(_load, run, rules=False),
-            body,
-            samples,
-            advance=lambda done, total: progress.update(task, completed=done, total=total),
-        )
 
 
 _STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}

@@ -1,0 +1,76 @@
+"""Sweeps and tolerance studies on a dask cluster and on the local cores come out as run one after another."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+import pytest
+from distributed import LocalCluster
+
+from stagecad.parameters.design import load_design
+from stagecad.parameters.errors import InputError
+from workbench.cli import run
+from workbench.cluster import run_all
+
+
+@pytest.fixture(scope="module")
+def cluster():
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+    ) as made:
+        yield made.scheduler_address
+
+
+def document(capsys, folder, *words):
+    status = run(["check", "--out", str(folder), *words, "--json"])
+    out, err = capsys.readouterr()
+    assert status == 1, err
+    return json.loads(out)
+
+
+def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(capsys, tmp_path, cluster):
+    """Heavier by the plate's added volume less what pockets and holes, which grow with it, take from it."""
+    words = ("--sweep", 'stage.thickness="11 mm":"12 mm":2')
+    there = document(capsys, tmp_path, *words, "--scheduler", cluster)["sweep"]
+    here = document(capsys, tmp_path, *words)["sweep"]
+    assert there == here
+    limits = [
+        limit / 0.1 / 9.80665
+        for limit in (
+            value / (1 + margin)
+            for value, margin in zip(
+                here["checks"]["preload against the share of the load asked for"]["value"],
+                here["checks"]["preload against the share of the load asked for"]["margin"],
+            )
+        )
+    ]
+    plate = 2700 * 0.230 * 0.270 * 1e-3
+    assert 0.93 * plate < limits[1] - limits[0] < 0.999 * plate
+
+
+def test_tolerances_come_out_the_same_on_a_cluster(capsys, tmp_path, cluster):
+    words = ("--no-solids", "--tolerance", "--samples", "1000", "--set", "teeth.fitted=false")
+    there = document(capsys, tmp_path, *words, "--scheduler", cluster)["tolerance"]
+    here = document(capsys, tmp_path, *words)["tolerance"]
+    assert there == here
+    assert len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
+
+
+def test_a_mistake_on_a_worker_is_said_in_one_line(cluster):
+    job = partial(load_design, None, rules=False)
+    with pytest.raises(InputError, match=r"stage\.lenght"):
+        run_all(job, [("stage.length=240 mm",), ("stage.lenght=240 mm",)], cluster)
+
+
+def test_local_processes_keep_the_order_and_count_what_is_done():
+    ticks = []
+    assert run_all(abs, [-3, 2, -1], advance=lambda: ticks.append(1), workers=2) == [3, 2, 1]
+    assert len(ticks) == 3
+
+
+def test_a_cluster_that_is_not_there_is_said(capsys, tmp_path):
+    words = ("check", "--no-solids", "--out", str(tmp_path), "--sweep", "tip.nose_radius=10 mm:30 mm:3")
+    status = run([*words, "--scheduler", "tcp://127.0.0.1:9"])
+    assert status == 2
+    assert "--scheduler tcp://127.0.0.1:9" in capsys.readouterr().err.splitlines()[-1]
