@@ -1,0 +1,194 @@
+"""Hidden-line removal: the lines of a solid as one direction of view shows them, at 1:1.
+
+The kernel's exact algorithm (`HLRBRep_Algo`) gives edges in the plane of projection. Here they become segments, arcs
+and polylines; pieces of one line that touch or overlap become one, and what lies under a visible line is not hidden.
+Edges across which the surface is smooth are left out, as a draughtsman does with a fillet's ends; silhouettes stay.
+"""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any
+
+from drawings.line_cleaning import cleaned
+from drawings.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
+CHORD = 0.01
+"""Greatest distance of a polyline from its curve, mm."""
+FLAT = 1e-4
+"""A curve seen as a line is one when it is straighter than this, mm."""
+
+
+def project(
+    shape: TopoDS_Shape, projection: Projection, *, hidden: bool = True, exact: bool = True
+) -> dict[Layer, tuple[Curve, ...]]:
+    """Visible and hidden lines of a shape.
+
+    Args:
+        shape: solid or compound, part coordinates.
+        projection: direction of view.
+        hidden: whether hidden lines are wanted.
+        exact: by the exact algorithm; else by the one on a mesh, which cannot hang and gives polylines only.
+
+    Returns:
+        Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in an order that is always the
+        same for the same shape.
+    """
+    seen, unseen = _exact(shape, projection) if exact else _on_mesh(shape, projection)
+    visible, behind = cleaned(_curves(seen), _curves(unseen) if hidden else ())
+    return {"VISIBLE": visible, "HIDDEN": behind}
+
+
+def _exact(shape: TopoDS_Shape, projection: Projection) -> tuple[list[Any], list[Any]]:
+    from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
+
+    algorithm = HLRBRep_Algo()
+    algorithm.Add(with_simple_curves(shape))
+    algorithm.Projector(_projector(projection))
+    algorithm.Update()
+    algorithm.Hide()
+    result = HLRBRep_HLRToShape(algorithm)
+    return (
+        [result.VCompound(), result.OutLineVCompound()],
+        [result.HCompound(), result.OutLineHCompound()],
+    )
+
+
+def _on_mesh(shape: TopoDS_Shape, projection: Projection) -> tuple[list[Any], list[Any]]:
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.HLRBRep import HLRBRep_PolyAlgo, HLRBRep_PolyHLRToShape
+
+    BRepMesh_IncrementalMesh(shape, 0.02, False, 0.1, False)
+    algorithm = HLRBRep_PolyAlgo(shape)
+    algorithm.Projector(_projector(projection))
+    algorithm.Update()
+    result = HLRBRep_PolyHLRToShape()
+    result.Update(algorithm)
+    return (
+        [result.VCompound(), result.OutLineVCompound()],
+        [result.HCompound(), result.OutLineHCompound()],
+    )
+
+
+def _projector(projection: Projection) -> Any:
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+    from OCP.HLRAlgo import HLRAlgo_Projector
+
+    frame = gp_Ax2(gp_Pnt(0, 0, 0), gp_Dir(*projection.towards_eye), gp_Dir(*projection.right))
+    return HLRAlgo_Projector(frame)
+
+
+def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """The shape with its free-form edges (where bore meets bore) replaced by splines of a few poles, to some 5 um.
+
+    The exact algorithm's time grows steeply with the poles of a spline: of the edges where two bores cross, with
+    their 74 poles, nine made a view of the base take 7 s. The shape that is handed in stays as it is.
+    """
+    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+    from OCP.GeomAbs import GeomAbs_BSplineCurve, GeomAbs_C1
+    from OCP.GeomConvert import GeomConvert_ApproxCurve
+    from OCP.TopLoc import TopLoc_Location
+
+    few, segments, degree, tolerance = 12, 4, 7, 1e-3
+    if not any(_is_rich(edge, few) for edge in _edges(shape)):
+        return shape
+    copy = BRepBuilderAPI_Copy(shape).Shape()
+    for edge in _edges(copy):
+        if BRepAdaptor_Curve(edge).GetType() == GeomAbs_BSplineCurve and _is_rich(edge, few):
+            fit = GeomConvert_ApproxCurve(BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, GeomAbs_C1, segments, degree)
+            if fit.HasResult() and fit.MaxError() < CHORD:
+                BRep_Builder().UpdateEdge(edge, fit.Curve(), TopLoc_Location(), fit.MaxError())
+    return copy
+
+
+def _is_rich(edge: Any, few: int) -> bool:
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.GeomAbs import GeomAbs_BSplineCurve
+
+    curve = BRepAdaptor_Curve(edge)
+    return curve.GetType() == GeomAbs_BSplineCurve and curve.NbPoles() > few
+
+
+def _edges(shape: Any) -> Iterator[Any]:
+    """Each edge once, in the shape's own order."""
+    from OCP.TopAbs import TopAbs_EDGE
+    from OCP.TopExp import TopExp
+    from OCP.TopoDS import TopoDS
+    from OCP.TopTools import TopTools_IndexedMapOfShape
+
+    found = TopTools_IndexedMapOfShape()
+    TopExp.MapShapes_s(shape, TopAbs_EDGE, found)
+    for index in range(1, found.Extent() + 1):
+        yield TopoDS.Edge_s(found.FindKey(index))
+
+
+def _curves(compounds: Iterable[Any]) -> Iterator[Curve]:
+    from OCP.BRepLib import BRepLib
+
+    for compound in compounds:
+        if compound is None or compound.IsNull():
+            continue
+        BRepLib.BuildCurves3d_s(compound)
+        for edge in _edges(compound):
+            curve = as_curve(edge)
+            if curve is not None:
+                yield curve
+
+
+def as_curve(edge: Any) -> Curve | None:
+    """An edge in the plane z = 0 as a curve of a view; None when it has no length there."""
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.GCPnts import GCPnts_QuasiUniformDeflection
+    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Line
+
+    curve = BRepAdaptor_Curve(edge)
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    if curve.GetType() == GeomAbs_Line:
+        return _segment([_at(curve, first), _at(curve, last)])
+    if curve.GetType() == GeomAbs_Circle:
+        circle = curve.Circle()
+        axis = circle.Axis().Direction().Z()
+        if abs(axis) > 1 - 1e-9:
+            centre = (circle.Location().X(), circle.Location().Y())
+            if last - first > 2 * math.pi - 1e-9:
+                return Arc(centre, circle.Radius())
+            ends = [_at(curve, first), _at(curve, last)]
+            start, end = (_angle(centre, point) for point in (ends if axis > 0 else reversed(ends)))
+            return Arc(centre, circle.Radius(), start, end if end > start else end + 360.0)
+    points = GCPnts_QuasiUniformDeflection(curve, CHORD, first, last)
+    places = [(points.Value(i).X(), points.Value(i).Y()) for i in range(1, points.NbPoints() + 1)]
+    return _segment(places) or _polyline(places)
+
+
+def _at(curve: Any, parameter: float) -> Point2:
+    point = curve.Value(parameter)
+    return (point.X(), point.Y())
+
+
+def _angle(centre: Point2, point: Point2) -> float:
+    return math.degrees(math.atan2(point[1] - centre[1], point[0] - centre[0])) % 360.0
+
+
+def _segment(points: list[Point2]) -> Segment | None:
+    """The straight line through the points, to its farthest ends; None when they bend or coincide."""
+    ends = max(((a, b) for a in (points[0], points[-1]) for b in points), key=lambda pair: math.dist(*pair))
+    length = math.dist(*ends)
+    if length < FLAT:
+        return None
+    (x, y), (p, q) = ends
+    if max(abs((u - x) * (q - y) - (v - y) * (p - x)) / length for u, v in points) > FLAT:
+        return None
+    return Segment(*ends)
+
+
+def _polyline(points: list[Point2]) -> Polyline | None:
+    return Polyline(tuple(points)) if max(math.dist(points[0], point) for point in points) > FLAT else None
