@@ -1,4 +1,4 @@
-"""Plain data for what stands beside each solid: its named datums, and its dimension declarations.
+"""Plain data for what stands beside each solid: its named datums, its dimensions and what its faces must be.
 
 A part declares each dimension next to the feature that needs it; the drawings lay the declarations out, the tolerance
 analysis adds them up, the assembly mates the datums. No type here knows a solid. Millimetres and degrees, in part
@@ -88,6 +88,8 @@ class Dimension:
         view: where it reads best.
         feature: name of the feature it belongs to; what belongs to one hole is gathered in one callout.
         between: names of the datums or features it stands between, where they have names.
+        derived_from: keys of the parameters the value is worked out from, where it is not one parameter's own; then
+            `parameter` is empty, and `tolerance` is the class of the first of them.
     """
 
     name: str
@@ -102,11 +104,99 @@ class Dimension:
     view: View = "any"
     feature: str = ""
     between: tuple[str, ...] = ()
+    derived_from: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
+        if bool(self.parameter) == bool(self.derived_from):
+            raise ValueError(f"dimension '{self.name}': comes from one parameter, or is derived from some")
         if self.kind in ("linear", "depth") and len(self.points) != 2:
             raise ValueError(f"dimension '{self.name}': a {self.kind} dimension stands between two points")
         if not math.isfinite(self.value):
             raise ValueError(f"dimension '{self.name}': {self.value} is no value")
         if self.count < 1:
             raise ValueError(f"dimension '{self.name}': stands for {self.count} features")
+
+
+Characteristic = Literal["flatness", "cylindricity", "parallelism", "perpendicularity"]
+"""Geometrical characteristics of ISO 1101 in use here; the last two refer to a datum."""
+
+
+@dataclass(frozen=True)
+class DatumFeature:
+    """A face that others are referred to, by its letter (ISO 5459).
+
+    Args:
+        letter: one capital letter, unique within the part.
+        points: one on each face that forms it together, or on the axis beside a round face.
+        normal: out of the face, or along the axis.
+        round: whether it is the axis of a round face.
+        view: where the face is seen as a line.
+    """
+
+    letter: str
+    points: tuple[Point, ...]
+    normal: Point
+    view: View
+    round: bool = False
+
+    def __post_init__(self) -> None:
+        if len(self.letter) != 1 or not self.letter.isupper():
+            raise ValueError(f"datum '{self.letter}' is no capital letter")
+
+
+@dataclass(frozen=True)
+class GeometricTolerance:
+    """What form or direction a face must keep (ISO 1101), declared beside the face.
+
+    Args:
+        name: unique within the part.
+        characteristic: see `Characteristic`.
+        value: width of the zone, mm.
+        parameter: key of the parameter file the value comes from.
+        points: one on each face; on the axis beside a round one.
+        normal: out of the face, or along the axis.
+        datums: letters referred to.
+        round: whether it holds for a round face, or its axis.
+        combined: whether all the faces lie in one zone (CZ), rather than each in its own.
+        view: where the face is seen as a line.
+    """
+
+    name: str
+    characteristic: Characteristic
+    value: float
+    parameter: str
+    points: tuple[Point, ...]
+    normal: Point
+    view: View
+    datums: tuple[str, ...] = ()
+    round: bool = False
+    combined: bool = False
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.value) and self.value > 0):
+            raise ValueError(f"{self.characteristic} '{self.name}': {self.value} is no width of a zone")
+        if bool(self.datums) != (self.characteristic in ("parallelism", "perpendicularity")):
+            raise ValueError(f"{self.characteristic} '{self.name}': refers to {len(self.datums)} datums")
+
+
+@dataclass(frozen=True)
+class SurfaceTexture:
+    """How smooth a face must be: its mean roughness Ra (ISO 21920), and how it is made so.
+
+    Args:
+        roughness: Ra, um.
+        parameter: key of the parameter file the value comes from.
+        points: one on each such face.
+        process: how it is finished (`lapped`); empty where the maker may choose.
+    """
+
+    name: str
+    roughness: float
+    parameter: str
+    points: tuple[Point, ...]
+    normal: Point
+    view: View
+    process: str = ""
+
+
+FaceRequirement = DatumFeature | GeometricTolerance | SurfaceTexture

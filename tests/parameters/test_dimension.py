@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from stagecad.parameters.dimension import Datum, Dimension
+from stagecad.parameters.dimension import Datum, DatumFeature, Dimension, GeometricTolerance
 
 
 def test_a_datum_is_a_right_handed_frame() -> None:
@@ -32,3 +32,20 @@ def test_dimensions_without_ends_value_or_features_are_refused() -> None:
         Dimension("length", "linear", math.nan, "stage.length", ends)
     with pytest.raises(ValueError, match="0 features"):
         Dimension("bore", "diameter", 1.0, "stage.length", count=0)
+    with pytest.raises(ValueError, match="one parameter, or is derived"):
+        Dimension("bore", "diameter", 1.0, "")
+    with pytest.raises(ValueError, match="one parameter, or is derived"):
+        Dimension("bore", "diameter", 1.0, "stage.length", derived_from=("stage.width",))
+
+
+def test_requirements_without_zone_datum_or_letter_are_refused() -> None:
+    face = ((0.0, 0.0, 0.0),), (0.0, 0.0, 1.0), "front"
+    assert GeometricTolerance("top", "flatness", 0.01, "stage.length", *face).datums == ()
+    with pytest.raises(ValueError, match="no width"):
+        GeometricTolerance("top", "flatness", 0.0, "stage.length", *face)
+    with pytest.raises(ValueError, match="refers to 0 datums"):
+        GeometricTolerance("top", "parallelism", 0.01, "stage.length", *face)
+    with pytest.raises(ValueError, match="refers to 1 datums"):
+        GeometricTolerance("top", "flatness", 0.01, "stage.length", *face, datums=("A",))
+    with pytest.raises(ValueError, match="capital"):
+        DatumFeature("a", *face)

@@ -12,7 +12,7 @@ import pytest
 
 from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design, load_design, schema
-from stagecad.parameters.dimension import Dimension
+from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
 from stagecad.solids.measure import Gauge
 from stagecad.solids.reading import Reading
@@ -70,11 +70,12 @@ def test_every_dimension_measures_as_declared(name: str) -> None:
 
 @pytest.mark.parametrize("name", MADE)
 def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(name: str) -> None:
-    declared = [dimension.parameter for dimension in module_of(name).dimensions(thesis())]
+    own = [dimension for dimension in module_of(name).dimensions(thesis()) if not dimension.derived_from]
+    declared = [dimension.parameter for dimension in own]
     assert sorted(declared) == sorted(set(declared))
     assert read_by(name) - SWITCHES <= set(declared)
     # What is declared and does not shape the solid is the depth of a thread, which is cosmetic.
-    rest = {d for d in module_of(name).dimensions(thesis()) if d.parameter not in read_by(name)}
+    rest = {dimension for dimension in own if dimension.parameter not in read_by(name)}
     assert all(dimension.kind == "thread_depth" for dimension in rest)
 
 
@@ -83,9 +84,31 @@ def test_dimensions_agree_with_their_parameters(name: str) -> None:
     dimensions = module_of(name).dimensions(thesis())
     assert len({dimension.name for dimension in dimensions}) == len(dimensions)
     for dimension in dimensions:
+        assert dimension.view != "any"
+        if dimension.derived_from:
+            assert set(dimension.derived_from) <= read_by(name)
+            continue
         assert dimension.parameter in schema()
         assert dimension.value == pytest.approx(float(thesis().value(dimension.parameter)), abs=1e-12)
-        assert dimension.view != "any"
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: str) -> None:
+    module = module_of(name)
+    required = getattr(module, "requirements", lambda _: ())(thesis())
+    letters = {requirement.letter for requirement in required if isinstance(requirement, DatumFeature)}
+    for requirement in required:
+        if isinstance(requirement, GeometricTolerance):
+            assert set(requirement.datums) <= letters
+        for point in requirement.points:
+            on = [face for face in solid_of(name).Faces() if face.distance(cq.Vertex.makeVertex(*point)) < 1e-6]
+            if isinstance(requirement, SurfaceTexture) or not requirement.round:
+                (face,) = on
+                normal = face.normalAt(cq.Vector(*point)).toTuple()
+                assert normal == pytest.approx(requirement.normal, abs=1e-6)
+            else:
+                bore = Dimension("bore", "diameter", 1.0, "any", (point,), requirement.normal)
+                assert Gauge(solid_of(name)).measure(bore)
 
 
 @pytest.mark.parametrize("name", MADE)
