@@ -214,11 +214,11 @@ def step_bytes(name: str, pieces: Sequence[Piece], shapes: dict[str, TopoDS_Shap
         if writer.Write(str(path)) != IFSelect_RetDone:
             raise ValueError(f"'{name}' could not be written as STEP")
         text = path.read_text("utf-8")
-    return _constant(text, name).encode()
+    return constant_text(text, name).encode()
 
 
-def _constant(text: str, name: str) -> str:
-    """The STEP text with the time stamp and the file's own name fixed, and OCCT's running counters restarted."""
+def constant_text(text: str, name: str) -> str:
+    """A STEP text with the time stamp and the file's own name fixed, and OCCT's running counters restarted."""
     text = re.sub(
         r"FILE_NAME\(.*?\);",
         f"FILE_NAME('{name}','{TIME_STAMP}',('stagecad'),(''),'Open CASCADE','stagecad','');",

@@ -1,0 +1,99 @@
+"""STEP text (ISO 10303-21) put right and added to, where the kernel's writer does not suffice."""
+
+from __future__ import annotations
+
+import re
+
+_LIMIT = re.compile(r"(#\d+ = )MEASURE_WITH_UNIT\((-?[\d.E+-]+),\s*(#\d+)\)")
+
+
+def typed_limits(text: str) -> str:
+    """The limits of plus-minus tolerances as lengths with their type.
+
+    OCCT 7.9 writes a bare number, which the schema does not allow: `value_component` is a choice of types, and such a
+    value carries the name of its type (section 11.1.8).
+
+    Args:
+        text: a STEP file in which all such limits are lengths.
+    """
+    return _LIMIT.sub(r"\1LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(\2),\3)", text)
+
+
+def directed_distances(text: str) -> str:
+    """Distances that run along a direction of their own, named and placed so that they can be read back.
+
+    OCCT 7.9 leaves the kind of such a distance empty, and its placement without a second direction, at which its own
+    reader fails.
+    """
+    number = _last_number(text)
+    added: list[str] = []
+
+    def whole(found: re.Match[str]) -> str:
+        nonlocal number
+        number += 1
+        direction = re.search(rf"{found[2]} = DIRECTION\('',\(([^)]*)\)\)", text)
+        if direction is None:
+            raise ValueError(f"the STEP file has no direction {found[2]}")
+        x, y, z = (float(part) for part in direction[1].split(","))
+        # At right angles to it: the axis it runs along least, made square.
+        side = min(range(3), key=lambda k: abs((x, y, z)[k]))
+        square = [(1.0 if k == side else 0.0) - (x, y, z)[side] * (x, y, z)[k] for k in range(3)]
+        size = sum(part * part for part in square) ** 0.5
+        added.append(f"#{number} = DIRECTION('',({','.join(_real(part / size) for part in square)}));\n")
+        return f"{found[1]}{found[2]},#{number})"
+
+    text = re.sub(r"(AXIS2_PLACEMENT_3D\('orientation',#\d+,)(#\d+),\$\)", whole, text)
+    text = text.replace("DIMENSIONAL_LOCATION('',", "DIMENSIONAL_LOCATION('linear distance',")
+    end = text.rindex("ENDSEC;")
+    return text[:end] + "".join(added) + text[end:]
+
+
+def with_properties(text: str, properties: dict[str, str]) -> str:
+    """The file of one product with named texts added as user-defined attributes of it.
+
+    Entities and names follow the recommended practice of the CAx implementor forum for such attributes.
+
+    Args:
+        text: a STEP file of one product that has a material.
+        properties: text by name.
+    """
+    product = re.search(r"(#\d+) = PRODUCT_DEFINITION\(", text)
+    context = re.search(r"ADVANCED_BREP_SHAPE_REPRESENTATION\('[^']*',\([^)]*\),(#\d+)\)", text)
+    # Readers built on OCCT take the last text of a product for its material: that has to stay the last.
+    material = re.search(r"^#\d+ = REPRESENTATION\('material name'", text, flags=re.MULTILINE)
+    if product is None or context is None or material is None:
+        raise ValueError("the STEP file has no product with a shape and a material")
+    number = _last_number(text)
+    lines = []
+    for name, value in properties.items():
+        general, association, definition, link, representation, item = (f"#{number + k}" for k in range(1, 7))
+        number += 6
+        lines += [
+            f"{general} = GENERAL_PROPERTY('',{_string(name)},$);",
+            f"{association} = GENERAL_PROPERTY_ASSOCIATION('user defined attribute','',{general},{definition});",
+            f"{definition} = PROPERTY_DEFINITION({_string(name)},'',{product[1]});",
+            f"{link} = PROPERTY_DEFINITION_REPRESENTATION({definition},{representation});",
+            f"{representation} = REPRESENTATION('',({item}),{context[1]});",
+            f"{item} = DESCRIPTIVE_REPRESENTATION_ITEM({_string(name)},{_string(value)});",
+        ]
+    place = material.start()
+    return text[:place] + "".join(f"{line}\n" for line in lines) + text[place:]
+
+
+def _last_number(text: str) -> int:
+    return max(int(number) for number in re.findall(r"^#(\d+) =", text, flags=re.MULTILINE))
+
+
+def _real(value: float) -> str:
+    """A real number: with a decimal point, as the format wants it (section 6.4.2)."""
+    shown = f"{value + 0.0:.15G}"
+    return shown if "." in shown else shown.replace("E", ".E") if "E" in shown else f"{shown}."
+
+
+def _string(text: str) -> str:
+    """A string as the format writes it: quotes doubled, what is not ASCII as UCS-2 (section 6.4.3)."""
+
+    def wide(found: re.Match[str]) -> str:
+        return f"\\X2\\{found[0].encode('utf-16-be').hex().upper()}\\X0\\"
+
+    return "'" + re.sub(r"[^ -~]+", wide, text.replace("\\", "\\\\").replace("'", "''")) + "'"
