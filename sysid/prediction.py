@@ -95,7 +95,7 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
         assert balance.whole is not None and balance.direction is not None and balance.applied is not None
         assert balance.turns is not None
         sharp = sharp_friction(
-            balance.direction, balance.stuck, balance.turns, balance.applied - forces,
+            balance.direction, balance.stuck, balance.turns, _as_driven(balance, effects, values) - forces,
             np.ascontiguousarray(level, dtype=float), values_of(core, values).stretch, balance.step**2 / mass,
         )  # fmt: skip
         friction = forces
@@ -128,20 +128,34 @@ def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
     return np.interp(index + ahead / step, index, signal)
 
 
+def _makes_motion_late(effect: Effect) -> bool:
+    """Whether an effect sets a logged motion behind the logged drive: the drive's own, or the motion sensor's."""
+    base, channel = split_channel(effect.name)
+    of_sensor = base in ("sensor_lag", "sensor_delay") and channel in (None, "position", "velocity")
+    return of_sensor or base in ("drive_lag", "drive_delay")
+
+
+def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """The applied force (n,) at the time at which the logged motion answers it: what friction holds at rest."""
+    assert balance.applied is not None
+    force = balance.applied
+    if balance.kind == "force-drive":
+        for effect in effects:
+            if _makes_motion_late(effect) and effect.signal is not None:
+                force = effect.signal(np.ascontiguousarray(force), balance.step, values_of(effect, values))
+    return force
+
+
 def _before_the_drive(balance: Balance, effects: Sequence[Effect], values: Values, needed: np.ndarray) -> np.ndarray:
     """The command that gives the force `needed` (n,) through a drive that lags, or whose position sensor does.
 
     Either makes the measured motion late against the command, by the same amount: one open-loop chain cannot tell.
     """
     for effect in effects:
-        base, channel = split_channel(effect.name)
-        late = base in ("drive_lag", "drive_delay") or (
-            base in ("sensor_lag", "sensor_delay") and channel in (None, "position", "velocity")
-        )
-        if not late:
+        if not _makes_motion_late(effect):
             continue
         p = values_of(effect, values)
-        if base.endswith("lag"):
+        if split_channel(effect.name)[0].endswith("lag"):
             needed = needed + p.time_constant * np.gradient(needed, balance.step)
         else:
             needed = _advanced(needed, balance.step, p.delay)

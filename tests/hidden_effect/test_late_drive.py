@@ -1,0 +1,27 @@
+"""A drive that is late, on an axis that also rests: what holds it at rest is the late force, not the command."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from generator import Plan, make_case
+
+from sysid.ladder import add_effects
+
+
+@pytest.mark.parametrize("effect,parameter,seed", [("drive_lag", "time_constant", 3), ("drive_delay", "delay", 7)])
+def test_with_the_lag_or_delay_added_what_is_left_is_noise(
+    tmp_path: Path, effect: str, parameter: str, seed: int
+) -> None:
+    case = make_case(Plan("force-drive", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(seed))
+    case.write(tmp_path)
+
+    step = add_effects(tmp_path, [effect])
+
+    assert step.before_validate["drive_force"].over_noise > 5.0
+    assert step.after_validate["drive_force"].over_noise < 1.5
+    found = step.rung.document["parameters"][f"{effect}.{parameter}"]["value"]
+    # The simulator that made the record moves in steps of 0.05 ms.
+    assert found == pytest.approx(case.key["truth"][effect], abs=1e-4)
