@@ -16,7 +16,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from stagecad.parameters import hardware_tables, part_tables, physics_tables
+from stagecad.parameters import candidate_tables, hardware_tables, part_tables, physics_tables
 from stagecad.parameters.derived import COMPUTED, Derived
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.parameter_file import FileEntry, ParameterFile, parse_parameter_text, read_parameter_file
@@ -91,6 +91,7 @@ class Design:
     preload: physics_tables.Preload
     payload: physics_tables.Payload
     piezo: hardware_tables.Piezo
+    amplifier: physics_tables.Amplifier
     screws: hardware_tables.Screws
     set_screw: hardware_tables.SetScrew
     spring: hardware_tables.Spring
@@ -103,6 +104,7 @@ class Design:
     sensors: physics_tables.Sensors
     requirements: physics_tables.Requirements
     environment: physics_tables.Environment
+    candidates: candidate_tables.Candidates
     drawing: physics_tables.Drawing
     materials: Materials
     entries: tuple[Entry, ...] = field(repr=False)

@@ -24,6 +24,11 @@ class Piezo:
     capacitance: float = number("", "F")
     hysteresis: float = number("width over stroke, open loop", high=1, closed=True)
     strain_limit: float = number("tensile stress the ceramic stands without preload", "Pa", closed=True)
+    element_area: float = number("cross-section of the ceramic element in its case", "m^2")
+    moving_mass: float = number("share of the stack that moves with the tip", "kg", closed=True)
+    loss_factor: float = number("tan(delta) at large signal", high=1, closed=True)
+    creep: float = number("stretch gained per decade of time", high=1, closed=True)
+    damping_ratio: float = number("of a body on the stacks", high=1, closed=True)
 
 
 @dataclass(frozen=True)
@@ -43,6 +48,7 @@ class Screw:
     stress_area: float = number("tensile stress area", "m^2")
     proof_stress: float = number("of the screw", "Pa")
     torque: float = number("for tightening", "N*m")
+    nut_factor: float = number("K: torque over preload and diameter", low=0.05, high=0.5, closed=True)
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,7 @@ class BearingWay:
     edge_chamfer: float = mm("of outer edges")
     hole_chamfer: float = mm("at the mouth of the holes")
     joint_ratio: float = number("stiffness of the bedded joint over that of the bolt joint")
+    wanted_stiffness: float = number("of one way at its loaded edge", "N/m")
 
 
 @dataclass(frozen=True)
@@ -207,6 +208,8 @@ class HeightPin1:
     length: float = mm("of the pin")
     slope: float = number("of the wedge's flat: rise over run", high=1)
     stroke: float = mm("along its axis that the height adjustment uses")
+    friction: float = number("coefficient of its sliding faces, greased, low end", high=2)
+    friction_dry: float = number("the same run dry, high end", high=2)
     flat_height: float = mm("of the wedge's flat above the axis, at mid-length")
     spigot_diameter: float = mm("of the spigot that guides the spring")
     spigot_length: float = mm("of the spigot that guides the spring")

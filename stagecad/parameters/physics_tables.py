@@ -22,6 +22,18 @@ class Actuator:
     frequency: float = number("of the drive", "Hz")
     bias_voltage: float = number("at which the piezos stand at mid-stroke", "V", closed=True)
     fitted: int = count("actuators: one drives one axis, three drive two", low=1, high=3)
+    heat_limit: float = number("that tip and holder bear", "W")
+    key_angle: float = number("to which a hand sets the key of the height adjustment", "rad")
+
+
+@dataclass(frozen=True)
+class Amplifier:
+    """What drives one piezo."""
+
+    current: float = number("highest", "A")
+    slew_rate: float = number("highest, without a load", "V/s")
+    bandwidth: float = number("", "Hz")
+    bits: int = count("of the converter over the whole voltage", high=32)
 
 
 @dataclass(frozen=True)
@@ -31,6 +43,7 @@ class Drive:
     friction: float = number("coefficient between the tip's coating and the sea", high=5)
     sea_coating_thickness: float = number("of the friction coating on the sea", "m")
     roughness: float = number("Ra of the sea", "m")
+    impact_loss: float = number("alpha of a coefficient of restitution 1 - alpha v", "s/m", closed=True)
 
 
 @dataclass(frozen=True)
@@ -47,8 +60,20 @@ class Bearing:
     way_roughness: float = number("Ra of the lapped way as drawn", "m")
     proposed_way_roughness: float = number("Ra that the smoothness asked for needs", "m")
     way_straightness: float = number("of the lapped way over its length", "m")
+    roughness_correlation: float = number("length over which the way's roughness is correlated", "m")
+    way_waviness: float = number("amplitude of the lapped way's waves", "m", closed=True)
+    waviness_length: float = number("of the lapped way's waves", "m")
     allowable_pressure: float = number("on the PTFE film", "Pa")
     allowable_pv: float = number("pressure times speed of the film", "W/m^2")
+    thickest_film: float = number("that sheds its heat into the stage", "m")
+    wear_rate: float = number("specific wear of the run-in film", "m^2/N")
+    run_in_wear_rate: float = number("specific wear of the fresh film, mean over running in", "m^2/N")
+    run_in_cycles: int = count("strokes there and back until the film is run in", high=1000000)
+    life: float = number("distance the film must last", "m")
+    heat_limit: float = number("that the stage sheds", "W")
+    stribeck_velocity: float = number("at which static has mostly fallen to dynamic friction", "m/s")
+    presliding_distance: float = number("from rest to full slip", "m")
+    damping_ratio: float = number("of the stage bouncing on its pads", closed=True, high=1)
 
 
 @dataclass(frozen=True)
@@ -93,6 +118,7 @@ class Lvdt:
     bits: int = count("of the converter", high=32)
     linearity: float = number("over the range", high=1)
     bandwidth: float = number("", "Hz")
+    contactless: bool = switch("whether it lets the stage move across its axis")
 
 
 @dataclass(frozen=True)
@@ -121,7 +147,9 @@ class Interferometer:
 
     resolution: float = number("of position", "m")
     angular_resolution: float = number("", "rad")
+    contactless: bool = switch("whether it lets the stage move across its axis")
     highest_speed: float = number("", "m/s")
+    misalignment: float = number("of its beam to the travel", "rad", closed=True)
     range: float = number("to either side", "m")
 
 
@@ -146,6 +174,8 @@ class Requirements:
     acceleration_low: float = number("least asked for", "m/s^2")
     acceleration: float = number("most asked for", "m/s^2")
     smoothness: float = number("normal to the motion", "m")
+    straightness: float = number("of the motion over the travel", "m")
+    repeatability: float = number("of the position along the travel", "m")
     sensor_range: float = number("", "m")
     sensor_contactless: bool = switch("for two axes")
 
@@ -156,6 +186,9 @@ class Environment:
 
     temperature: float = number("", "degC", low=-273.15)
     temperature_change: float = number("that the machine must bear", "K", closed=True)
+    storage_change: float = number("that its joints must bear in store and transport", "K", closed=True)
+    floor_velocity: float = number("of the floor's vibration, rms", "m/s", closed=True)
+    floor_frequency: float = number("at which the floor's vibration matters most", "Hz")
     gravity: float = number("", "m/s^2")
 
 
