@@ -1,0 +1,142 @@
+"""What is printed for a dimension: decimals by tolerance class, counts, diameter and radius signs, hole callouts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stagecad.parameters.dimension import Dimension
+
+DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
+"""The decimals of a dimension are its tolerance: a 12 is another promise than a 12.0."""
+
+MOST_DECIMALS = 3
+"""Of any number on a sheet: what is left out, half a micrometre, is small in the tightest class."""
+
+DIAMETER, TIMES, PLUS_MINUS, DEGREE = "⌀", "x", "±", "°"
+
+
+def number(value: float, tolerance: str | None, plus_minus: float) -> str:
+    """A value with the decimals of its class; where those would round it, with more and the tolerance spelled out.
+
+    Args:
+        value: mm or degrees.
+        tolerance: class `X`, `X.X` or `X.XX`; none gives as many decimals as needed.
+        plus_minus: of the class, in the value's unit.
+    """
+    needed = next((n for n in range(MOST_DECIMALS) if abs(round(value, n) - value) < 1e-6), MOST_DECIMALS)
+    if tolerance is None:
+        return f"{value:.{needed}f}"
+    own = DECIMALS[tolerance]
+    if needed <= own:
+        return f"{value:.{own}f}"
+    return f"{value:.{needed}f} {PLUS_MINUS}{plus_minus:g}"
+
+
+def times(count: int) -> str:
+    """`3x ` before what stands for three."""
+    return f"{count}{TIMES} " if count > 1 else ""
+
+
+def plain(dimension: Dimension, plus_minus: float) -> str:
+    """Text of a dimension that stands by itself, note left out."""
+    value = number(dimension.value, dimension.tolerance, plus_minus)
+    match dimension.kind:
+        case "diameter" | "tap_drill":
+            value = DIAMETER + value
+        case "radius":
+            value = f"{'S' if 'spherical' in dimension.note else ''}R{value}"
+        case "angle":
+            value = f"{number(dimension.value, dimension.tolerance, 0.0).partition(' ')[0]}{DEGREE}"
+        case "chamfer":
+            value = f"{value}{TIMES}45{DEGREE}"
+        case "slope":
+            value = f"slope 1:{1 / dimension.value:g}" if _whole(1 / dimension.value) else f"slope {dimension.value:g}"
+        case "depth":
+            value = "{depth}" + value
+        case _:
+            pass
+    return times(dimension.count) + value
+
+
+def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tuple[str, ...]:
+    """Lines that tell a feature by all its declarations: count, thread or diameter, depth, counterbore, notes.
+
+    Args:
+        dimensions: of one feature, as declared.
+        plus_minus: of the class of each.
+    """
+    value = {d.name: number(d.value, d.tolerance, p) for d, p in zip(dimensions, plus_minus, strict=True)}
+    count = max(d.count for d in dimensions)
+    lines: list[str] = []
+    thread = next((d.note for d in dimensions if d.kind in ("tap_drill", "thread_depth")), "")
+    if thread:
+        lines += _thread(dimensions, value, thread)
+    for d in dimensions:
+        if thread and d.note == thread:
+            continue
+        match d.kind:
+            case "diameter":
+                sign = "{counterbore}" if "counterbore" in d.name else ""
+                lines.append(f"{sign}{DIAMETER}{value[d.name]}")
+            case "depth" if d.note:
+                lines.append("{depth}" + value[d.name])
+            case "depth":
+                at = next((i for i, line in enumerate(lines) if line.count("{depth}") == 0 and line), None)
+                at = next((i for i, line in enumerate(lines) if _names(d, dimensions, value, line)), at)
+                if at is None:
+                    lines.append("{depth}" + value[d.name])
+                else:
+                    lines[at] += " {depth}" + value[d.name]
+            case "count" if int(d.value) != count:
+                lines.append(f"{d.value:g} {d.name.split(' ', 1)[-1] if len(d.name.split()) == 2 else d.name}")
+            case "count":
+                pass
+            case "chamfer":
+                lines.append(f"{value[d.name]}{TIMES}45{DEGREE}")
+            case _:
+                lines.append(plain(d, plus_minus[list(dimensions).index(d)]).removeprefix(times(d.count)))
+        if d.note and lines:
+            lines[-1] += f" {d.note}"
+    if not lines:
+        lines = [dimensions[0].name]
+    lines[0] = times(count) + lines[0]
+    return tuple(_joined(lines))
+
+
+def _whole(value: float) -> bool:
+    return abs(value - round(value)) < 1e-9
+
+
+def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str) -> list[str]:
+    """`M6x1 {depth}7.0` and `drill ⌀5 {depth}9.0`; `through` where no depth is declared."""
+    own = [d for d in dimensions if d.note == thread]
+    deep = next((d for d in own if d.kind == "thread_depth"), None)
+    drill = next((d for d in own if d.kind == "tap_drill"), None)
+    hole = next((d for d in own if d.kind == "depth"), None)
+    first = thread + (f" {{depth}}{value[deep.name]}" if deep else "" if hole else " through")
+    words = [DIAMETER + value[drill.name]] if drill else []
+    words += ["{depth}" + value[hole.name]] if hole else []
+    return [first, *([f"drill {' '.join(words)}"] if words else [])]
+
+
+def _names(depth: Dimension, dimensions: Sequence[Dimension], value: dict[str, str], line: str) -> bool:
+    """Whether a line tells the diameter whose name the depth's begins with (`clamp counterbore depth`)."""
+    return any(
+        d.kind == "diameter" and depth.name.startswith(d.name) and f"{DIAMETER}{value[d.name]}" in line
+        for d in dimensions
+    )
+
+
+def _joined(lines: Sequence[str], longest: int = 34) -> list[str]:
+    """Long lines broken at spaces, so that a callout stays a block."""
+    found: list[str] = []
+    for line in lines:
+        now = ""
+        for word in line.split(" "):
+            if now and len(now) + 1 + len(word) > longest:
+                found.append(now)
+                now = word
+            else:
+                now = f"{now} {word}" if now else word
+        found.append(now)
+    return found
