@@ -139,7 +139,43 @@ class Balloon:
     number: int
 
 
-Annotation = Linear | Round | Angular | Callout | ControlFrame | DatumMark | SurfaceMark | Balloon
+@dataclass(frozen=True)
+class SectionMark:
+    """Where a section is taken: thick ends of the cutting line, arrows in the direction of sight, letters (ISO 128-3).
+
+    Args:
+        view: the view that shows the cutting line.
+        start, end: ends of the cutting line, paper; a little outside the part.
+        sight: unit vector, the direction in which one looks at the cut.
+        letter: of the section.
+    """
+
+    view: str
+    start: Point2
+    end: Point2
+    sight: Point2
+    letter: str
+
+
+@dataclass(frozen=True)
+class DetailMark:
+    """The thin circle round what a detail view shows larger, and its letter.
+
+    Args:
+        centre, radius: view coordinates.
+        letter_at: centre of the letter, paper.
+    """
+
+    view: str
+    centre: Point2
+    radius: float
+    letter_at: Point2
+    letter: str
+
+
+Annotation = (
+    Linear | Round | Angular | Callout | ControlFrame | DatumMark | SurfaceMark | Balloon | SectionMark | DetailMark
+)
 
 
 @dataclass(frozen=True)

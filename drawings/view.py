@@ -94,6 +94,25 @@ PROJECTIONS = {
 
 
 @dataclass(frozen=True)
+class Cut:
+    """The plane a section is taken in: what is on the eye's side of it is taken away.
+
+    Args:
+        point: of the plane, part coordinates.
+        normal: unit vector towards the eye.
+        letter: the section is named `A-A` by it.
+    """
+
+    point: Point
+    normal: Point
+    letter: str
+
+    def holds(self, point: Point, near: float = 1e-6) -> bool:
+        """Whether a point lies in the plane."""
+        return abs(sum(n * (a - b) for n, a, b in zip(self.normal, point, self.point))) < near
+
+
+@dataclass(frozen=True)
 class View:
     """One view: curves by layer, and its place on the paper.
 
@@ -105,6 +124,8 @@ class View:
         place: paper coordinates of the view's origin.
         label: printed below the view (`A-A`, `X (1:2)`); empty for none.
         clip: centre and radius of the circle a detail is cut to, view coordinates.
+        cut: plane of a section; none for a view from outside.
+        beside: name of the view it stands in line with; empty for one that stands alone.
     """
 
     name: str
@@ -114,6 +135,8 @@ class View:
     place: Point2 = (0.0, 0.0)
     label: str = ""
     clip: tuple[Point2, float] | None = None
+    cut: Cut | None = None
+    beside: str = ""
 
     def to_paper(self, point: Point2) -> Point2:
         """Paper coordinates of a point of the view."""
