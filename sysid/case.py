@@ -15,7 +15,7 @@ from stagecad.parameters.errors import InputError
 from sysid.balance import Balance
 from sysid.base_fit import Fitted, fit_model
 from sysid.experiment import DesignValues, Experiment, load_experiment
-from sysid.fit import Unknown
+from sysid.fit import Prior, Unknown
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model, Prepared, Scales, scales_of, with_effect
 from sysid.noise_floor import Noise, estimate_noise
@@ -164,7 +164,8 @@ def _rig_numbers(
             unknowns.append(Unknown(f"rig.{name}", value, 1e-3 * abs(value), 1e3 * abs(value), abs(value)))
         elif given.std:
             reach = 3.0 * given.std
-            unknowns.append(Unknown(f"rig.{name}", value, value - reach, value + reach, given.std))
+            prior = Prior(value, given.std)
+            unknowns.append(Unknown(f"rig.{name}", value, value - reach, value + reach, given.std, prior))
 
     if kind == "spring-pull":
         put("pull_stiffness", lambda: _guess_stiffness(records))
@@ -272,7 +273,8 @@ def _with_settings(model: Model, experiment: Experiment) -> Model:
             if unknown.key == key:
                 low = unknown.low if setting.low is None else setting.low
                 high = unknown.high if setting.high is None else setting.high
-                unknowns[k] = replace(unknown, low=low, high=high, start=values[key])
+                prior = None if setting.std is None else Prior(values[key], setting.std)
+                unknowns[k] = replace(unknown, low=low, high=high, start=values[key], prior=prior)
     return Model(model.effects, values, tuple(unknowns))
 
 

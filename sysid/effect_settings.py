@@ -12,8 +12,9 @@ from sim.custom import load_all_custom
 from sim.effect import Effect, Parameter, rotary_unit
 from sim.library import find
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import parse_quantity
+from stagecad.parameters.quantities import parse_quantity, parse_uncertain
 from sysid.columns import same_dimension
+from sysid.known_values import DesignValues, design_value
 from sysid.rigs import CHANNELS, RigKind
 from sysid.toml_table import TomlTable, kind_of, shown
 
@@ -28,12 +29,14 @@ class Setting:
         start: start of the fit, or the value held.
         low, high: bounds.
         fixed: held at `start`, not fitted.
+        std: deviation to which `start` was known before the fit (`start = "1.2 +- 0.1 N"`, or the design's): a prior.
     """
 
     start: float | None = None
     low: float | None = None
     high: float | None = None
     fixed: bool = False
+    std: float | None = None
 
 
 def check_effects(
@@ -75,8 +78,10 @@ def check_effects(
     return found
 
 
-def read_settings(table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool) -> dict[str, Setting]:
-    """Read `[model.parameters]`.
+def read_settings(
+    table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool, design: DesignValues | None = None
+) -> dict[str, Setting]:
+    """Read `[model.parameters]`; `design` is what `"design"` stands for.
 
     Raises:
         InputError: an effect the model lacks, a parameter the effect lacks, a wrong unit, bounds the wrong way round, a
@@ -98,7 +103,7 @@ def read_settings(table: TomlTable, effects: Mapping[str, Effect], rig: RigKind,
         except InputError as error:
             raise InputError(f"{where}: {error}") from None
         settings[key] = _setting(
-            TomlTable(table.file, f"{table.name}.{key}", _as_table(value)), parameter, name, rig, rotary
+            TomlTable(table.file, f"{table.name}.{key}", _as_table(value)), parameter, name, rig, rotary, design
         )
     return settings
 
@@ -120,24 +125,41 @@ def _as_table(value: Any) -> Any:
     return {"start": value} if not isinstance(value, dict) else value
 
 
-def _setting(table: TomlTable, parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> Setting:
+def _setting(
+    table: TomlTable, parameter: Parameter, effect: str, rig: RigKind, rotary: bool, design: DesignValues | None
+) -> Setting:
     table.allow(_KEYS)
-    start, low, high = (_value(table, key, parameter, effect, rig, rotary) for key in ("start", "low", "high"))
+    low, high = (_value(table, key, parameter, effect, rig, rotary)[0] for key in ("low", "high"))
     fixed = table.flag("fixed")
+    if table.data.get("start") == "design":
+        found = design_value(design, f"{effect}.{parameter.name}", rotary, table.where("start"))
+        start, std = found.value, found.std
+        low = found.low if low is None else low
+        high = found.high if high is None else high
+    else:
+        start, std = _value(table, "start", parameter, effect, rig, rotary)
+    if std is not None and not std > 0.0:
+        raise InputError(f"{table.where('start')}: {shown(table.data['start'])}: the uncertainty must be above zero")
     if start is not None and not math.isfinite(start):
         raise InputError(f"{table.where('start')}: {shown(table.data['start'])} is not finite")
     if fixed and start is None:
         raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
     if low is not None and high is not None and low >= high:
         raise InputError(
-            f"{table.where()}: low = {shown(table.data['low'])} is not below high = {shown(table.data['high'])}"
+            f"{table.where()}: low = {_said(table, 'low', low)} is not below high = {_said(table, 'high', high)}"
         )
     for bound, key in ((low, "low"), (high, "high")):
         if start is not None and bound is not None and (start < bound if key == "low" else start > bound):
             raise InputError(
-                f"{table.where()}: start = {shown(table.data['start'])} lies outside {key} = {shown(table.data[key])}"
+                f"{table.where()}: start = {_said(table, 'start', start)} lies outside {key} = "
+                f"{_said(table, key, bound)}"
             )
-    return Setting(start, low, high, fixed)
+    return Setting(start, low, high, fixed, None if fixed else std)
+
+
+def _said(table: TomlTable, key: str, value: float) -> str:
+    """A value as the file writes it; in SI where it is the design's."""
+    return shown(table.data[key]) if table.data.get(key, "design") != "design" else f"{value:g} (the design's)"
 
 
 def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> list[str]:
@@ -150,9 +172,12 @@ def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: boo
     return list(dict.fromkeys(f"{CHANNELS[name].si_unit(rotary)}{tail}" for name in channels))
 
 
-def _value(table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> float | None:
+def _value(
+    table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool
+) -> tuple[float | None, float | None]:
+    """A value and, of a start, its standard deviation; none where the file is silent."""
     if key not in table.data:
-        return None
+        return None, None
     value, where = table.data[key], table.where(key)
     units = parameter_units(parameter, effect, rig, rotary)
     if isinstance(value, bool) or not isinstance(value, str | int | float):
@@ -160,16 +185,16 @@ def _value(table: TomlTable, key: str, parameter: Parameter, effect: str, rig: R
     # A number without a dimension may stand bare, and so may an infinite bound.
     bare = isinstance(value, int | float)
     if bare and (math.isinf(value) or same_dimension(units[0], "1")):
-        return float(value)
+        return float(value), None
     if bare:
         raise InputError(f"{where}: {value} has no unit; write '{value} {units[0]}'")
     text = str(value).strip()
     if text in ("inf", "+inf", "-inf"):
-        return float(text)
+        return float(text), None
     problem: InputError | None = None
     for unit in units:
         try:
-            return parse_quantity(text, unit, where)
+            return parse_uncertain(text, unit, where) if key == "start" else (parse_quantity(text, unit, where), None)
         except InputError as error:
             problem = problem or error
     assert problem is not None

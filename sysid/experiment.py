@@ -76,8 +76,8 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
 
     Args:
         path: the folder, or its `experiment.toml`.
-        design: what a known value of `"design"` stands for, SI, by name (`mass`, `piezo_spacing`, ...): a table, or a
-            function that is called only for the names the file asks for.
+        design: what a value of `"design"` stands for, SI, by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a
+            table, or a function that is called only for the names the file asks for.
 
     Raises:
         InputError: one line with file, key, value, and what would be right.
@@ -108,7 +108,7 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
     effects = model.texts("effects")
     custom = tuple(file.parent / item for item in model.texts("custom"))
     found = check_effects(effects, custom, kind, measured, model)
-    parameters = read_settings(model.table("parameters"), found, kind, rotary)
+    parameters = read_settings(model.table("parameters"), found, kind, rotary, design)
     return Experiment(
         folder=file.parent,
         path=file,

@@ -1,4 +1,8 @@
-"""Least squares of a model against prepared records: bounded, scaled, robust to outliers, honest about its columns."""
+"""Least squares of a model against prepared records: bounded, scaled, robust to outliers, honest about its columns.
+
+A value known beforehand to a deviation pulls the fit as one more measurement of it would (a normal prior). Where the
+model leaves more than the noise, the prior weighs as much more: residuals are then no measure of the values.
+"""
 
 from __future__ import annotations
 
@@ -14,14 +18,23 @@ ResidualFunction = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
+class Prior:
+    """What is known of a number before the fit: its value and standard deviation."""
+
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
 class Unknown:
-    """One number a fit moves: its key, start, bounds and typical size."""
+    """One number a fit moves: its key, start, bounds, typical size, and what was known of it beforehand."""
 
     key: str
     start: float
     low: float
     high: float
     size: float
+    prior: Prior | None = None
 
 
 @dataclass
@@ -38,6 +51,7 @@ class FitResult:
         dead: keys whose change did not change the prediction at the start.
         iterations: accepted steps.
         converged: whether the last step was small.
+        precision: what the priors add to the diagonal of J^T w J, (p,); zero where nothing was known.
     """
 
     values: dict[str, float]
@@ -50,7 +64,7 @@ class FitResult:
     dead: tuple[str, ...] = ()
     iterations: int = 0
     converged: bool = True
-    notes: list[str] = field(default_factory=list)
+    precision: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 def huber_weights(residual: np.ndarray, scale: float) -> np.ndarray:
@@ -72,6 +86,20 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
     corner = HUBER * scale
     inner = np.minimum(size, corner)
     return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
+
+
+class _Priors:
+    """The priors of a fit as sums: precision (p,) at a residual scale, cost and gradient at a point."""
+
+    def __init__(self, unknowns: Sequence[Unknown]) -> None:
+        self.value = np.array([0.0 if u.prior is None else u.prior.value for u in unknowns])
+        self.inverse = np.array([0.0 if u.prior is None else u.prior.std**-2 for u in unknowns])
+
+    def precision(self, scale: float) -> np.ndarray:
+        return self.inverse * (max(scale, 1.0) ** 2 if np.isfinite(scale) else 1.0)
+
+    def cost(self, point: np.ndarray, scale: float) -> float:
+        return 0.5 * float(np.sum(self.precision(scale) * (point - self.value) ** 2))
 
 
 def jacobian(
@@ -116,6 +144,7 @@ def least_squares(
         weights = huber_weights(base, scale) if robust else np.ones_like(base)
         return FitResult({}, huber_cost(base, scale), np.empty((base.size, 0)), base, weights, keys)
     damping = 1e-4
+    priors = _Priors(unknowns)
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
     dead: set[str] = set()
     accepted = 0
@@ -125,21 +154,22 @@ def least_squares(
     for _ in range(iterations):
         scale = robust_scale(base) if robust else np.inf
         weights = huber_weights(base, scale) if robust else np.ones_like(base)
-        cost = huber_cost(base, scale) if robust else 0.5 * float(base @ base)
+        cost = (huber_cost(base, scale) if robust else 0.5 * float(base @ base)) + priors.cost(point, scale)
+        precision = priors.precision(scale)
         norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
         alive = norms > 0.0
         if first:
             dead = {keys[k] for k in np.flatnonzero(~alive)}
             first = False
-        gradient = columns.T @ (weights * base)
+        gradient = columns.T @ (weights * base) + precision * (point - priors.value)
         blocked = ((point <= low) & (gradient > 0)) | ((point >= high) & (gradient < 0))
         free = alive & ~blocked
         if not free.any():
             converged = True
             break
         scaled = columns[:, free] / norms[free]
-        normal = scaled.T @ (weights[:, None] * scaled)
-        right = -(scaled.T @ (weights * base))
+        normal = scaled.T @ (weights[:, None] * scaled) + np.diag(precision[free] / norms[free] ** 2)
+        right = -gradient[free] / norms[free]
         improved = False
         for _ in range(8):
             try:
@@ -151,7 +181,9 @@ def least_squares(
             trial[free] = np.clip(point[free] + step, low[free], high[free])
             new = function(trial)
             new_cost = (
-                (huber_cost(new, scale) if robust else 0.5 * float(new @ new)) if np.isfinite(new).all() else np.inf
+                (huber_cost(new, scale) if robust else 0.5 * float(new @ new)) + priors.cost(trial, scale)
+                if np.isfinite(new).all()
+                else np.inf
             )
             if new_cost < cost:
                 improved = True
@@ -176,4 +208,5 @@ def least_squares(
         cost=huber_cost(base, scale) if robust else 0.5 * float(base @ base),
         jacobian=columns, residual=base, weights=weights, keys=keys, at_bound=at_bound,
         dead=tuple(sorted(dead)), iterations=accepted, converged=converged,
+        precision=priors.precision(scale if robust else np.inf),
     )  # fmt: skip

@@ -12,8 +12,25 @@ from sysid.rigs import RigKind
 from sysid.toml_quantity import check_value, quantity_text
 from sysid.toml_table import TomlTable
 
-DesignValues = Mapping[str, float] | Callable[[str], float]
-"""SI values that `"design"` stands for, by the name of the known quantity."""
+
+@dataclass(frozen=True)
+class DesignValue:
+    """What the design says of a number, SI.
+
+    Args:
+        value: the number.
+        std: its standard deviation, where the design states one: a prior of the fit.
+        low, high: bounds within which the design expects it.
+    """
+
+    value: float
+    std: float | None = None
+    low: float | None = None
+    high: float | None = None
+
+
+DesignValues = Mapping[str, float | DesignValue] | Callable[[str], float | DesignValue]
+"""SI values that `"design"` stands for, by the name of the known quantity or by `effect.parameter`."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +95,8 @@ def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValu
         unit = declared.rotary_unit if rotary else declared.unit
         filed = "mass" if key == "inertia" else key
         if value == "design":
-            known[filed] = Known(_design_value(design, filed, rotary, table.where(key)), None, "design")
+            found = design_value(design, filed, rotary, table.where(key))
+            known[filed] = Known(found.value, found.std, "design")
             continue
         number, std = parse_uncertain(quantity_text(table, key, unit), unit, table.where(key))
         check_value(number, declared.positive, table, key)
@@ -88,18 +106,25 @@ def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValu
     return known
 
 
-def _design_value(design: DesignValues | None, key: str, rotary: bool, where: str) -> float:
+def design_value(design: DesignValues | None, key: str, rotary: bool, where: str) -> DesignValue:
+    """What the design says of `key`, which stands at `where`.
+
+    Raises:
+        InputError: there is no design at hand, it is of another kind of axis, or has no such number.
+    """
     if design is None:
         raise InputError(f"{where}: 'design' needs a parameter file, and none is at hand; write the quantity")
     if rotary:
         raise InputError(f"{where}: the design is of a linear axis; write the quantity")
     if callable(design):
         try:
-            return float(design(key))
+            found = design(key)
         except InputError as error:
             # What the design has to say about a key of this file is said with the file.
-            file = where.partition(": ")[0] + ": " if str(error).startswith("rig.") else ""
+            file = where.partition(": ")[0] + ": " if str(error).startswith(("rig.", "model.")) else ""
             raise InputError(f"{file}{error}") from None
-    if key not in design:
+    elif key not in design:
         raise InputError(f"{where}: the design has no '{key}'{nearest(key, design)}")
-    return float(design[key])
+    else:
+        found = design[key]
+    return found if isinstance(found, DesignValue) else DesignValue(float(found))

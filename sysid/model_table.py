@@ -47,7 +47,8 @@ def grown_model(
         starts: by `effect.parameter`, fitted value in SI and its unit (empty where it has none).
 
     Returns:
-        The new `[model]`; settings of effects that are gone go with them.
+        The new `[model]`; settings of effects that are gone go with them. A start that is a prior (the design's, or one
+        with its deviation) stays: it says what was known before the fit.
     """
     grown = copy.deepcopy(dict(model))
     grown["effects"] = list(effects)
@@ -57,6 +58,8 @@ def grown_model(
         if key.rpartition(".")[0] not in effects:
             continue
         setting = settings.get(key, {})
+        if _is_prior(setting):
+            continue
         setting = dict(setting) if isinstance(setting, Mapping) else {}
         if setting.get("fixed"):
             continue
@@ -66,6 +69,11 @@ def grown_model(
     if settings:
         grown["parameters"] = settings
     return grown
+
+
+def _is_prior(setting: Any) -> bool:
+    start = setting.get("start") if isinstance(setting, Mapping) else setting
+    return isinstance(start, str) and (start == "design" or any(mark in start for mark in ("+-", "+/-", "±")))
 
 
 def _flat(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:

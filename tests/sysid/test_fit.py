@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sysid.fit import Unknown, least_squares
+from sysid.fit import Prior, Unknown, least_squares
 
 REFERENCE = tomllib.loads((Path(__file__).parents[1] / "reference" / "nonlinear_regression.toml").read_text("utf-8"))
 
@@ -56,3 +56,32 @@ def test_outliers_do_not_pull() -> None:
     )
     assert found.values["a"] == pytest.approx(3.0, abs=0.01)
     assert found.values["b"] == pytest.approx(0.0, abs=0.005)
+
+
+def test_a_prior_pulls_as_one_more_measurement_would() -> None:
+    x = np.linspace(-1, 1, 50)
+    y = 3.0 * x + 0.5 + np.random.default_rng(1).normal(size=50)
+    known = Prior(2.0, 0.2)
+    found = least_squares(
+        lambda p: y - p[0] * x - p[1],
+        [Unknown("a", 0, -9, 9, 1, known), Unknown("b", 0, -9, 9, 1)],
+        robust=False,
+        tolerance=1e-12,
+    )
+    # One more row of the regression: a / 0.2 = 2.0 / 0.2.
+    rows = np.vstack([np.column_stack([x, np.ones(50)]), [1.0 / known.std, 0.0]])
+    wanted = np.linalg.lstsq(rows, np.append(y, known.value / known.std), rcond=None)[0]
+    assert list(found.values.values()) == pytest.approx(wanted, rel=1e-6)
+
+
+def test_a_prior_is_held_to_where_the_model_is_wrong() -> None:
+    x = np.linspace(-1, 1, 401)
+    pattern = 30.0 * x**3
+
+    def slope(prior: Prior | None) -> float:
+        found = least_squares(lambda p: 3.0 * x + pattern - p[0] * x, [Unknown("a", 0, -99, 99, 1, prior)])
+        return found.values["a"]
+
+    # A missing cubic, 13 deviations strong, would be taken for slope: what is known of the slope outweighs it.
+    assert slope(None) > 15.0
+    assert slope(Prior(3.0, 0.1)) == pytest.approx(3.0, abs=0.7)
