@@ -298,22 +298,45 @@ class BaseFit:
 def fit_case(case: Case, model: Model | None = None) -> BaseFit:
     """Fit the case's model; an effect named without a variant takes the law of its family that fits best."""
     fitted = fit_model(case.start if model is None else model, case.fit_records)
-    chosen: list[str] = []
+    chosen: tuple[str, ...] = ()
     if model is None:
-        for effect in case.start.effects:
-            if effect.core is not None or ":" in effect.name or not effect.variants:
-                continue
-            for variant in effect.variants:
-                other = with_effect(_without(fitted.model, effect.name), variant, case.scales)
-                trial = fit_model(other, case.fit_records, fitted.weights)
-                extra = len(trial.model.unknowns) - len(fitted.model.unknowns)
-                # Law by law the cost of a wrong curve is far above the noise; chance is not.
-                if trial.fit.cost < 0.97 * fitted.fit.cost - 4.0 * max(extra, 0):
-                    fitted = fit_model(trial.model, case.fit_records)
-                    chosen = [c for c in chosen if c.partition(":")[0] != effect.name] + [variant.name]
+        fitted, chosen = best_laws(case, fitted)
     weights = weighting(fitted.model, case.validate_records)
     residual = weighted_residual(fitted.model, case.validate_records, weights)
-    return BaseFit(fitted, weights, residual, tuple(chosen))
+    return BaseFit(fitted, weights, residual, chosen)
+
+
+def best_laws(case: Case, fitted: Fitted) -> tuple[Fitted, tuple[str, ...]]:
+    """A fit in which each effect that the experiment names without a variant has the best law of its family.
+
+    The law of the family's own name is taken unless another is clearly better.
+
+    Returns:
+        The fit, and the names of the laws that took their family's place.
+    """
+    chosen: list[str] = []
+    for effect in case.start.effects:
+        if effect.core is not None or ":" in effect.name or not effect.variants:
+            continue
+        present = {e.name for e in fitted.model.effects}
+        if effect.name not in present:
+            # Another law was chosen while the model still lacked something.
+            own = with_effect(_without(fitted.model, effect.name), effect, case.scales)
+            fitted = fit_model(own, case.fit_records)
+        for variant in effect.variants:
+            other = with_effect(_without(fitted.model, effect.name), variant, case.scales)
+            trial = fit_model(other, case.fit_records, fitted.weights)
+            if clearly_better(trial, fitted):
+                fitted = fit_model(trial.model, case.fit_records)
+                chosen = [c for c in chosen if c.partition(":")[0] != effect.name] + [variant.name]
+    return fitted, tuple(chosen)
+
+
+def clearly_better(other: Fitted, fitted: Fitted) -> bool:
+    """Whether another law of an effect fits so much better that chance and its extra values do not explain it."""
+    extra = len(other.model.unknowns) - len(fitted.model.unknowns)
+    # Law by law the cost of a wrong curve is far above the noise; chance is not.
+    return other.fit.cost < 0.97 * fitted.fit.cost - 4.0 * max(extra, 0)
 
 
 def _without(model: Model, effect: str) -> Model:

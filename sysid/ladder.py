@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError, nearest
 from sysid.base_fit import Fitted, fit_model
 from sysid.candidate_list import candidates_of
 from sysid.candidates import target_of, try_effect
-from sysid.case import BaseFit, Case, fit_case, load_case, make_case
+from sysid.case import BaseFit, Case, best_laws, clearly_better, fit_case, load_case, make_case
 from sysid.document import both_json, noise_json, parameter_unit, parameters_json
 from sysid.experiment import DesignValues, Experiment
 from sysid.intervals import intervals
@@ -48,8 +48,9 @@ class Step:
 def add_effects(source: str | Path, effects: Sequence[str], design: DesignValues | None = None) -> Step:
     """Add effects to the model of an experiment, fit, and write the next rung and `experiment.toml`.
 
-    An effect named without variant or channel takes the law and the channel that fit best. A core takes the place of
-    the core before it.
+    An effect named without variant or channel takes the law and the channel that fit best, the law of its own name
+    unless another is clearly better; so do the effects that the experiment names without a variant, once more. A core
+    takes the place of the core before it.
 
     Raises:
         InputError: an effect that is unknown, there already, or that this rig cannot show; a fault in a file.
@@ -121,7 +122,11 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     if not good:
         raise InputError(f"{experiment.path}: effect '{name}' changes nothing in what these records measured")
     best = min(good, key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
-    return case, fit_model(best.fitted.model, case.fit_records, iterations=40)
+    plain = next((c for c in good if c.effect.name == name), None)
+    if plain is not None and not clearly_better(best.fitted, plain.fitted):
+        best = plain
+    # A law that made up for what was missing may be the wrong one now.
+    return case, best_laws(case, fit_model(best.fitted.model, case.fit_records, iterations=40))[0]
 
 
 def _with_quantisation(case: Case, name: str) -> tuple[Case, Fitted]:
