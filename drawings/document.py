@@ -14,8 +14,10 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-import ezdxf
+from ezdxf._options import options
+from ezdxf.document import Drawing
 from ezdxf.enums import TextEntityAlignment
+from ezdxf.filemanagement import new
 
 from drawings.annotation import Angular, Linear, Round
 from drawings.annotation_ink import annotation_ink, note_ink
@@ -46,6 +48,9 @@ LINE_TYPES = {
 }
 """Lengths on paper, mm: whole pattern, then dashes and gaps."""
 
+MILLIMETRES = 4
+"""Unit of the drawing, as DXF numbers it."""
+
 SHORT_CHAIN = 12.0
 """Centre lines shorter than this on paper are drawn without a break, mm: a chain of one dash looks like chance."""
 
@@ -55,10 +60,10 @@ def dxf_text(text: str) -> str:
     return text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
 
 
-def document_of(sheet: Sheet) -> Any:
+def document_of(sheet: Sheet) -> Drawing:
     """The `ezdxf` drawing of a sheet."""
     prepare()
-    doc = ezdxf.new("R2010", units=ezdxf.units.MM)
+    doc = new("R2010", units=MILLIMETRES)
     _tables(doc)
     paper = doc.paperspace()
     width, height = PAPERS[sheet.paper]
@@ -355,15 +360,15 @@ def _viewport(paper: Any, box: Box2, place: _Place) -> None:
     )
 
 
-def dxf_bytes(doc: Any) -> bytes:
+def dxf_bytes(doc: Drawing) -> bytes:
     """The document as a file, the same bytes for the same document."""
     import io
 
     stream = io.StringIO()
-    fixed = ezdxf.options.write_fixed_meta_data_for_testing
-    ezdxf.options.write_fixed_meta_data_for_testing = True
+    fixed = options.write_fixed_meta_data_for_testing
+    options.write_fixed_meta_data_for_testing = True
     try:
         doc.write(stream)
     finally:
-        ezdxf.options.write_fixed_meta_data_for_testing = fixed
+        options.write_fixed_meta_data_for_testing = fixed
     return stream.getvalue().encode("utf-8")

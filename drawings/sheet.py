@@ -1,4 +1,4 @@
-"""A sheet with everything on it and everything in its place; what the document is drawn from, and the layout aims at."""
+"""A sheet with everything in its place: what the layout aims at, and what the document is drawn from."""
 
 from __future__ import annotations
 

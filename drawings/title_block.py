@@ -88,7 +88,7 @@ def title_ink(block: TitleBlock, paper: Paper) -> Iterator[Ink]:
         ("Belongs to", block.supplement, 74, TEXT),
         ("Projection, third angle", "", 40, TEXT),
     )
-    yield from _third_angle((x0 + 160, rows[2] + 4.2))
+    yield from _third_angle((x0 + 161, rows[2] + 1.8))
     yield from cells(
         3,
         ("Material", block.material, 66, TEXT),
