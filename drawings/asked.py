@@ -65,6 +65,7 @@ class AskedCallout:
     Args:
         at: middle of the feature.
         radius: of the circle the leader ends on; 0 for a point.
+        choices: other places on the feature where the leader may end.
     """
 
     view: str
@@ -72,6 +73,7 @@ class AskedCallout:
     radius: float
     lines: tuple[str, ...]
     names: tuple[str, ...]
+    choices: tuple[Point2, ...] = ()
 
 
 @dataclass(frozen=True)

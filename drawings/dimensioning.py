@@ -281,8 +281,12 @@ class _Maker:
                 )
             case SurfaceTexture():
                 lines = (f"{{surface}} Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
-                middle = ((first[0] + second[0]) / 2, (first[1] + second[1]) / 2)
-                made = AskedCallout(view.name, middle, 0.0, lines, (f"texture {requirement.name}",))
+                places = tuple(
+                    (first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1]))
+                    for t in (0.5, 0.25, 0.75, 0.1, 0.9)
+                )
+                name = f"texture {requirement.name}"
+                made = AskedCallout(view.name, places[0], 0.0, lines, (name,), places[1:])
         self.asked.append(made)
 
     def _line_of(self, view: View, requirement: FaceRequirement) -> tuple[Point2, Point2, float] | None:

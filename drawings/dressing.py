@@ -1,0 +1,258 @@
+"""Places of the annotations round one view.
+
+They are placed one after another, each at the cheapest of its likely places that leaves every text free; short
+dimensions first, so that they stand next to the part and longer ones outside. Nothing here is random or depends on the
+order of a set: the same view gives the same places.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from drawings.annotation import (
+    Angular,
+    Annotation,
+    Callout,
+    ControlFrame,
+    DatumMark,
+    DetailMark,
+    Linear,
+    Round,
+    SectionMark,
+)
+from drawings.annotation_ink import annotation_ink, text_box
+from drawings.asked import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
+from drawings.candidates import Candidate, of_angle, of_callout, of_distance, of_frame, of_round
+from drawings.field import Field, Line, arc_points, around, curve_points, grown, pieces, reaches
+from drawings.ink import Circle, Fill, Ink, Stroke, Words
+from drawings.lettering import LARGE, TEXT
+from drawings.symbols import line_width
+from drawings.view import Box2, Curve, Point2, View
+
+CLEAR = 0.8
+"""Room round a text, mm."""
+LANE = 6.0
+"""Least distance of parallel dimension lines, mm."""
+HIT, CROSSING, OVER_PART = 80.0, 3.0, 0.3
+"""Cost of a text that touches something, of a line that crosses an annotation's, of one that crosses the part's, mm."""
+
+
+@dataclass(frozen=True)
+class Dressed:
+    """A view at the origin of the paper, with its annotations, and the room both take.
+
+    Args:
+        room: box of all ink.
+        hits: how many places were left where something touches a text.
+    """
+
+    view: View
+    annotations: tuple[Annotation, ...]
+    room: Box2
+    hits: int
+
+
+def dress(view: View, asked: Iterable[Asked], marks: Sequence[Annotation] = ()) -> Dressed:
+    """Finds places for what a view is asked to show.
+
+    Args:
+        view: with its curves and scale; its place is not looked at.
+        asked: of this view.
+        marks: annotations with a place already (cutting lines, circles of details), view at the origin.
+    """
+    view = replace(view, place=(0.0, 0.0))
+    placer = _Placer(view)
+    for mark in marks:
+        placer.keep(mark)
+    for one in sorted(asked, key=_order):
+        placer.place(one)
+    return Dressed(view, tuple(placer.kept), placer.room(), placer.hits)
+
+
+def _order(asked: Asked) -> tuple[int, float]:
+    """Distances first, short before long; then what needs a given place on a face; then what is free to wander."""
+    match asked:
+        case AskedDistance():
+            turn = math.radians(asked.angle)
+            along = [p[0] * math.cos(turn) + p[1] * math.sin(turn) for p in (asked.first, asked.second)]
+            return (1, round(abs(along[1] - along[0]), 6))
+        case AskedAngle():
+            return (2, 0.0)
+        case AskedFrame():
+            return (3, 0.0 if asked.letter else 1.0)
+        case AskedRound():
+            return (4, asked.radius)
+        case AskedCallout():
+            return (5, round(-asked.at[1], 6))
+
+
+class _Placer:
+    """Places annotations round one view."""
+
+    def __init__(self, view: View) -> None:
+        self.view = view
+        self.field = Field()
+        self.kept: list[Annotation] = []
+        self.hits = 0
+        drawn = [line for curves in view.curves.values() for curve in curves for line in _curve_lines(curve, view)]
+        self.field.part.add(drawn)
+        self.outline = view_outline(view)
+        x0, y0, x1, y1 = zip(*drawn)
+        self.inked = [(min(*x0, *x1), min(*y0, *y1), max(*x0, *x1), max(*y0, *y1))]
+        if view.label:
+            box, half = self.inked[0], line_width(view.label, LARGE) / 2
+            middle = (box[0] + box[2]) / 2
+            self.field.boxes.append((middle - half, box[1] - 3.0 - LARGE, middle + half, box[1] - 3.0))
+            self.inked.append(self.field.boxes[-1])
+
+    def room(self) -> Box2:
+        return around(self.inked)
+
+    def place(self, asked: Asked) -> None:
+        """Keeps the best of the likely places."""
+        best, least, touched = None, math.inf, 0
+        for cost, annotation in sorted(self._candidates(asked), key=lambda item: item[0]):
+            if cost >= least:
+                break
+            extra, hits = self._extra(annotation, least - cost)
+            if cost + extra < least:
+                best, least, touched = annotation, cost + extra, hits
+        assert best is not None
+        self.hits += touched
+        self.keep(best)
+
+    def _candidates(self, asked: Asked) -> Iterator[Candidate]:
+        match asked:
+            case AskedDistance():
+                return of_distance(asked, self.view, self.outline)
+            case AskedRound():
+                return of_round(asked, self.view, self.outline)
+            case AskedAngle():
+                return of_angle(asked, self.view)
+            case AskedFrame():
+                return of_frame(asked, self.view)
+            case AskedCallout():
+                room = self.room()
+                return of_callout(asked, self.view, self.outline, (room[0] - 3.0, room[2] + 3.0))
+
+    def _extra(self, annotation: Annotation, most: float) -> tuple[float, int]:
+        """What a place costs for what is there already, and how many texts are touched; stops beyond `most`."""
+        boxes, lines, lanes = _parts(annotation, self.view)
+        hits = sum(self.field.in_lane(lane, LANE) for lane in lanes)
+        hits += sum(reaches(line, grown(box, 0.2)) for box in boxes for line in lines if not _frame(annotation))
+        hits += self.field.over_texts(lines, 0.4)
+        if HIT * hits >= most:
+            return HIT * hits, hits
+        hits += sum(self.field.text_hits(box, CLEAR) for box in boxes)
+        cost = HIT * hits
+        if cost >= most:
+            return cost, hits
+        cost += CROSSING * self.field.crossings(lines)
+        if not isinstance(annotation, Linear):
+            cost += OVER_PART * sum(self.field.part.crossing(line) for line in lines)
+        else:
+            cost += OVER_PART * sum(self.field.part.crossing(lane) for lane in lanes)
+        return cost, hits
+
+    def keep(self, annotation: Annotation) -> None:
+        """Takes the room of an annotation."""
+        boxes, lines, lanes = _parts(annotation, self.view)
+        self.field.boxes += boxes
+        self.field.drawn.add(lines)
+        self.field.lanes += lanes
+        self.kept.append(annotation)
+        self.inked += boxes
+        self.inked += [(min(a, c), min(b, d), max(a, c), max(b, d)) for a, b, c, d in lines]
+
+
+def view_outline(view: View) -> Box2:
+    """Box of the part as a view shows it, the view at the origin of the paper; centre lines left out."""
+    view = replace(view, place=(0.0, 0.0))
+    if view.clip:
+        (u, v), radius = view.to_paper(view.clip[0]), view.clip[1] * view.scale
+        return (u - radius, v - radius, u + radius, v + radius)
+    lines = [
+        line
+        for layer, curves in view.curves.items()
+        if layer in ("VISIBLE", "HIDDEN")
+        for curve in curves
+        for line in _curve_lines(curve, view)
+    ]
+    x0, y0, x1, y1 = zip(*lines)
+    return (min(*x0, *x1), min(*y0, *y1), max(*x0, *x1), max(*y0, *y1))
+
+
+def _curve_lines(curve: Curve, view: View) -> list[Line]:
+    return pieces([view.to_paper(point) for point in curve_points(curve, view.scale)])
+
+
+def _frame(annotation: Annotation) -> bool:
+    return isinstance(annotation, ControlFrame | DatumMark | DetailMark | SectionMark)
+
+
+def _parts(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line], list[Line]]:
+    """Boxes of the texts, lines, and dimension lines among the ink of an annotation."""
+    ink = list(annotation_ink(annotation, view))
+    boxes = [text_box(item) for item in ink if isinstance(item, Words)]
+    lines = [line for item in ink for line in _lines(item)]
+    if isinstance(annotation, ControlFrame | DatumMark):
+        # The whole frame is as good as text.
+        boxes = [grown(around(boxes), TEXT / 2)]
+        lines = [line for line in lines if not _within(line, grown(boxes[0], 0.1))]
+    lanes: list[Line] = []
+    if isinstance(annotation, Linear):
+        lanes = [_lane(annotation, lines)]
+        if boxes:
+            boxes = [around(boxes)]
+    return boxes, lines, lanes
+
+
+def _lane(annotation: Linear, lines: Sequence[Line]) -> Line:
+    """The dimension line among the lines of a dimension: the longest along it."""
+    turn = math.radians(annotation.angle)
+    u = (math.cos(turn), math.sin(turn))
+    return max(lines, key=lambda line: abs((line[2] - line[0]) * u[0] + (line[3] - line[1]) * u[1]))
+
+
+def _within(line: Line, box: Box2) -> bool:
+    return all(box[0] <= x <= box[2] and box[1] <= y <= box[3] for x, y in (line[:2], line[2:]))
+
+
+def _lines(item: Ink) -> list[Line]:
+    match item:
+        case Stroke():
+            return pieces(item.points)
+        case Circle():
+            return pieces(arc_points(item.arc))
+        case Fill():
+            return pieces((*item.points, item.points[0]))
+        case _:
+            return []
+
+
+def moved(annotation: Annotation, by: Point2) -> Annotation:
+    """An annotation with all its paper places moved along with its view."""
+
+    def to(point: Point2) -> Point2:
+        return (point[0] + by[0], point[1] + by[1])
+
+    match annotation:
+        case Linear():
+            text_at = to(annotation.text_at) if annotation.text_at else None
+            return replace(annotation, line_at=to(annotation.line_at), text_at=text_at)
+        case Round():
+            return replace(annotation, text_at=to(annotation.text_at))
+        case Angular():
+            return replace(annotation, arc_at=to(annotation.arc_at))
+        case Callout() | ControlFrame():
+            return replace(annotation, elbow=to(annotation.elbow))
+        case DatumMark():
+            return replace(annotation, frame_at=to(annotation.frame_at))
+        case SectionMark():
+            return replace(annotation, start=to(annotation.start), end=to(annotation.end))
+        case DetailMark():
+            return replace(annotation, letter_at=to(annotation.letter_at))
+        case _:
+            return annotation

@@ -1,0 +1,169 @@
+"""What already stands on the paper around a view, and whether something more would touch it.
+
+Lines of the part, lines of annotations, and boxes of texts, in paper mm. A text must touch nothing; a line must pass no
+text; lines may cross lines, at a price. The layout and the check of the finished sheet ask the same questions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from drawings.view import Arc, Box2, Curve, Point2, Polyline, Segment
+
+Line = tuple[float, float, float, float]
+
+CHORD = 0.05
+"""How far a chord may leave its arc, mm on paper."""
+
+
+class Lines:
+    """Many straight pieces, asked together."""
+
+    def __init__(self, capacity: int = 256) -> None:
+        self._held = np.empty((capacity, 4))
+        self._count = 0
+
+    def __len__(self) -> int:
+        return self._count
+
+    def add(self, lines: Sequence[Line]) -> None:
+        """Some more pieces: x0, y0, x1, y1."""
+        if not lines:
+            return
+        needed = self._count + len(lines)
+        if needed > len(self._held):
+            grown = np.empty((2 * needed, 4))
+            grown[: self._count] = self._held[: self._count]
+            self._held = grown
+        self._held[self._count : needed] = lines
+        self._count = needed
+
+    def touching(self, box: Box2) -> int:
+        """How many pieces reach into a box."""
+        near = self._near(box)
+        if not len(near):
+            return 0
+        dx, dy = near[:, 2] - near[:, 0], near[:, 3] - near[:, 1]
+        half_x, half_y = (box[2] - box[0]) / 2, (box[3] - box[1]) / 2
+        off = dx * ((box[1] + box[3]) / 2 - near[:, 1]) - dy * ((box[0] + box[2]) / 2 - near[:, 0])
+        return int(np.count_nonzero(np.abs(off) < np.abs(dx) * half_y + np.abs(dy) * half_x))
+
+    def crossing(self, line: Line) -> int:
+        """How many pieces a line crosses, ends that just touch left out."""
+        x0, y0, x1, y1 = line
+        near = self._near((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)))
+        if not len(near):
+            return 0
+        dx, dy = x1 - x0, y1 - y0
+        ex, ey = near[:, 2] - near[:, 0], near[:, 3] - near[:, 1]
+        first = dx * (near[:, 1] - y0) - dy * (near[:, 0] - x0)
+        second = dx * (near[:, 3] - y0) - dy * (near[:, 2] - x0)
+        third = ex * (y0 - near[:, 1]) - ey * (x0 - near[:, 0])
+        fourth = ex * (y1 - near[:, 1]) - ey * (x1 - near[:, 0])
+        least = 1e-6
+        return int(np.count_nonzero((first * second < -least) & (third * fourth < -least)))
+
+    def _near(self, box: Box2) -> np.ndarray:
+        held = self._held[: self._count]
+        low_x, high_x = np.minimum(held[:, 0], held[:, 2]), np.maximum(held[:, 0], held[:, 2])
+        low_y, high_y = np.minimum(held[:, 1], held[:, 3]), np.maximum(held[:, 1], held[:, 3])
+        return held[(high_x > box[0]) & (low_x < box[2]) & (high_y > box[1]) & (low_y < box[3])]
+
+
+class Field:
+    """Lines of the part, lines of annotations, dimension lines, and texts, around one view."""
+
+    def __init__(self) -> None:
+        self.part = Lines(1024)
+        self.drawn = Lines()
+        self.boxes: list[Box2] = []
+        self.lanes: list[Line] = []
+
+    def text_hits(self, box: Box2, margin: float) -> int:
+        """How many lines and texts a text's box would touch."""
+        wide = grown(box, margin)
+        hits = self.part.touching(wide) + self.drawn.touching(wide)
+        return hits + sum(overlap(wide, other) for other in self.boxes)
+
+    def over_texts(self, lines: Iterable[Line], margin: float) -> int:
+        """How many texts some lines would pass over."""
+        return sum(reaches(line, grown(box, margin)) for line in lines for box in self.boxes)
+
+    def crossings(self, lines: Iterable[Line]) -> int:
+        """How many lines of annotations some lines would cross."""
+        return sum(self.drawn.crossing(line) for line in lines)
+
+    def in_lane(self, line: Line, apart: float) -> bool:
+        """Whether a dimension line would run beside, or along, another one nearer than `apart`."""
+        return any(_beside(line, lane, apart) for lane in self.lanes)
+
+
+def overlap(one: Box2, other: Box2) -> bool:
+    """Whether two boxes share some area."""
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+
+
+def grown(box: Box2, by: float) -> Box2:
+    """A box with a margin round it."""
+    return (box[0] - by, box[1] - by, box[2] + by, box[3] + by)
+
+
+def around(boxes: Iterable[Box2]) -> Box2:
+    """The box that holds all the others."""
+    x0, y0, x1, y1 = zip(*boxes)
+    return (min(x0), min(y0), max(x1), max(y1))
+
+
+def reaches(line: Line, box: Box2) -> bool:
+    """Whether a line reaches into a box."""
+    x0, y0, x1, y1 = line
+    if max(x0, x1) <= box[0] or min(x0, x1) >= box[2] or max(y0, y1) <= box[1] or min(y0, y1) >= box[3]:
+        return False
+    dx, dy = x1 - x0, y1 - y0
+    off = dx * ((box[1] + box[3]) / 2 - y0) - dy * ((box[0] + box[2]) / 2 - x0)
+    return abs(off) < abs(dx) * (box[3] - box[1]) / 2 + abs(dy) * (box[2] - box[0]) / 2
+
+
+def pieces(points: Sequence[Point2]) -> list[Line]:
+    """The straight pieces of a line through points."""
+    return [(*a, *b) for a, b in pairwise(points)]
+
+
+def arc_points(arc: Arc, scale: float = 1.0) -> list[Point2]:
+    """Points along an arc whose chords leave it by no more than `CHORD` on the paper."""
+    radius = max(arc.radius * scale, 1e-9)
+    step = 2 * math.acos(max(1 - CHORD / radius, 0.0))
+    turn = math.radians((arc.end_angle - arc.start_angle) % 360.0 or 360.0)
+    count = max(2, math.ceil(turn / step))
+    start = math.radians(arc.start_angle)
+    return [
+        (arc.centre[0] + arc.radius * math.cos(a), arc.centre[1] + arc.radius * math.sin(a))
+        for a in (start + turn * i / count for i in range(count + 1))
+    ]
+
+
+def curve_points(curve: Curve, scale: float = 1.0) -> Sequence[Point2]:
+    """Points that stand for a curve of a view at a scale."""
+    match curve:
+        case Segment():
+            return (curve.start, curve.end)
+        case Polyline():
+            return curve.points
+        case Arc():
+            return arc_points(curve, scale)
+
+
+def _beside(one: Line, other: Line, apart: float) -> bool:
+    dx, dy = one[2] - one[0], one[3] - one[1]
+    ex, ey = other[2] - other[0], other[3] - other[1]
+    size, length = math.hypot(dx, dy), math.hypot(ex, ey)
+    if size < 1e-9 or length < 1e-9 or abs(dx * ey - dy * ex) > 0.1 * size * length:
+        return False
+    u, v = dx / size, dy / size
+    away = [abs((x - one[0]) * v - (y - one[1]) * u) for x, y in (other[:2], other[2:])]
+    along = [(x - one[0]) * u + (y - one[1]) * v for x, y in (other[:2], other[2:])]
+    return min(away) < apart and max(along) > 0.0 and min(along) < size
