@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from drawings.annotation import Angular, Annotation, Callout, ControlFrame, DatumMark, Linear, Round
 from drawings.annotation_ink import ARROW, GAP, readable
 from drawings.asked import AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
+from drawings.field import Lines
 from drawings.lettering import TEXT
 from drawings.symbols import line_width
 from drawings.view import Box2, Point2, View
@@ -25,26 +26,38 @@ LEADERS = (8.0, 12.0, 17.0, 23.0, 30.0, 38.0, 48.0, 60.0, 75.0, 95.0, 120.0)
 Candidate = tuple[float, Annotation]
 
 
-def of_distance(asked: AskedDistance, view: View, outline: Box2, tiers: int = 9) -> Iterator[Candidate]:
-    """A dimension line outside the part, tier by tier on both sides; else close to what it measures."""
+def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, tiers: int = 9) -> Iterator[Candidate]:
+    """A dimension line outside the part, tier by tier on both sides; else close to what it measures.
+
+    Where a measured face is seen as a line, the extension line starts from that line's end nearest to the dimension
+    line.
+    """
     turn = math.radians(asked.angle)
     u, n = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
-    first, second = view.to_paper(asked.first), view.to_paper(asked.second)
-    levels = [_dot(first, n), _dot(second, n)]
+    points = (view.to_paper(asked.first), view.to_paper(asked.second))
+    levels = [_dot(point, n) for point in points]
+    runs = [part.along(point, n) for point in points]
     corners = [(x, y) for x in (outline[0], outline[2]) for y in (outline[1], outline[3])]
     upright = asked.angle in (0.0, 90.0)
     places: list[tuple[float, float]] = []
     for side in (-1, 1):
-        own = max(side * level for level in levels)
+        own = max(side * level + max(side * end for end in run) for level, run in zip(levels, runs, strict=True))
         edge = max(side * _dot(corner, n) for corner in corners) if upright else own
         for tier in range(tiers):
             level = edge + FIRST + PITCH * tier
-            reach = sum(level - side * at for at in levels) / 2
+            reach = level - own
             places.append((5.0 * tier + 0.25 * reach, side * level))
         if edge > own + FIRST:
             places += [(16.0 + 6.0 * k, side * (own + FIRST + 6.0 * k)) for k in range(3)]
-    ends = sorted((_dot(first, u), _dot(second, u)))
+    if abs(levels[0] - levels[1]) < 1e-6:
+        # Right across the feature, without extension lines.
+        places.append((10.0 + 0.3 * abs(_dot(points[0], u) - _dot(points[1], u)), levels[0]))
+    ends = sorted(_dot(point, u) for point in points)
     for cost, level in sorted(places):
+        starts = []
+        for own, run, point in zip(levels, runs, (asked.first, asked.second), strict=True):
+            step = min(max(level - own, run[0]), run[1]) / view.scale
+            starts.append((point[0] + step * n[0], point[1] + step * n[1]))
         for extra, middle in _text_places(asked.text, ends[0], ends[1]):
             at = (u[0] * ends[0] + n[0] * level, u[1] * ends[0] + n[1] * level)
             angle = math.radians(readable(asked.angle))
@@ -57,8 +70,8 @@ def of_distance(asked: AskedDistance, view: View, outline: Box2, tiers: int = 9)
                 cost + extra,
                 Linear(
                     asked.view,
-                    asked.first,
-                    asked.second,
+                    starts[0],
+                    starts[1],
                     asked.angle,
                     at,
                     asked.text,
@@ -92,7 +105,8 @@ def of_round(asked: AskedRound, view: View, outline: Box2) -> Iterator[Candidate
     if asked.kind == "diameter":
         turns = [45.0, 135.0, -45.0, -135.0, 30.0, 60.0, 120.0, 150.0, -30.0, -60.0, -120.0, -150.0]
     else:
-        turns = [asked.towards, asked.towards + asked.spread / 2, asked.towards - asked.spread / 2]
+        spread = min(asked.spread, math.degrees(3.0 / max(radius, 1e-9))) / 2
+        turns = [asked.towards, asked.towards + spread, asked.towards - spread]
     inwards = (1.0, -1.0) if asked.kind == "radius" and radius > 0 else (1.0,)
     for towards in turns:
         turn = math.radians(towards)

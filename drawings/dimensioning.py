@@ -164,7 +164,7 @@ class _Maker:
         if along is None:
             return True
         match dimension.kind:
-            case "linear" | "depth" | "chamfer" | "slope":
+            case "linear" | "depth":
                 return abs(_dot(along, eye)) < SQUARE
             case "angle":
                 return abs(abs(eye[2]) - 1) < SQUARE
@@ -197,7 +197,11 @@ class _Maker:
         first, second = (view.projection.to_view(point) for point in d.points)
         assert d.direction is not None
         angle = _degrees(view.projection.to_view(d.direction)) % 180
-        self.asked.append(AskedDistance(view.name, first, second, _tidy(angle), self._text(d), d.value, (d.name,)))
+        self.asked.append(
+            AskedDistance(
+                view.name, first, second, _tidy(angle), self._text(d).replace("{depth}", ""), d.value, (d.name,)
+            )
+        )
 
     def _across(self, view: View, d: Dimension) -> None:
         """A diameter on what is seen from the side: between its two outlines."""
@@ -280,7 +284,7 @@ class _Maker:
                     view.name, first, second, outward, (name,), requirement.characteristic, text, requirement.datums
                 )
             case SurfaceTexture():
-                lines = (f"{{surface}} Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
+                lines = (f"{{surface}}Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
                 places = tuple(
                     (first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1]))
                     for t in (0.5, 0.25, 0.75, 0.1, 0.9)

@@ -37,6 +37,8 @@ LANE = 6.0
 """Least distance of parallel dimension lines, mm."""
 HIT, CROSSING, OVER_PART = 80.0, 3.0, 0.3
 """Cost of a text that touches something, of a line that crosses an annotation's, of one that crosses the part's, mm."""
+ASTRAY = 30.0
+"""Cost of a leader that ends where no line of the part is drawn, mm."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ class _Placer:
     def _candidates(self, asked: Asked) -> Iterator[Candidate]:
         match asked:
             case AskedDistance():
-                return of_distance(asked, self.view, self.outline)
+                return of_distance(asked, self.view, self.outline, self.field.part)
             case AskedRound():
                 return of_round(asked, self.view, self.outline)
             case AskedAngle():
@@ -150,6 +152,8 @@ class _Placer:
         if cost >= most:
             return cost, hits
         cost += CROSSING * self.field.crossings(lines)
+        if isinstance(annotation, Round):
+            cost += ASTRAY * (not self.field.part.touching(_tip(annotation, self.view)))
         if not isinstance(annotation, Linear):
             cost += OVER_PART * sum(self.field.part.crossing(line) for line in lines)
         else:
@@ -214,6 +218,14 @@ def _lane(annotation: Linear, lines: Sequence[Line]) -> Line:
     turn = math.radians(annotation.angle)
     u = (math.cos(turn), math.sin(turn))
     return max(lines, key=lambda line: abs((line[2] - line[0]) * u[0] + (line[3] - line[1]) * u[1]))
+
+
+def _tip(annotation: Round, view: View) -> Box2:
+    """A small box about where the arrow touches the circle."""
+    turn = math.radians(annotation.towards)
+    u, v = annotation.centre
+    at = (u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn))
+    return grown((*view.to_paper(at), *view.to_paper(at)), 0.3)
 
 
 def _within(line: Line, box: Box2) -> bool:

@@ -24,7 +24,8 @@ class Lines:
     """Many straight pieces, asked together."""
 
     def __init__(self, capacity: int = 256) -> None:
-        self._held = np.empty((capacity, 4))
+        # Rows: x0, y0, x1, y1, then the box: low x, low y, high x, high y.
+        self._held = np.empty((8, capacity))
         self._count = 0
 
     def __len__(self) -> int:
@@ -35,43 +36,63 @@ class Lines:
         if not lines:
             return
         needed = self._count + len(lines)
-        if needed > len(self._held):
-            grown = np.empty((2 * needed, 4))
-            grown[: self._count] = self._held[: self._count]
+        if needed > self._held.shape[1]:
+            grown = np.empty((8, 2 * needed))
+            grown[:, : self._count] = self._held[:, : self._count]
             self._held = grown
-        self._held[self._count : needed] = lines
+        new = np.array(lines).T
+        added = self._held[:, self._count : needed]
+        added[:4] = new
+        added[4:6] = np.minimum(new[:2], new[2:])
+        added[6:] = np.maximum(new[:2], new[2:])
         self._count = needed
 
     def touching(self, box: Box2) -> int:
         """How many pieces reach into a box."""
         near = self._near(box)
-        if not len(near):
+        if not near.shape[1]:
             return 0
-        dx, dy = near[:, 2] - near[:, 0], near[:, 3] - near[:, 1]
+        dx, dy = near[2] - near[0], near[3] - near[1]
         half_x, half_y = (box[2] - box[0]) / 2, (box[3] - box[1]) / 2
-        off = dx * ((box[1] + box[3]) / 2 - near[:, 1]) - dy * ((box[0] + box[2]) / 2 - near[:, 0])
+        off = dx * ((box[1] + box[3]) / 2 - near[1]) - dy * ((box[0] + box[2]) / 2 - near[0])
         return int(np.count_nonzero(np.abs(off) < np.abs(dx) * half_y + np.abs(dy) * half_x))
 
     def crossing(self, line: Line) -> int:
         """How many pieces a line crosses, ends that just touch left out."""
         x0, y0, x1, y1 = line
         near = self._near((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)))
-        if not len(near):
+        if not near.shape[1]:
             return 0
         dx, dy = x1 - x0, y1 - y0
-        ex, ey = near[:, 2] - near[:, 0], near[:, 3] - near[:, 1]
-        first = dx * (near[:, 1] - y0) - dy * (near[:, 0] - x0)
-        second = dx * (near[:, 3] - y0) - dy * (near[:, 2] - x0)
-        third = ex * (y0 - near[:, 1]) - ey * (x0 - near[:, 0])
-        fourth = ex * (y1 - near[:, 1]) - ey * (x1 - near[:, 0])
+        ex, ey = near[2] - near[0], near[3] - near[1]
+        first = dx * (near[1] - y0) - dy * (near[0] - x0)
+        second = dx * (near[3] - y0) - dy * (near[2] - x0)
+        third = ex * (y0 - near[1]) - ey * (x0 - near[0])
+        fourth = ex * (y1 - near[1]) - ey * (x1 - near[0])
         least = 1e-6
         return int(np.count_nonzero((first * second < -least) & (third * fourth < -least)))
 
+    def along(self, point: Point2, direction: Point2, near: float = 0.05) -> tuple[float, float]:
+        """From where to where pieces run on, without a break, on the line through a point: distances from the point.
+
+        Both are 0 where no piece lies on that line at the point.
+        """
+        u, v = direction
+        held = self._held[:4, : self._count]
+        off = [(held[i] - point[0]) * v - (held[i + 1] - point[1]) * u for i in (0, 2)]
+        on = (np.abs(off[0]) < near) & (np.abs(off[1]) < near)
+        if not on.any():
+            return (0.0, 0.0)
+        at = [(held[i, on] - point[0]) * u + (held[i + 1, on] - point[1]) * v for i in (0, 2)]
+        low, high = 0.0, 0.0
+        for a, b in sorted(zip(np.minimum(*at).tolist(), np.maximum(*at).tolist())):
+            if a <= high + near and b >= low - near:
+                low, high = min(low, a), max(high, b)
+        return low, high
+
     def _near(self, box: Box2) -> np.ndarray:
-        held = self._held[: self._count]
-        low_x, high_x = np.minimum(held[:, 0], held[:, 2]), np.maximum(held[:, 0], held[:, 2])
-        low_y, high_y = np.minimum(held[:, 1], held[:, 3]), np.maximum(held[:, 1], held[:, 3])
-        return held[(high_x > box[0]) & (low_x < box[2]) & (high_y > box[1]) & (low_y < box[3])]
+        held = self._held[:, : self._count]
+        return held[:, (held[6] > box[0]) & (held[4] < box[2]) & (held[7] > box[1]) & (held[5] < box[3])]
 
 
 class Field:

@@ -88,7 +88,7 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
                 else:
                     lines[at] += " {depth}" + value[d.name]
             case "count" if int(d.value) != count:
-                lines.append(f"{d.value:g} {d.name.split(' ', 1)[-1] if len(d.name.split()) == 2 else d.name}")
+                lines.append(f"{d.value:g} {d.name.split()[-1] if len(d.name.split()) == 2 else d.name}")
             case "count":
                 pass
             case "chamfer":

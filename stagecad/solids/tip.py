@@ -159,7 +159,7 @@ def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, fl
     centre = foot + radius * (1 - outward[1]) / outward[0]
     way = (-outward[0], -outward[1] - 1.0)
     r = centre + radius * way[0] / math.hypot(*way)
-    return (0.0, -r, top + radius + radius * way[1] / math.hypot(*way))
+    return (r, 0.0, top + radius + radius * way[1] / math.hypot(*way))
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
