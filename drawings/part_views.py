@@ -15,7 +15,6 @@ from drawings.frame import Paper
 from drawings.view import Cut
 from stagecad.parameters.dimension import Point
 from stagecad.solids.base_clamp import clamps
-from stagecad.solids.base_places import pocket_centres
 from stagecad.solids.tip import piezo_places
 
 
@@ -142,7 +141,6 @@ def _bearing_way(design: Any) -> tuple[SheetPlan, ...]:
 def _base(design: Any) -> tuple[SheetPlan, ...]:
     base = design.base
     first, *_ = clamps(design)
-    _, (_, back), _ = pocket_centres(design)
     floor = -(base.pocket_depth + base.height) / 2
     top = ViewPlan("top", "top", symmetry="uv")
     one = SheetPlan(
@@ -150,10 +148,8 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
         ("A3", "A2"),
         0.2,
         (top, _FRONT, _RIGHT, _ISO),
-        (
-            "length", "width", "height", "edge chamfer", "way ", "hole chamfer", "setting-pin", "pocket", "lead channel",
-        ),
-    )  # fmt: skip
+        ("length", "width", "height", "edge chamfer", "way ", "hole chamfer", "setting-pin", "pocket", "lead channel"),
+    )
     finger = (first.centre[0], first.centre[1] + first.side * base.pocket_diameter / 2, 0.0)
     two = SheetPlan(
         "base_2",

@@ -1,0 +1,190 @@
+"""The sheets of a part: its views projected, its declarations asked for and arranged, its title block filled in."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from drawings.annotation import Note
+from drawings.centre_lines import Axis, axes_of, centre_lines
+from drawings.detail import clipped
+from drawings.dimensioning import request
+from drawings.frame import Paper
+from drawings.layout import Arrangement, arrange
+from drawings.lettering import LINE_PITCH, TEXT
+from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_plans
+from drawings.projection import project
+from drawings.section import cut_shape, hatch
+from drawings.sheet import Sheet, scale_text, sheet_area
+from drawings.symbols import line_width
+from drawings.title_block import TitleBlock
+from drawings.view import PROJECTIONS, Arc, Box2, Curve, Layer, View
+from stagecad.parameters.dimension import Dimension, FaceRequirement
+from stagecad.solids.measure import Gauge
+
+if TYPE_CHECKING:
+    import cadquery as cq
+    from OCP.TopoDS import TopoDS_Shape
+
+
+class Views:
+    """Makes the views of one part; what several views need is worked out once.
+
+    Args:
+        shape: the solid.
+        exact: hidden lines by the exact algorithm (`drawings.projection.project`).
+    """
+
+    def __init__(self, shape: TopoDS_Shape, *, exact: bool = True) -> None:
+        self._shape = shape
+        self._exact = exact
+        self._axes: tuple[Axis, ...] = axes_of(shape)
+        self._projected: dict[tuple[str, bool], dict[Layer, tuple[Curve, ...]]] = {}
+
+    def of(self, plan: SheetPlan) -> tuple[View, ...]:
+        """The views of a sheet, without places."""
+        return tuple(self._view(view, plan.scale) for view in plan.views)
+
+    def _view(self, plan: ViewPlan, sheet_scale: float) -> View:
+        scale, projection = plan.scale or sheet_scale, PROJECTIONS[plan.projection]
+        label = ""
+        curves: dict[Layer, tuple[Curve, ...]]
+        if plan.cut:
+            left = cut_shape(self._shape, plan.cut)
+            curves = dict(project(left, projection, hidden=False, exact=self._exact))
+            curves["HATCH"] = hatch(left, plan.cut, projection, scale)
+            label = f"{plan.cut.letter}-{plan.cut.letter}"
+        else:
+            curves = dict(self._outside(plan))
+        if plan.projection != "iso":
+            curves["CENTRE"] = centre_lines(curves, self._axes, projection, scale, plan.symmetry)
+        clip = None
+        if plan.detail:
+            clip = (projection.to_view(plan.detail[0]), plan.detail[1])
+            curves = {layer: clipped(lines, *clip) for layer, lines in curves.items()}
+            curves["HATCH"] = (*curves.get("HATCH", ()), Arc(*clip))
+            label = plan.letter
+        if label and scale != sheet_scale:
+            label = f"{label} ({scale_text(scale)})"
+        return View(plan.name, projection, curves, scale, label=label, clip=clip, cut=plan.cut, beside=plan.beside)
+
+    def _outside(self, plan: ViewPlan) -> dict[Layer, tuple[Curve, ...]]:
+        key = (plan.projection, plan.hidden)
+        if key not in self._projected:
+            projection = PROJECTIONS[plan.projection]
+            self._projected[key] = project(self._shape, projection, hidden=plan.hidden, exact=self._exact)
+        return self._projected[key]
+
+
+@dataclass(frozen=True)
+class Described:
+    """A part as its sheets need it.
+
+    Args:
+        name: of the part.
+        solid: in part coordinates.
+        dimensions, requirements: what is declared beside its features.
+        notes: of the part's module.
+        material: as it is ordered.
+        mass: with its unit.
+        digest: hash of the parameters its sheets depend on.
+        revision: of the program.
+    """
+
+    name: str
+    solid: cq.Solid
+    dimensions: tuple[Dimension, ...]
+    requirements: tuple[FaceRequirement, ...]
+    notes: tuple[str, ...]
+    material: str
+    mass: str
+    digest: str
+    revision: str
+
+
+def sheets_of(part: Described, design: Any, *, exact: bool = True) -> tuple[Sheet, ...]:
+    """The sheets of a part.
+
+    Args:
+        part: what is drawn.
+        design: for scales that depend on it, tolerances and the title.
+        exact: how lines are hidden (`drawings.projection.project`).
+    """
+    plans = sheet_plans(part.name, design)
+    views = Views(part.solid.wrapped, exact=exact)
+    gauge = Gauge(part.solid)
+    return tuple(
+        _sheet(part, design, plans, number, views.of(plan), gauge) for number, plan in enumerate(plans, start=1)
+    )
+
+
+def _sheet(
+    part: Described, design: Any, plans: tuple[SheetPlan, ...], number: int, views: tuple[View, ...], gauge: Gauge
+) -> Sheet:
+    plan = plans[number - 1]
+    dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
+    requirements = part.requirements if plan.requirements else ()
+    asked = request(dimensions, requirements, design, gauge, views)
+    if asked.missing:
+        raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(asked.missing)}")
+    lines = _note_lines(part, asked.notes, design)
+    paper, arranged, note = _arranged(plan, views, asked.asked, lines)
+    title = _title(part, design, plan, number, len(plans))
+    return Sheet(plan.name, part.name, paper, plan.scale, title, arranged.views, arranged.annotations, (note,))
+
+
+def _arranged(
+    plan: SheetPlan, views: tuple[View, ...], asked: Sequence[Any], lines: tuple[str, ...]
+) -> tuple[Paper, Arrangement, Note]:
+    """Views and annotations on the smallest paper on which they fit, with the notes in the lower left corner."""
+    best: tuple[tuple[bool, int], Paper, Arrangement, Note] | None = None
+    for paper in plan.papers:
+        note, room = _notes(paper, lines)
+        arranged = arrange(views, asked, sheet_area(paper, (room,)))
+        rank = (not arranged.fits, arranged.hits)
+        if best is None or rank < best[0]:
+            best = (rank, paper, arranged, note)
+        if best[0] == (False, 0):
+            break
+    assert best is not None
+    return best[1:]
+
+
+def _notes(paper: Paper, lines: tuple[str, ...]) -> tuple[Note, Box2]:
+    """The notes in the lower left corner of a sheet, and the room they take."""
+    x0, y0, _, _ = sheet_area(paper).space
+    width = max(map(line_width, lines))
+    return Note((x0, y0), lines), (x0, y0, x0 + width + TEXT, y0 + (len(lines) + 1) * LINE_PITCH * TEXT)
+
+
+def _note_lines(part: Described, numbered: Sequence[str], design: Any) -> tuple[str, ...]:
+    """Notes of the sheet: general ones, the part's own, and those that dimensions refer to by number."""
+    general = ["Dimensions in millimetres; tolerances by their decimals, see below right."]
+    lines = ["NOTES", *(f"- {text}" for text in (*general, *part.notes))]
+    lines += [f"[{index}] {text}" for index, text in enumerate(numbered, start=1)]
+    return tuple(lines)
+
+
+def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
+    drawing = design.drawing
+    words = part.name.replace("_", " ")
+    return TitleBlock(
+        title=f"{words} {number}/{count}" if count > 1 else words,
+        supplement=drawing.title,
+        number=getattr(drawing, f"file_{part.name}", f"THS_STG_{part.name.upper()}"),
+        material=part.material,
+        mass=part.mass,
+        scale=scale_text(plan.scale),
+        sheet=number,
+        sheets=count,
+        revision=part.revision,
+        parameters=part.digest,
+        kind="Part drawing",
+        finish="Ra 3.2; edges broken 0.2",
+        tolerances=(
+            ("X.", f"±{drawing.tolerance_x:g}"),
+            ("X.X", f"±{drawing.tolerance_x_x:g}"),
+            ("X.XX", f"±{drawing.tolerance_x_xx:g}"),
+        ),
+    )
