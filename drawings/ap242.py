@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from drawings.attachment import Attachment, attachment, faces_at
 from drawings.manufacturing_information import ManufacturingInformation, ToleratedDimension, manufacturing_information
 from drawings.part21 import directed_distances, typed_limits, with_properties
+from drawings.unshared import Unshared
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
 from stagecad.solids.export import constant_text
@@ -84,10 +85,11 @@ def _written(part: str, solid: cq.Shape, gauge: Gauge, information: Manufacturin
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    label = shapes.AddShape(solid.wrapped, False)
+    unshared = Unshared(solid.wrapped)
+    label = shapes.AddShape(unshared.solid, False)
     TDataStd_Name.Set_s(label, TCollection_ExtendedString(part))
     _add_material(document, label, material)
-    _Annotated(document, label).add(gauge, information)
+    _Annotated(document, label, unshared).add(gauge, information)
     writer = STEPCAFControl_Writer()
     # Only once there is a writer does the kernel know this setting.
     Interface_Static.SetCVal_s("write.step.schema", "AP242DIS")
@@ -121,10 +123,10 @@ def _add_material(document: Any, label: Any, material: Any) -> None:
 class _Annotated:
     """A part in an XCAF document, to whose faces dimensions, datums and tolerances are attached."""
 
-    def __init__(self, document: Any, label: Any) -> None:
+    def __init__(self, document: Any, label: Any, unshared: Unshared) -> None:
         from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-        self._label = label
+        self._label, self._unshared = label, unshared
         self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
         self._tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
 
@@ -144,7 +146,7 @@ class _Annotated:
 
         sequence = TDF_LabelSequence()
         for shape in shapes:
-            sequence.Append(self._shapes.AddSubShape(self._label, shape.wrapped))
+            sequence.Append(self._shapes.AddSubShape(self._label, self._unshared.of(shape.wrapped)))
         return sequence
 
     def _add_dimension(self, dimension: ToleratedDimension, attached: Attachment) -> None:
@@ -164,7 +166,8 @@ class _Annotated:
         for index, number in enumerate(limits, start=1):
             values.SetValue(index, number)
         content.SetValues(values)
-        if dimension.decimals is not None:
+        # OCCT reads an angle that tells its decimals as degrees though it stands there in radians.
+        if dimension.decimals is not None and declaration.kind != "angle":
             content.SetNbOfDecimalPlaces(len(str(int(abs(declaration.value)))), dimension.decimals)
         notes = list(dimension.notes)
         if attached.from_middle:
@@ -261,11 +264,11 @@ def _dimension_type(declaration: Dimension, attached: Attachment) -> Any:
             name = {"SPHERE": "Size_SphericalRadius", "TORUS": "Size_ToroidalMinorRadius"}.get(of, "Size_Radius")
         case "angle" | "slope":
             name = "Location_Angular"
-        case _ if attached.oriented:
-            name = "Location_Oriented"
         case _ if attached.sides != ("centre", "centre"):
             start, end = (side.replace("centre", "center").capitalize() for side in attached.sides)
             name = f"Location_LinearDistance_From{start}To{end}"
+        case _ if attached.oriented:
+            name = "Location_Oriented"
         case _:
             name = "Location_LinearDistance"
     return getattr(Type, f"XCAFDimTolObjects_DimensionType_{name}")

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 SQUARE = 1e-9
 
 Side = Literal["centre", "inner", "outer"]
-"""Where on a round feature a distance ends: on its axis, on the side that looks at the other end, or on the far one."""
+"""Where on a round feature a distance ends: on its axis or centre, on the side nearer the other end, or the far one."""
 
 
 @dataclass(frozen=True)
@@ -115,21 +115,22 @@ def _distance(gauge: Gauge, dimension: Dimension, along: Point) -> Attachment:
     if second.middle:
         # The middle comes first, so that one flag tells it.
         first, second, points = second, first, points[::-1]
-    step = _dot(_minus(points[1], points[0]), along)
     return Attachment(
         first.shapes,
         second.shapes,
-        (_side(first, points[0], along, step), _side(second, points[1], along, -step)),
+        (_side(first, points[0], points[1], along), _side(second, points[1], points[0], along)),
         oriented=not (first.square or second.square or _abreast(first.round, second.round, along)),
         from_middle=first.middle,
     )
 
 
-def _side(end: _End, point: Point, along: Point, step: float) -> Side:
-    """Which side of a round face a distance that runs on by `step` starts from."""
+def _side(end: _End, point: Point, other: Point, along: Point) -> Side:
+    """Which side of a round face a distance to the other end starts from."""
     if not (end.touched and end.round):
         return "centre"
-    return "inner" if _dot(_minus(point, end.round.origin), along) * step > 0 else "outer"
+    here, opposite = _dot(point, along), 2 * _dot(end.round.origin, along) - _dot(point, along)
+    there = _dot(other, along)
+    return "inner" if abs(here - there) < abs(opposite - there) else "outer"
 
 
 def _abreast(first: Surface | None, second: Surface | None, along: Point) -> bool:
@@ -179,19 +180,17 @@ def _level(gauge: Gauge, point: Point, along: Point) -> _End:
     at = _dot(point, along)
     planes = [s for s in gauge.surfaces if s.kind == "PLANE" and _parallel(s, along)]
     here = [s for s in planes if abs(_dot(s.origin, along) - at) < NEAR]
-    bores = [
-        edge
-        for s in gauge.surfaces
-        if s.kind == "CYLINDER" and _parallel(s, along) and s.off_axis(point) < NEAR
-        for edge in _edges_at(s, along, at)
-    ]
-    near = [(_gap(s, point), s) for s in here]
     reach = max((s.radius for s in gauge.surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR), default=0.0)
-    gap, plane = min(near, key=lambda pair: pair[0], default=(math.inf, None))
-    if plane and (not bores or gap < 2 * reach + NEAR):
+    gap, plane = min(((_gap(s, point), s) for s in here), key=lambda pair: pair[0], default=(math.inf, None))
+    if plane and gap < 2 * reach + NEAR:
         return _End((plane.face,), True)
-    if bores:
-        return _End(tuple(bores[:1]), True)
+    for s in gauge.surfaces:
+        if s.kind == "CYLINDER" and _parallel(s, along) and s.off_axis(point) < NEAR:
+            ends = _edges_at(s, along, at)
+            if ends:
+                return _End((ends[0],), True)
+    if plane:
+        return _End((plane.face,), True)
     levels = sorted(planes, key=lambda s: _dot(s.origin, along))
     if levels and abs((_dot(levels[0].origin, along) + _dot(levels[-1].origin, along)) / 2 - at) < NEAR:
         return _End((levels[0].face, levels[-1].face), True, middle=True)
@@ -258,14 +257,19 @@ def _reference(gauge: Gauge, along: Point) -> Surface:
 def _pattern(gauge: Gauge, first: Surface, count: int) -> Attachment:
     """The face with all that are like it, where these are as many features as the dimension stands for."""
     like = [s for s in gauge.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
-    size = first.face.Area()
-    same = [s for s in like if abs(s.face.Area() - size) < 1e-4 * size]
     # A bore may be cut into several faces about one axis, and two holes may share an axis.
-    for features in (_features(like), _features(same), [[s] for s in like], [[s] for s in same]):
-        if len(features) == count and any(first in feature for feature in features):
-            return Attachment(tuple(s.face for feature in features for s in feature), alike=count)
+    for group in (lambda: like, lambda: _of_size(like, first)):
+        faces = group()
+        for features in (_features(faces), [[s] for s in faces]):
+            if len(features) == count and any(first in feature for feature in features):
+                return Attachment(tuple(s.face for feature in features for s in feature), alike=count)
     own = next(feature for feature in _features(like) if first in feature)
     return Attachment(tuple(s.face for s in own))
+
+
+def _of_size(surfaces: Iterable[Surface], first: Surface) -> list[Surface]:
+    size = first.face.Area()
+    return [s for s in surfaces if abs(s.face.Area() - size) < 1e-4 * size]
 
 
 def _features(surfaces: Iterable[Surface]) -> list[list[Surface]]:

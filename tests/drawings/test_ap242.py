@@ -1,0 +1,353 @@
+"""The STEP AP242 file of every made part, read back: all that its declarations say, of the right faces."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import subprocess
+import sys
+from functools import cache
+from pathlib import Path
+
+import cadquery as cq
+import pytest
+from ap242_file import Ap242File, ReadDimension, decimals, read_ap242
+from OCP.BRepAdaptor import (  # pyright: ignore[reportMissingImports]
+    BRepAdaptor_Curve,  # pyright: ignore[reportAttributeAccessIssue]
+    BRepAdaptor_Surface,  # pyright: ignore[reportAttributeAccessIssue]
+)
+
+from drawings.ap242 import ap242_bytes, information_of, write_ap242
+from drawings.part21 import with_properties
+from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.dimension import (
+    DatumFeature,
+    Dimension,
+    FaceRequirement,
+    GeometricTolerance,
+    Point,
+    SurfaceTexture,
+)
+from stagecad.solids.registry import MADE, module_of
+
+CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2, None: None}
+TEXT_ONLY = ("count", "callout", "thread_depth")
+
+
+@cache
+def thesis() -> Design:
+    return load_design()
+
+
+@cache
+def solid_of(name: str) -> cq.Solid:
+    return module_of(name).build(thesis())  # type: ignore[return-value]
+
+
+@cache
+def bytes_of(name: str) -> bytes:
+    return ap242_bytes(name, module_of(name), thesis(), solid_of(name))
+
+
+@pytest.fixture(scope="module")
+def read(tmp_path_factory: pytest.TempPathFactory):
+    folder = tmp_path_factory.mktemp("ap242")
+
+    @cache
+    def of(name: str) -> Ap242File:
+        path = folder / f"{name}.step"
+        path.write_bytes(bytes_of(name))
+        texts = information_of(module_of(name), thesis()).texts
+        return read_ap242(path, texts)
+
+    return of
+
+
+def declared(name: str) -> tuple[Dimension, ...]:
+    return module_of(name).dimensions(thesis())
+
+
+def required(name: str) -> tuple[FaceRequirement, ...]:
+    return getattr(module_of(name), "requirements", lambda design: ())(thesis())
+
+
+def by_name(file: Ap242File) -> dict[str, ReadDimension]:
+    return {dict(dimension.texts)["dimension name"]: dimension for dimension in file.dimensions}
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_dimension_has_its_value_limits_and_decimals(name: str, read) -> None:
+    file, drawing = read(name), thesis().drawing
+    limits = {"X": drawing.tolerance_x, "X.X": drawing.tolerance_x_x, "X.XX": drawing.tolerance_x_xx}
+    shown, places = by_name(file), decimals(bytes_of(name).decode())
+    expected = [d for d in declared(name) if d.kind not in TEXT_ONLY]
+    assert sorted(shown) == sorted(places) == sorted(d.name for d in expected)
+    assert len(file.dimensions) == len(expected)
+    for dimension in expected:
+        there = shown[dimension.name]
+        value = math.tan(math.radians(there.value)) if dimension.kind == "slope" else there.value
+        assert value == pytest.approx(dimension.value, abs=1e-9), dimension.name
+        if dimension.tolerance is None or dimension.kind == "angle":
+            assert there.limits is None, dimension.name
+        else:
+            assert there.limits == pytest.approx((limits[dimension.tolerance],) * 2, abs=1e-12), dimension.name
+        expected_places = None if dimension.kind == "angle" else CLASS_DECIMALS[dimension.tolerance]
+        assert places[dimension.name] == expected_places, dimension.name
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_what_is_no_size_goes_along_as_text(name: str, read) -> None:
+    """Notes, counts, designations and thread depths are found again, every one, and beside their own feature."""
+    file = read(name)
+    shown = by_name(file)
+    for dimension in declared(name):
+        if dimension.kind in TEXT_ONLY:
+            beside = [
+                text
+                for other in declared(name)
+                if dimension.feature and other.feature == dimension.feature and other.name in shown
+                for _, text in shown[other.name].texts
+            ]
+            said = [text for text in beside if text.startswith(f"{dimension.name} {dimension.value:g}")]
+            alone = file.texts.get(dimension.name, "")
+            assert len(said) + bool(alone) == 1, dimension.name
+            assert dimension.note in (said or [alone])[0]
+        else:
+            notes = [text for kind, text in shown[dimension.name].texts if kind == "dimensional note"]
+            assert (f"{dimension.count}x" in notes) == (dimension.count > 1)
+            assert not dimension.note or dimension.note in notes
+    for texture in required(name):
+        if isinstance(texture, SurfaceTexture):
+            assert f"Ra {texture.roughness:g} um" in file.texts[f"surface texture of {texture.name}"]
+    notes = getattr(module_of(name), "NOTES", ())
+    assert [file.texts[f"note {k}"] for k in range(1, len(notes) + 1)] == list(notes)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_datums_and_tolerances(name: str, read) -> None:
+    file = read(name)
+    datums = [r for r in required(name) if isinstance(r, DatumFeature)]
+    assert {letter: len(faces) for letter, faces in file.datums.items()} == {d.letter: len(d.points) for d in datums}
+    for datum in datums:
+        assert_on(datum.points, file.datums[datum.letter])
+    tolerances = [r for r in required(name) if isinstance(r, GeometricTolerance)]
+    assert len(file.tolerances) == len(tolerances)
+    for tolerance, there in zip(tolerances, file.tolerances, strict=True):
+        assert (there.kind, there.letters, there.combined) == (
+            tolerance.characteristic,
+            tolerance.datums,
+            tolerance.combined,
+        )
+        assert there.value == pytest.approx(tolerance.value, abs=1e-12)
+        assert_on(tolerance.points, there.faces)
+
+
+def assert_on(points: tuple[Point, ...], faces: tuple[cq.Shape, ...]) -> None:
+    """Each point is on its own face, or on its axis."""
+    assert len(points) == len(faces)
+    left = list(faces)
+    for point in points:
+        here = next(
+            face
+            for face in left
+            if face.distance(cq.Vertex.makeVertex(*point)) < 1e-6
+            or (face.geomType() == "CYLINDER" and off_axis(face, point) < 1e-6)
+        )
+        left.remove(here)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_same_solid_material_and_name(name: str, read) -> None:
+    file, module = read(name), module_of(name)
+    material = thesis().materials[module.material(thesis())]
+    assert file.name == name
+    assert file.material == material.description
+    assert file.density * 1e3 == pytest.approx(material.density, rel=1e-12)
+    assert file.solid.isValid()
+    # Curves on surfaces are left out of the file; worked out anew they move the kernel's integral a little.
+    assert file.solid.Volume() == pytest.approx(solid_of(name).Volume(), rel=2e-7)
+    assert len(file.solid.Faces()) == len(solid_of(name).Faces())
+    assert len(file.solid.Edges()) == len(solid_of(name).Edges())
+    there, here = corners(file.solid), corners(solid_of(name))
+    assert len(there) == len(here)
+    for one, other in zip(there, here, strict=True):
+        assert one == pytest.approx(other, abs=2e-7)
+
+
+def corners(solid: cq.Shape) -> list[tuple[float, ...]]:
+    """Ends of all edges that have a length, so far rounded that like ones sort alike."""
+    ends = {vertex for edge in solid.Edges() if edge.Length() > 1e-6 for vertex in edge.Vertices()}  # pyright: ignore
+    return sorted(tuple(round(x, 7) + 0.0 for x in vertex.toTuple()) for vertex in ends)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_the_faces_meant_are_so_far_apart(name: str, read) -> None:
+    """The shapes each dimension is attached to, as they are in the file, measure what it says."""
+    for dimension in declared(name):
+        if dimension.kind in TEXT_ONLY:
+            continue
+        there = by_name(read(name))[dimension.name]
+        assert measured(there, dimension) == pytest.approx(dimension.value, abs=2e-6), dimension.name
+        if dimension.kind in ("diameter", "tap_drill", "radius") and dimension.count > 1:
+            assert len(there.first) >= dimension.count, dimension.name
+
+
+def measured(there: ReadDimension, dimension: Dimension) -> float:
+    along = dimension.direction
+    assert along is not None
+    match there.kind:
+        case "Size_Diameter":
+            radii = [radius_of(face, dimension.points[0]) for face in there.first]
+            assert max(radii) - min(radii) < 1e-6
+            return 2 * radii[0]
+        case "Size_Radius" | "Size_SphericalRadius" | "Size_ToroidalMinorRadius":
+            radii = [radius_of(face, dimension.points[0]) for face in there.first]
+            assert max(radii) - min(radii) < 1e-6
+            return radii[0]
+        case "Location_Angular" if dimension.kind == "slope":
+            sine = abs(dot(BRepAdaptor_Surface(there.first[0].wrapped).Plane().Axis().Direction(), along))
+            return sine / math.sqrt(1 - sine**2)
+        case "Location_Angular":
+            step = [b - a for a, b in zip(centre(there.first[0]), centre(there.second[0]), strict=True)]
+            return math.degrees(math.acos((step[0] * along[0] + step[1] * along[1]) / math.hypot(step[0], step[1])))
+        case _:
+            middle = ("dimensional note", "from the middle of the two faces") in there.texts
+            assert len({round(level(s, along, dimension.points[0]), 6) for s in there.first}) == 1 or middle
+            start = sum(level(s, along, dimension.points[0]) for s in there.first) / len(there.first)
+            ends = [level(s, along, dimension.points[-1]) for s in there.second]
+            if there.kind.startswith("Location_LinearDistance_From"):
+                sides = there.kind.removeprefix("Location_LinearDistance_From").split("To")
+                return between_sides(there, sides, start, ends[0])
+            assert max(ends) - min(ends) < 1e-6
+            return abs(ends[0] - start)
+
+
+def between_sides(there: ReadDimension, sides: list[str], start: float, end: float) -> float:
+    """The nearest sides of two round faces are apart as far as they can be least, the outer ones most."""
+    places = [
+        [middle] if name == "Center" else [middle - radius_of(shape, None), middle + radius_of(shape, None)]
+        for shape, name, middle in zip((there.first[0], there.second[0]), sides, (start, end), strict=True)
+    ]
+    assert set(sides) - {"Center"} in ({"Inner"}, {"Outer"})
+    apart = [abs(a - b) for a in places[0] for b in places[1]]
+    return min(apart) if "Inner" in sides else max(apart)
+
+
+def level(shape: cq.Shape, along: Point, near: Point) -> float:
+    """Coordinate along a direction of a flat face (where the line through `near` meets it), an axis, a centre."""
+    kind = shape.geomType()
+    if kind == "PLANE":
+        plane = BRepAdaptor_Surface(shape.wrapped).Plane()
+        normal, origin = plane.Axis().Direction(), plane.Location()
+        behind = sum(
+            n * (o - p)
+            for n, o, p in zip(
+                (normal.X(), normal.Y(), normal.Z()), (origin.X(), origin.Y(), origin.Z()), near, strict=True
+            )
+        )
+        return sum(a * b for a, b in zip(near, along, strict=True)) + behind / dot(normal, along)
+    if kind == "LINE":
+        return sum(a * b for a, b in zip(shape.Vertices()[0].toTuple(), along, strict=True))
+    return sum(a * b for a, b in zip(centre(shape), along, strict=True))
+
+
+def centre(shape: cq.Shape) -> Point:
+    match shape.geomType():
+        case "CYLINDER":
+            at = BRepAdaptor_Surface(shape.wrapped).Cylinder().Location()
+        case "CONE":
+            at = BRepAdaptor_Surface(shape.wrapped).Cone().Location()
+        case "SPHERE":
+            at = BRepAdaptor_Surface(shape.wrapped).Sphere().Location()
+        case "CIRCLE":
+            at = BRepAdaptor_Curve(shape.wrapped).Circle().Location()
+        case kind:
+            raise AssertionError(f"nothing round: {kind}")
+    return (at.X(), at.Y(), at.Z())
+
+
+def radius_of(shape: cq.Shape, at: Point | None) -> float:
+    surface = BRepAdaptor_Surface(shape.wrapped)
+    match shape.geomType():
+        case "CYLINDER":
+            return surface.Cylinder().Radius()
+        case "SPHERE":
+            return surface.Sphere().Radius()
+        case "TORUS":
+            return surface.Torus().MinorRadius()
+        case "CONE":
+            assert at is not None
+            cone = surface.Cone()
+            apex, axis = cone.Apex(), cone.Axis().Direction()
+            height = sum(
+                a * (p - q)
+                for a, p, q in zip((axis.X(), axis.Y(), axis.Z()), at, (apex.X(), apex.Y(), apex.Z()), strict=True)
+            )
+            return abs(height * math.tan(cone.SemiAngle()))
+        case kind:
+            raise AssertionError(f"nothing round: {kind}")
+
+
+def off_axis(shape: cq.Shape, point: Point) -> float:
+    from OCP.gp import gp_Lin, gp_Pnt  # pyright: ignore[reportMissingImports, reportAttributeAccessIssue]
+
+    axis = BRepAdaptor_Surface(shape.wrapped).Cylinder().Axis()
+    return gp_Lin(axis).Distance(gp_Pnt(*point))
+
+
+def dot(direction, along: Point) -> float:
+    return direction.X() * along[0] + direction.Y() * along[1] + direction.Z() * along[2]
+
+
+def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
+    """Another general tolerance, another limit in the file; and only in its class."""
+    tighter = load_design(overrides=["drawing.tolerance_x_xx=0.005 mm"])
+    path = tmp_path / "pin.step"
+    write_ap242("height_pin_2", tighter, solid_of("height_pin_2"), path)
+    shown = by_name(read_ap242(path, information_of(module_of("height_pin_2"), tighter).texts))
+    for dimension in declared("height_pin_2"):
+        if dimension.tolerance:
+            wide = tighter.drawing.tolerance_x
+            assert shown[dimension.name].limits == pytest.approx(
+                (0.005, 0.005) if dimension.tolerance == "X.XX" else (wide, wide)
+            )
+
+
+def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
+    name = "height_pin_2"
+    again = ap242_bytes(name, module_of(name), thesis(), solid_of(name))
+    assert again == bytes_of(name)
+    script = (
+        "import sys; from pathlib import Path; from stagecad.solids.kernel import import_kernel; import_kernel()\n"
+        "from stagecad.parameters.design import load_design; from stagecad.solids.registry import module_of\n"
+        "from drawings.ap242 import write_ap242; design = load_design()\n"
+        "write_ap242(sys.argv[1], design, module_of(sys.argv[1]).build(design), Path(sys.argv[2]))\n"
+    )
+    path = tmp_path / "other.step"
+    environment = os.environ | {"PYTHONHASHSEED": "7"}
+    subprocess.run([sys.executable, "-c", script, name, str(path)], check=True, env=environment)
+    assert path.read_bytes() == again
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_measure_says_what_it_measures(name: str) -> None:
+    """No bare number where the format wants a typed one, and no placement without its second direction."""
+    text = bytes_of(name).decode()
+    assert not re.search(r"MEASURE_WITH_UNIT\(-?[\d.]", text)
+    assert not re.search(r"AXIS2_PLACEMENT_3D\('orientation',#\d+,#\d+,\$\)", text)
+    assert "DIMENSIONAL_LOCATION(''," not in text
+
+
+def test_a_declaration_that_points_beside_the_part_is_an_error() -> None:
+    longer = load_design(overrides=["stage.payload_pitch=51 mm"], rules=False)
+    with pytest.raises(LookupError):
+        ap242_bytes("stage", module_of("stage"), longer, solid_of("stage"))
+
+
+def test_texts_keep_quotes_and_signs_beyond_ascii(tmp_path: Path) -> None:
+    said = {"note 1": "Ra 1 µm on the holder's pocket", "back\\slash": "±0.1"}
+    path = tmp_path / "noted.step"
+    path.write_text(with_properties(bytes_of("magnet").decode(), said))
+    texts = {**information_of(module_of("magnet"), thesis()).texts, **said}
+    assert read_ap242(path, texts).texts == texts
