@@ -1,0 +1,72 @@
+"""The stage driven by its piezos: nanometre steps, speed, lift-off and tip-over, ellipses, coupling, the loop.
+
+Every study is a function of the machine and of a way to run many independent cases (one after another, on all cores, on
+a cluster).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from sim.stage.coupling import coupling_study
+from sim.stage.ellipse_search import ellipse_search
+from sim.stage.hunting import hunting_study
+from sim.stage.machine import StageMachine
+from sim.stage.planar import planar_study
+from sim.stage.positioning import positioning_study
+from sim.stage.speed import speed_study
+from sim.stage.steps import step_study
+from sim.stage.travel_map import travel_map
+
+RunAll = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
+
+
+class Study(Protocol):
+    """What a study comes to."""
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        """Numbers with SI units; none where there is nothing to measure."""
+        ...
+
+
+@dataclass(frozen=True)
+class StageDrive:
+    """What the studies need besides the machine.
+
+    Args:
+        single: the stage on actuator 1.
+        triple: the stage on all three, nothing guiding it.
+        amplitude: of a piezo, m: the design's, or half the stroke where that is less.
+        phase: between piezos 1 and 2, rad.
+        frequency: Hz.
+    """
+
+    single: StageMachine
+    triple: StageMachine
+    amplitude: float
+    phase: float
+    frequency: float
+
+
+def _common(study: Callable[..., Study]) -> Callable[[StageDrive, RunAll], Study]:
+    return lambda drive, run_all: study(drive.single, drive.amplitude, drive.phase, drive.frequency, run_all)
+
+
+STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = {
+    "steps": lambda drive, run_all: step_study(drive.single, run_all),
+    "speed": _common(speed_study),
+    "travel_map": _common(travel_map),
+    "ellipse": lambda drive, run_all: ellipse_search(drive.single, drive.amplitude, drive.frequency, run_all),
+    "coupling": _common(coupling_study),
+    "planar": lambda drive, run_all: planar_study(drive.triple, drive.amplitude, drive.phase, drive.frequency, run_all),
+    "positioning": _common(positioning_study),
+    "hunting": _common(hunting_study),
+}
+"""By name, in the order of a run."""
+
+
+def run_serially(function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:
+    """One case after another."""
+    return [function(case) for case in cases]

@@ -1,0 +1,134 @@
+"""A machine as the kernel takes it, and its state at rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.stage.kernel import ELEMENTS, Constants, State
+from sim.stage.machine import StageMachine
+from sim.stage.piezo_response import LAGS, PLAYS, piezo_response
+from sim.stage.slip_elements import mindlin, parabola, slip_elements
+from sim.stage.statics import Rest, contact_depth
+from stagecad.parameters.errors import InputError
+
+STEP = 1e-6
+"""s. The quickest mode of the packaged design, the tip on its piezos and the contact, has some 12 kHz."""
+STEPS_A_CYCLE = 40
+"""At least so many steps in a period of the quickest mode."""
+
+
+def quickest_mode(machine: StageMachine) -> float:
+    """Frequency that no mode of tip and contact exceeds, Hz, at a contact force of the whole load."""
+    tip = machine.tip
+    depth = contact_depth(machine, machine.load)
+    contact = 1.5 * machine.contact.rate * math.sqrt(depth)
+    heave = (3.0 * tip.stiffness + contact) / tip.mass
+    turn = float(max(np.sum(tip.piezo_places**2, axis=0))) * tip.stiffness
+    turn = (turn + machine.contact.tangential_ratio * contact * tip.height**2) / tip.inertia
+    pads = 1.5 * machine.pads.contact_rate * math.sqrt((machine.load / machine.pads.contact_rate) ** (2.0 / 3.0))
+    bounce = len(machine.pads.places) * pads / machine.stage.mass
+    return math.sqrt(max(heave, turn, bounce)) / (2.0 * math.pi)
+
+
+def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Constants:
+    """Numbers for the kernel, with the tips at the heights of `rest`.
+
+    Raises:
+        InputError: the step is too long for the machine's quickest mode.
+    """
+    quickest = quickest_mode(machine)
+    if not 0.0 < step <= 1.0 / (STEPS_A_CYCLE * quickest):
+        raise InputError(
+            f"stage: a step of {step:g} s is too long for a mode of {quickest:.0f} Hz; at most "
+            f"{1.0 / (STEPS_A_CYCLE * quickest):.2g} s"
+        )
+    stage, pads, tip, contact, piezo = machine.stage, machine.pads, machine.tip, machine.contact, machine.piezo
+    response = piezo_response(piezo)
+    centre = np.asarray(stage.centre, dtype=float)
+    pad_stiffness, pad_cap, pad_slope = slip_elements(parabola)
+    contact_stiffness, contact_cap, _ = slip_elements(mindlin)
+    irons = np.atleast_2d(np.asarray(stage.guide_places, dtype=float)).reshape(-1, 2)
+    return Constants(
+        step=step,
+        mass=stage.mass,
+        inertia=np.ascontiguousarray(stage.inertia, dtype=float),
+        inertia_inverse=np.ascontiguousarray(np.linalg.inv(stage.inertia)),
+        weight=stage.mass * machine.gravity,
+        preload=stage.preload,
+        preload_at=-centre,
+        pad_at=_heights(pads.places, -rest.pad_height) - centre,
+        pad_rate=pads.contact_rate,
+        pad_damping=pads.damping,
+        pad_bristle=pad_slope * pads.static_friction / pads.presliding,
+        pad_static=pads.static_friction,
+        pad_dynamic=pads.dynamic_friction,
+        pad_stribeck=pads.stribeck_velocity,
+        pad_stiffness_shares=pad_stiffness,
+        pad_cap_shares=pad_cap,
+        guide_at=_heights(irons, 0.0) - centre,
+        guide_stiffness=stage.guide_stiffness,
+        guide_yaw=stage.guide_stiffness * stage.guide_length**2 / 12.0,
+        centre_start=centre + [rest.position, 0.0, 0.0],
+        tip_at=np.ascontiguousarray(machine.actuators, dtype=float),
+        apex_rest=np.ascontiguousarray(rest.apex_heights, dtype=float),
+        tip_mass=tip.mass,
+        tip_inertia=tip.inertia,
+        tip_height=tip.height,
+        piezo_at=np.ascontiguousarray(tip.piezo_places, dtype=float),
+        piezo_stiffness=tip.stiffness,
+        piezo_damping=tip.damping,
+        contact_rate=contact.rate,
+        contact_damping=contact.damping,
+        contact_friction=contact.friction,
+        contact_ratio=contact.tangential_ratio,
+        contact_stiffness_shares=contact_stiffness,
+        contact_cap_shares=contact_cap,
+        amplifier_rate=2.0 * math.pi * piezo.bandwidth,
+        voltage_rate=piezo.voltage_rate,
+        voltage_high=piezo.highest_voltage,
+        bias=piezo.bias,
+        gain=response.gain,
+        strength=response.strength,
+        thresholds=response.thresholds,
+        weights=response.weights,
+        creep_weights=response.creep_weights,
+        creep_rates=response.creep_rates,
+    )
+
+
+def make_state(machine: StageMachine, rest: Rest) -> State:
+    """The machine at rest, its piezos at mid-stroke for long, no tangential force anywhere."""
+    actuators, pads = len(machine.actuators), len(machine.pads.places)
+    state = State(
+        position=np.zeros(6),
+        velocity=np.zeros(6),
+        acceleration=np.zeros(6),
+        tip=np.zeros((actuators, 3)),
+        tip_velocity=np.zeros((actuators, 3)),
+        tip_acceleration=np.zeros((actuators, 3)),
+        voltage=np.full((actuators, 3), machine.piezo.bias),
+        play=np.full((actuators, 3, PLAYS), machine.piezo.bias),
+        creep=np.zeros((actuators, 3, LAGS)),
+        stretch=np.zeros((actuators, 3)),
+        piezo_force=np.zeros((actuators, 3)),
+        pad_force=np.zeros((pads, ELEMENTS, 2)),
+        pad_tangent=np.zeros(pads),
+        contact_force=np.zeros((actuators, ELEMENTS, 2)),
+        contact_tangent=np.zeros(actuators),
+        totals=np.zeros(4),
+        actuator_totals=np.zeros((actuators, 4)),
+        pad_totals=np.zeros((pads, 2)),
+        clock=np.zeros(1),
+    )
+    state.position[2:5] = rest.attitude
+    state.tip[:, 0] = -rest.tip_loads / (3.0 * machine.tip.stiffness)
+    state.piezo_force[:] = (rest.tip_loads / 3.0)[:, None]
+    return state
+
+
+def _heights(places: np.ndarray, height: float) -> np.ndarray:
+    """Places (n, 2) with a common height, shape (n, 3)."""
+    flat = np.asarray(places, dtype=float).reshape(-1, 2)
+    return np.column_stack([flat, np.full(len(flat), height)])

@@ -1,0 +1,122 @@
+"""What the stage does across its travel when the drive is not as it should be."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from sim.stage.constants import STEP
+from sim.stage.drive_setting import SHORTEST_RISE
+from sim.stage.machine import StageMachine
+from sim.stage.run import StageRun
+from sim.stage.simulation import drive_stage
+from sim.stage.statics import over_sea
+from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
+
+DURATION = 0.1
+HEIGHT = -0.3
+"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height: no pad lifts at mid-travel."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A drive that is not as it should be.
+
+    Args:
+        text: what is wrong, for people.
+        gains: of the three piezos' waves about the bias, shape (3,).
+        delays: of the three piezos' waves, rad of the drive.
+        offset: of the actuator across the travel, m.
+        ample: an amplifier without limits of current and bandwidth.
+        linear: stacks without hysteresis and creep besides.
+    """
+
+    text: str
+    gains: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    delays: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    offset: float = 0.0
+    ample: bool = False
+    linear: bool = False
+
+
+FAULTS = {
+    "linear_piezos": Fault("no hysteresis, no limit of current", ample=True, linear=True),
+    "ample_current": Fault("no limit of current", ample=True),
+    "as_designed": Fault("as designed"),
+    "piezo_2_late": Fault("piezo 2 late by 10 deg", delays=(0.0, math.radians(10.0), 0.0)),
+    "piezo_3_late": Fault("piezo 3 late by 10 deg", delays=(0.0, 0.0, math.radians(10.0))),
+    "piezo_3_weak": Fault("piezo 3 weak by 5 %", gains=(1.0, 1.0, 0.95)),
+    "piezo_3_still": Fault("piezo 3 not driven: two-piezo drive", gains=(1.0, 1.0, 0.0)),
+    "off_centre": Fault("actuator 1 mm off the centre line", offset=1e-3),
+}
+
+
+@dataclass(frozen=True)
+class CouplingStudy:
+    """Runs with each fault."""
+
+    runs: dict[str, StageRun] = field(repr=False)
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {}
+        for name, run in self.runs.items():
+            along, across, yaw = run.position[-1]
+            apex = run.apex(0)[run.time >= 0.5 * DURATION]
+            found[f"{name}_travel"] = (float(along), "m")
+            found[f"{name}_across"] = (float(across), "m")
+            found[f"{name}_yaw"] = (float(yaw), "rad")
+            found[f"{name}_tip_across"] = (float(np.ptp(apex[:, 1])), "m")
+        return found
+
+
+def with_ample_amplifier(machine: StageMachine) -> StageMachine:
+    """The machine without limits of current, slew rate and bandwidth."""
+    free = replace(machine.piezo, current=math.inf, slew_rate=math.inf, bandwidth=1e6)
+    return replace(machine, piezo=free)
+
+
+def with_linear_piezos(machine: StageMachine) -> StageMachine:
+    """The machine with stacks that have neither hysteresis nor creep."""
+    return replace(machine, piezo=replace(machine.piezo, hysteresis=0.0, creep=0.0))
+
+
+def faulty_run(case: tuple[StageMachine, float, float, float, Fault]) -> StageRun:
+    """A run with a fault; the case is machine, amplitude (m), phase (rad), frequency (Hz), fault."""
+    machine, amplitude, phase, frequency, fault = case
+    if fault.ample:
+        machine = with_ample_amplifier(machine)
+    if fault.linear:
+        machine = with_linear_piezos(machine)
+    machine = replace(machine, actuators=machine.actuators + [0.0, fault.offset])
+    ellipse = two_piezo_ellipse(machine, amplitude, phase)
+    time = step_times(round(DURATION / STEP), STEP)
+    envelope = np.minimum(time / SHORTEST_RISE, 1.0)
+    bias = machine.piezo.bias
+    wave = np.empty((time.size, 1, 3))
+    for i in range(3):
+        late = time - fault.delays[i] / (2.0 * math.pi * frequency)
+        whole = ellipse_wave(machine, ellipse, frequency, late, envelope)
+        wave[:, :, i] = bias + fault.gains[i] * (whole[:, :, i] - bias)
+    return drive_stage(machine, over_sea(machine, 0.0, HEIGHT * ellipse.normal), wave, STEP, 50)
+
+
+def coupling_study(
+    machine: StageMachine,
+    amplitude: float,
+    phase: float,
+    frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> CouplingStudy:
+    """A tenth of a second from rest with each fault.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        run_all: runs a function on each of several cases.
+    """
+    runs = run_all(faulty_run, [(machine, amplitude, phase, frequency, fault) for fault in FAULTS.values()])
+    return CouplingStudy(dict(zip(FAULTS, runs)))

@@ -1,0 +1,188 @@
+"""The machine as its simulation sees it: bodies, places, stiffnesses and limits, SI throughout.
+
+Axes: x along the travel, y across it, z up. Places are given from the middle of the stage (`Stage`) or of the base
+(`Actuator`); heights from the sea, the face of the stage on which the tip acts, with the stage resting on its pads.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The body that moves, payload and ballast included.
+
+    Args:
+        mass: kg.
+        centre: of mass, from the middle of the stage on the sea's height, m, shape (3,).
+        inertia: about the centre of mass, kg m^2, shape (3, 3).
+        preload: of the magnets, N, downwards at the middle of the stage; it moves with the stage.
+        guide_stiffness: of one tooth iron across the travel, N/m.
+        guide_places: middles of the tooth irons (x, y), m, shape (n, 2); empty without teeth.
+        guide_length: of an iron along the travel, m.
+    """
+
+    mass: float
+    centre: np.ndarray
+    inertia: np.ndarray
+    preload: float = 0.0
+    guide_stiffness: float = 0.0
+    guide_places: np.ndarray = field(default_factory=lambda: np.empty((0, 2)))
+    guide_length: float = 0.0
+
+
+@dataclass(frozen=True)
+class Pads:
+    """The sliding bearing.
+
+    Args:
+        places: centres (x, y), m, shape (n, 2).
+        contact_rate: K of the normal force K delta^1.5 of one pad, N/m^1.5.
+        damping: s/m, the normal force is K delta^1.5 (1 + damping ddelta/dt).
+        static_friction, dynamic_friction: coefficients.
+        stribeck_velocity: m/s; mu = mu_d + (mu_s - mu_d) exp(-(v/vs)^2).
+        presliding: distance from rest to full slip, m.
+    """
+
+    places: np.ndarray
+    contact_rate: float
+    damping: float
+    static_friction: float
+    dynamic_friction: float
+    stribeck_velocity: float
+    presliding: float
+
+
+@dataclass(frozen=True)
+class Tip:
+    """The rigid tip on its three piezos, turning about a point in the plane of their ends.
+
+    Args:
+        mass: with the part of the stacks that moves with it, kg.
+        inertia: about an axis in the piezos' plane, kg m^2.
+        height: of the apex over the piezos' plane, m.
+        piezo_places: axes (x, y) of the piezos about the tip's axis, m, shape (3, 2).
+        stiffness: of one piezo, N/m.
+        damping: of one piezo, N s/m.
+    """
+
+    mass: float
+    inertia: float
+    height: float
+    piezo_places: np.ndarray
+    stiffness: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Between tip and sea.
+
+    Args:
+        rate: K of Hertz's K delta^1.5, N/m^1.5.
+        damping: s/m, as of a pad: the coefficient of restitution is 1 - (2/3) damping v for slow impacts.
+        friction: coefficient.
+        tangential_ratio: of the tangential to the normal stiffness, 2 (1 - nu)/(2 - nu) by Mindlin.
+    """
+
+    rate: float
+    damping: float
+    friction: float
+    tangential_ratio: float
+
+
+@dataclass(frozen=True)
+class Piezo:
+    """One stack with its amplifier.
+
+    Args:
+        stroke: of the whole sweep from 0 to the highest voltage, m.
+        highest_voltage: V.
+        bias: voltage of mid-stroke, V.
+        hysteresis: width of the loop of the whole sweep over its stroke.
+        creep: stretch gained per decade of time.
+        capacitance: F.
+        current: that the amplifier can give, A.
+        slew_rate: of the amplifier itself, V/s.
+        bandwidth: of the amplifier, Hz.
+        bits: of the converter over the whole voltage.
+    """
+
+    stroke: float
+    highest_voltage: float
+    bias: float
+    hysteresis: float
+    creep: float
+    capacitance: float
+    current: float
+    slew_rate: float
+    bandwidth: float
+    bits: int
+
+    @property
+    def voltage_rate(self) -> float:
+        """Largest rate of the voltage, V/s: the amplifier's own, or that of its current into the capacitance."""
+        return min(self.slew_rate, self.current / self.capacitance)
+
+    def unclipped_frequency(self, amplitude: float) -> float:
+        """Highest frequency of a sine of that amplitude, m, that the amplifier follows, Hz: rate/(2 pi volts)."""
+        volts = amplitude * self.highest_voltage / self.stroke
+        return self.voltage_rate / (2.0 * math.pi * volts)
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What the loop can see of the stage.
+
+    Args:
+        interferometer_count: m.
+        interferometer_speed: highest, m/s.
+        probe_range: m; probe_noise: m rms within probe_bandwidth, Hz.
+        filter_frequency: corner of the RC filter behind the probe, Hz.
+        filtered_range: of the converter behind filter and gain, m; filtered_count: of the same, m.
+        lvdt_count, lvdt_linearity_error: m.
+    """
+
+    interferometer_count: float
+    interferometer_speed: float
+    probe_range: float
+    probe_noise: float
+    probe_bandwidth: float
+    filter_frequency: float
+    filtered_range: float
+    filtered_count: float
+    lvdt_count: float
+    lvdt_linearity_error: float
+
+
+@dataclass(frozen=True)
+class StageMachine:
+    """Everything the simulation of the stage needs.
+
+    Args:
+        stage, pads, tip, contact, piezo, sensors: see there.
+        actuators: places (x, y) of the tips from the middle of the base, m, shape (n, 2), n = 1 or 3.
+        travel: of the stage, end to end, m.
+        gravity: m/s^2.
+    """
+
+    stage: Stage
+    pads: Pads
+    tip: Tip
+    contact: Contact
+    piezo: Piezo
+    sensors: Sensors
+    actuators: np.ndarray
+    travel: float
+    gravity: float
+
+    @property
+    def load(self) -> float:
+        """Weight and preload, N."""
+        return self.stage.mass * self.gravity + self.stage.preload

@@ -1,0 +1,114 @@
+"""Three actuators under the stage, driven together to a commanded direction (the thesis's 2-D layout).
+
+Without teeth nothing guides the stage but its own drive. A start from rest shows the direction of the thrust.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sim.stage.drive_setting import Setting, run_setting
+from sim.stage.machine import StageMachine
+from sim.stage.run import StageRun
+from sim.stage.waveforms import Ellipse, scaled_to, two_piezo_ellipse
+
+DIRECTIONS = tuple(math.radians(degrees) for degrees in range(0, 360, 30))
+DURATION = 0.06
+HEIGHT = -0.45
+"""Of each apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+IN_STEP = (0.0, 0.0, 0.0)
+IN_THIRDS = (0.0, 2.0 * math.pi / 3.0, 4.0 * math.pi / 3.0)
+"""Phases of the three actuators' turns."""
+WITHIN_CURRENT = 0.8
+"""Of the frequency up to which the amplifier follows a sine of the full stroke."""
+
+
+@dataclass(frozen=True)
+class PlanarStudy:
+    """Starts from rest in each direction.
+
+    Args:
+        directions: commanded, rad, shape (n,).
+        frequencies: by drive, Hz.
+        runs: by drive, one a direction.
+    """
+
+    directions: np.ndarray
+    frequencies: dict[str, float]
+    runs: dict[str, list[StageRun]] = field(repr=False)
+
+    def ends(self, drive: str) -> np.ndarray:
+        """Where the stage gets to (x, y, yaw), m, m, rad, shape (n, 3)."""
+        return np.array([run.position[-1] for run in self.runs[drive]])
+
+    def direction_errors(self, drive: str) -> np.ndarray:
+        """Direction made good less that commanded, rad, shape (n,)."""
+        ends = self.ends(drive)
+        away = np.arctan2(ends[:, 1], ends[:, 0]) - self.directions
+        return (away + math.pi) % (2.0 * math.pi) - math.pi
+
+    def heave(self, drive: str) -> np.ndarray:
+        """Rms heave about its mean in the second half of each run, m, shape (n,)."""
+        return np.array([float(np.std(run.attitude[run.time > 0.5 * DURATION, 0])) for run in self.runs[drive]])
+
+    def lifted(self, drive: str) -> np.ndarray:
+        """Part of the time that the pad most often lifted is off, shape (n,)."""
+        pads = range(len(self.runs[drive][0].machine.pads.places))
+        return np.array([max(run.lifted_time(k)[-1] for k in pads) / DURATION for run in self.runs[drive]])
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {}
+        for drive in self.runs:
+            found[f"{drive}_frequency"] = (self.frequencies[drive], "Hz")
+            ends = self.ends(drive)
+            distance = np.hypot(ends[:, 0], ends[:, 1])
+            found[f"{drive}_distance_least"] = (float(distance.min()), "m")
+            found[f"{drive}_distance_most"] = (float(distance.max()), "m")
+            found[f"{drive}_direction_error"] = (float(np.abs(self.direction_errors(drive)).max()), "rad")
+            found[f"{drive}_yaw"] = (float(np.abs(ends[:, 2]).max()), "rad")
+            found[f"{drive}_heave_rms"] = (float(self.heave(drive).max()), "m")
+            found[f"{drive}_lifted"] = (float(self.lifted(drive).max()), "1")
+        return found
+
+
+def directed(machine: StageMachine, amplitude: float, phase: float, direction: float) -> Ellipse:
+    """The ellipse of the one-axis drive turned to a direction, with the most active piezo at `amplitude`, m."""
+    upright = two_piezo_ellipse(machine, amplitude, phase)
+    return scaled_to(machine, Ellipse(upright.along, upright.normal, upright.lag, direction), amplitude)
+
+
+def _start(case: tuple[StageMachine, Setting]) -> StageRun:
+    return run_setting(*case, DURATION, stride=50)
+
+
+def planar_study(
+    machine: StageMachine,
+    amplitude: float,
+    phase: float,
+    frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> PlanarStudy:
+    """Starts in twelve directions: at the design's frequency, and at one within the amplifier's current, the actuators
+    in step and a third of a turn apart.
+
+    Args:
+        machine: with three actuators, nothing guiding it.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2 in the one-axis drive, rad; frequency: Hz.
+        run_all: runs a function on each of several cases.
+    """
+    slow = min(frequency, WITHIN_CURRENT * machine.piezo.unclipped_frequency(amplitude))
+    drives = {"in_step": (frequency, IN_STEP), "slower": (slow, IN_STEP), "slower_in_thirds": (slow, IN_THIRDS)}
+    cases = []
+    for turn_frequency, turns in drives.values():
+        for direction in DIRECTIONS:
+            path = directed(machine, amplitude, phase, direction)
+            cases.append((machine, Setting(path, turn_frequency, HEIGHT * path.normal, phases=turns)))
+    found = run_all(_start, cases)
+    count = len(DIRECTIONS)
+    runs = {name: found[i * count : (i + 1) * count] for i, name in enumerate(drives)}
+    return PlanarStudy(np.array(DIRECTIONS), {name: drive[0] for name, drive in drives.items()}, runs)

@@ -1,0 +1,117 @@
+"""The record of a simulated motion of the stage, its columns by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sim.stage.machine import StageMachine
+from sim.stage.statics import Rest
+
+
+@dataclass(frozen=True)
+class StageRun:
+    """A simulated motion; arrays over time have shape (n,) unless said otherwise, SI.
+
+    Args:
+        machine, rest: what was simulated, and from where.
+        rows: as the kernel writes them, shape (n, columns).
+    """
+
+    machine: StageMachine
+    rest: Rest
+    rows: np.ndarray
+
+    @property
+    def time(self) -> np.ndarray:
+        return self.rows[:, 0]
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        """Motion of the sea's middle (x, y) and yaw from the start, m, m, rad, shape (n, 3).
+
+        The middle lies below the centre of mass: the stage's pitch and roll carry it along.
+        """
+        centre = np.asarray(self.machine.stage.centre, dtype=float)
+        q = self.rows[:, 1:7]
+        start = self.rest.attitude
+        x = q[:, 0] - (q[:, 4] - start[2]) * centre[2] + q[:, 5] * centre[1]
+        y = q[:, 1] + (q[:, 3] - start[1]) * centre[2] - q[:, 5] * centre[0]
+        return np.column_stack([x, y, q[:, 5]])
+
+    @property
+    def attitude(self) -> np.ndarray:
+        """Heave of the centre of mass (m), roll about x, pitch about y (rad), from the unloaded pads, shape (n, 3)."""
+        return self.rows[:, 3:6]
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Of the centre of mass and turns, m/s and rad/s, shape (n, 6)."""
+        return self.rows[:, 7:13]
+
+    @property
+    def energy(self) -> dict[str, np.ndarray]:
+        """`kept` (kinetic and potential), `drive` (work of the piezos' stretching), and the heats of pads, tip contacts
+        and damping, J: kept - kept at the start = drive - heats."""
+        names = ("kept", "drive", "pads", "contacts", "damping")
+        return {name: self.rows[:, 13 + i] for i, name in enumerate(names)}
+
+    def apex(self, actuator: int) -> np.ndarray:
+        """Of a tip from mid-stroke, m, shape (n, 3)."""
+        return self._actuator(actuator)[:, 0:3]
+
+    def tip_force(self, actuator: int) -> np.ndarray:
+        """Of a tip on the stage, N, shape (n, 3)."""
+        return self._actuator(actuator)[:, 3:6]
+
+    def tip_impulse(self, actuator: int) -> np.ndarray:
+        """Integral of `tip_force` over every step, N s, shape (n, 3)."""
+        return self._actuator(actuator)[:, 6:9]
+
+    def contact_time(self, actuator: int) -> np.ndarray:
+        """How long the tip has touched so far, s."""
+        return self._actuator(actuator)[:, 9]
+
+    def voltage(self, actuator: int) -> np.ndarray:
+        """Across the stacks, V, shape (n, 3)."""
+        return self._actuator(actuator)[:, 10:13]
+
+    def pad_force(self, pad: int) -> np.ndarray:
+        """Of a pad on the stage, N, shape (n, 3)."""
+        return self._pad(pad)[:, 0:3]
+
+    def lifted_time(self, pad: int) -> np.ndarray:
+        """How long the pad has been off its way so far, s."""
+        return self._pad(pad)[:, 3]
+
+    def mean_tip_load(self, start: float, end: float) -> float:
+        """Mean force upwards of all tips between two times, N."""
+        ends = [int(np.argmin(np.abs(self.time - t))) for t in (start, end)]
+        gained = sum(float(np.diff(self.tip_impulse(k)[ends, 2])[0]) for k in range(len(self.machine.actuators)))
+        return gained / float(np.diff(self.time[ends])[0])
+
+    def mean_velocity(self, start: float, end: float) -> np.ndarray:
+        """Of the sea's middle between two times, m/s, m/s, rad/s, shape (3,)."""
+        ends = [int(np.argmin(np.abs(self.time - t))) for t in (start, end)]
+        return np.diff(self.position[ends], axis=0)[0] / float(np.diff(self.time[ends])[0])
+
+    def _actuator(self, actuator: int) -> np.ndarray:
+        from sim.stage.kernel import HEAD, PER_ACTUATOR
+
+        at = HEAD + PER_ACTUATOR * actuator
+        return self.rows[:, at : at + PER_ACTUATOR]
+
+    def _pad(self, pad: int) -> np.ndarray:
+        from sim.stage.kernel import HEAD, PER_ACTUATOR, PER_PAD
+
+        at = HEAD + PER_ACTUATOR * len(self.machine.actuators) + PER_PAD * pad
+        return self.rows[:, at : at + PER_PAD]
+
+
+def columns(machine: StageMachine) -> int:
+    """Number of columns of a row."""
+    from sim.stage.kernel import HEAD, PER_ACTUATOR, PER_PAD
+
+    return HEAD + PER_ACTUATOR * len(machine.actuators) + PER_PAD * len(machine.pads.places)

@@ -1,0 +1,100 @@
+"""Speed against frequency, beside the three laws of the ellipse: X f stopping, 2 X f coasting, pi X f at the apex."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sim.stage.drive_setting import Setting, Steady, steady
+from sim.stage.machine import StageMachine
+from sim.stage.waveforms import two_piezo_ellipse
+
+LAWS = {"stopping": 1.0, "coasting": 2.0, "apex": math.pi}
+HOLDS = 0.15
+"""A law holds where the speed is within this part of it."""
+FREQUENCIES = (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0, 7000.0, 8000.0)
+HEIGHTS = {"grazing": -0.6, "halfway": -0.3, "level": 0.0}
+"""Height of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+
+
+@dataclass(frozen=True)
+class SpeedStudy:
+    """Lasting speeds.
+
+    Args:
+        travel: X, peak to peak, of the ellipse asked for, m.
+        drive_frequency: the design's, Hz.
+        frequencies: Hz, shape (n,).
+        points: by height, each shape (n,).
+    """
+
+    travel: float
+    drive_frequency: float
+    frequencies: np.ndarray
+    points: dict[str, list[Steady]] = field(repr=False)
+
+    def speed(self, height: str) -> np.ndarray:
+        """m/s, shape (n,)."""
+        return np.array([point.velocity[0] for point in self.points[height]])
+
+    def ratio(self, height: str) -> np.ndarray:
+        """Speed over X f, shape (n,)."""
+        return self.speed(height) / (self.travel * self.frequencies)
+
+    def holds(self, law: str) -> np.ndarray:
+        """Frequencies at which a tip set level, which touches for half of each turn, obeys the law within 15 %, Hz."""
+        return self.frequencies[np.abs(self.ratio("level") / LAWS[law] - 1.0) <= HOLDS]
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {"ellipse_travel": (self.travel, "m")}
+        for law in LAWS:
+            where = self.holds(law)
+            found[f"{law}_holds_from"] = (float(where.min()), "Hz") if where.size else None
+            found[f"{law}_holds_to"] = (float(where.max()), "Hz") if where.size else None
+        best = max(self.points, key=lambda height: float(self.ratio(height).max()))
+        at = int(np.argmax(self.ratio(best)))
+        found["largest_ratio"] = (float(self.ratio(best)[at]), "1")
+        found["largest_ratio_at"] = (float(self.frequencies[at]), "Hz")
+        fastest = max(self.points, key=lambda height: float(self.speed(height).max()))
+        at = int(np.argmax(self.speed(fastest)))
+        found["largest_speed"] = (float(self.speed(fastest)[at]), "m/s")
+        found["largest_speed_at"] = (float(self.frequencies[at]), "Hz")
+        for height in self.points:
+            at_drive = float(np.interp(self.drive_frequency, self.frequencies, self.speed(height)))
+            found[f"speed_at_drive_frequency_{height}"] = (at_drive, "m/s")
+        return found
+
+
+def _point(case: tuple[StageMachine, Setting]) -> Steady:
+    return steady(*case)
+
+
+def speed_study(
+    machine: StageMachine,
+    amplitude: float,
+    phase: float,
+    drive_frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> SpeedStudy:
+    """Lasting speed over frequency and height of the tip.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad.
+        drive_frequency: the design's, Hz.
+        run_all: runs a function on each of several cases.
+    """
+    ellipse = two_piezo_ellipse(machine, amplitude, phase)
+    cases = [
+        (machine, Setting(ellipse, frequency, height * ellipse.normal))
+        for height in HEIGHTS.values()
+        for frequency in FREQUENCIES
+    ]
+    found = run_all(_point, cases)
+    count = len(FREQUENCIES)
+    points = {name: found[i * count : (i + 1) * count] for i, name in enumerate(HEIGHTS)}
+    return SpeedStudy(2.0 * ellipse.along, drive_frequency, np.array(FREQUENCIES), points)

@@ -1,0 +1,115 @@
+"""What the piezos are asked for: ellipses in any direction, ramps and holds.
+
+A voltage wave is an array of shape (steps, actuators, 3): the voltages at the middle of each step. Stretches are turned
+into volts by the stack's mean gain (stroke over highest voltage), which a drive without feedback has to go by.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.stage.machine import StageMachine
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """A path of one tip.
+
+    Args:
+        along: amplitude in the direction of motion, m.
+        normal: amplitude up, m.
+        lag: of the motion along behind a quarter turn against the motion up, rad: 0 is an upright ellipse.
+        direction: of the stage's motion, rad from x.
+    """
+
+    along: float
+    normal: float
+    lag: float = 0.0
+    direction: float = 0.0
+
+
+def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> Ellipse:
+    """The path for strokes A sin(wt), A sin(wt + phase) of piezos 1 and 2, the third half-way: the thesis's drive.
+
+    along = 2 A (h/D) sin(phase/2), normal = A cos(phase/2). With the second piezo ahead by `phase`, 0 to pi, the tip
+    moves towards +x at its apex.
+    """
+    spacing = float(machine.tip.piezo_places[1, 0] - machine.tip.piezo_places[0, 0])
+    lever = machine.tip.height / spacing
+    return Ellipse(2.0 * amplitude * lever * math.sin(0.5 * phase), amplitude * math.cos(0.5 * phase))
+
+
+def largest_stroke(machine: StageMachine, ellipse: Ellipse) -> float:
+    """Largest amplitude that the ellipse asks of a piezo, m."""
+    c, s = math.cos(ellipse.direction), math.sin(ellipse.direction)
+    reach = (machine.tip.piezo_places @ [c, s]) / machine.tip.height
+    # Stretch i: normal sin(p) + reach_i along cos(p + lag); amplitude of the sum of two phasors.
+    real = -reach * ellipse.along * math.sin(ellipse.lag) + ellipse.normal
+    imaginary = reach * ellipse.along * math.cos(ellipse.lag)
+    return float(np.max(np.hypot(real, imaginary)))
+
+
+def scaled_to(machine: StageMachine, ellipse: Ellipse, amplitude: float) -> Ellipse:
+    """The ellipse enlarged until its most active piezo has `amplitude`, m."""
+    factor = amplitude / largest_stroke(machine, ellipse)
+    return Ellipse(ellipse.along * factor, ellipse.normal * factor, ellipse.lag, ellipse.direction)
+
+
+def volts_for(machine: StageMachine, x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Voltages (n, 3) that bring an unloaded apex to (x, y, z) from mid-stroke, m, by the stacks' mean gain."""
+    places, height = machine.tip.piezo_places, machine.tip.height
+    stretch = z[:, None] - (x[:, None] * places[:, 0] + y[:, None] * places[:, 1]) / height
+    return machine.piezo.bias + stretch * (machine.piezo.highest_voltage / machine.piezo.stroke)
+
+
+def step_times(count: int, step: float, start: float = 0.0) -> np.ndarray:
+    """Middles of `count` steps, s."""
+    return start + (np.arange(count) + 0.5) * step
+
+
+def ellipse_wave(
+    machine: StageMachine,
+    ellipses: Ellipse | list[Ellipse],
+    frequency: float,
+    time: np.ndarray,
+    envelope: np.ndarray | float = 1.0,
+    lift: np.ndarray | float = 0.0,
+    phases: np.ndarray | None = None,
+) -> np.ndarray:
+    """Voltages (n, actuators, 3) for ellipses run through at `frequency`.
+
+    Args:
+        machine: for the piezos' places and gain.
+        ellipses: one for all actuators, or one each.
+        frequency: Hz.
+        time: s, shape (n,).
+        envelope: scales the ellipse, shape (n,).
+        lift: raises the middle of the ellipse, m, shape (n,).
+        phases: of each actuator's turn, rad.
+    """
+    actuators = len(machine.actuators)
+    paths = [ellipses] * actuators if isinstance(ellipses, Ellipse) else ellipses
+    out = np.empty((time.size, actuators, 3))
+    for k, path in enumerate(paths):
+        turn = 2.0 * math.pi * frequency * time + (0.0 if phases is None else phases[k])
+        along = -path.along * np.cos(turn + path.lag) * envelope
+        up = path.normal * np.sin(turn) * envelope + lift
+        out[:, k] = volts_for(machine, along * math.cos(path.direction), along * math.sin(path.direction), up)
+    return out
+
+
+def knots_wave(machine: StageMachine, time: np.ndarray, knots: np.ndarray, apex: np.ndarray) -> np.ndarray:
+    """Voltages (n, actuators, 3) for an unloaded apex led along straight lines.
+
+    Args:
+        machine: for places and gain.
+        time: s, shape (n,).
+        knots: s, shape (m,).
+        apex: (x, y, z) at the knots, m, shape (m, 3); the same for every actuator.
+    """
+    x, y, z = (np.interp(time, knots, apex[:, i]) for i in range(3))
+    wave = volts_for(machine, x, y, z)
+    return np.repeat(wave[:, None, :], len(machine.actuators), axis=1)
