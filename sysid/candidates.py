@@ -2,8 +2,8 @@
 
 An effect's amplitudes enter the residual linearly while they are small; its shape parameters (a Stribeck velocity, a
 pitch, a lag) have no gradient where the effect is absent, so they are searched on a grid, and at each grid point the
-drop in squared residual is found with the base model's parameters free to move. The best grid points are then refitted
-in full.
+drop in squared residual is found with the base model's parameters free to move. A few steps of a fit from the best
+point show what the effect is good for; the best effects are then refitted in full.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim.effect import Effect
-from sysid.base_fit import Fitted, fit_model
+from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.fit import robust_scale
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales, shape_grid, size_of, with_effect
@@ -146,6 +146,53 @@ class Candidate:
     fitted: Fitted
 
 
+@dataclass(frozen=True)
+class Look:
+    """A first look at an effect: its scores over the grid, and a short fit from the best of them."""
+
+    effect: Effect
+    scores: list[Score]
+    fitted: Fitted
+
+    @property
+    def error(self) -> float:
+        """Ranking error of the short fit, in deviations."""
+        return ranking_error(self.fitted.fit.residual)
+
+
+SHORT = 4
+"""Steps of the fit of a first look: enough to see what an effect is good for, not to know its values."""
+
+
+def look_at(
+    base: Fitted,
+    effect: Effect,
+    records: Sequence[Prepared],
+    scales: Scales,
+    basis: np.ndarray,
+    target: np.ndarray,
+) -> Look | None:
+    """Score an effect over its grid, and fit it shortly from the best point; none where it changes nothing."""
+    scores = linear_scores(base, effect, records, scales, basis, target)
+    if not scores:
+        return None
+    start = with_effect(base.model, effect, scales, scores[0].start)
+    return Look(effect, scores, fit_model(start, records, base.weights, SHORT))
+
+
+def refined(
+    base: Fitted, look: Look, records: Sequence[Prepared], scales: Scales, starts: int = 2, iterations: int = 15
+) -> Candidate:
+    """The effect of a look refitted: further from where the look ended, and from other points of the grid."""
+    best = fit_model(look.fitted.model, records, base.weights, iterations)
+    for score in _spread(look.scores, starts)[1:]:
+        start = with_effect(base.model, look.effect, scales, score.start)
+        fitted = fit_model(start, records, base.weights, iterations)
+        if fitted.fit.cost < best.fit.cost:
+            best = fitted
+    return Candidate(look.effect, look.scores[0].drop, best)
+
+
 def try_effect(
     base: Fitted,
     effect: Effect,
@@ -157,17 +204,13 @@ def try_effect(
     iterations: int = 15,
 ) -> Candidate | None:
     """Score an effect over its grid, refit it from the best few points, keep the best."""
-    scores = linear_scores(base, effect, records, scales, basis, target)
-    if not scores:
-        return None
-    best: Fitted | None = None
-    for score in _spread(scores, starts):
-        start = with_effect(base.model, effect, scales, score.start)
-        fitted = fit_model(start, records, base.weights, iterations)
-        if best is None or fitted.fit.cost < best.fit.cost:
-            best = fitted
-    assert best is not None
-    return Candidate(effect, scores[0].drop, best)
+    look = look_at(base, effect, records, scales, basis, target)
+    return refined(base, look, records, scales, starts, iterations) if look is not None else None
+
+
+def as_it_looks(look: Look) -> Candidate:
+    """The effect as the first look left it."""
+    return Candidate(look.effect, look.scores[0].drop, look.fitted)
 
 
 def _spread(scores: list[Score], count: int) -> list[Score]:

@@ -15,6 +15,7 @@ from stagecad.parameters.errors import InputError
 from sysid.balance import Balance
 from sysid.base_fit import Fitted, fit_model
 from sysid.experiment import DesignValues, Experiment, load_experiment
+from sysid.first_fit import first_fit
 from sysid.fit import Prior, Unknown
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model, Prepared, Scales, scales_of, with_effect
@@ -297,9 +298,12 @@ class BaseFit:
 
 def fit_case(case: Case, model: Model | None = None) -> BaseFit:
     """Fit the case's model; an effect named without a variant takes the law of its family that fits best."""
-    fitted = fit_model(case.start if model is None else model, case.fit_records)
     chosen: tuple[str, ...] = ()
-    if model is None:
+    if model is not None:
+        fitted = fit_model(model, case.fit_records)
+    else:
+        given = [key for key, setting in case.experiment.parameters.items() if setting.start is not None]
+        fitted = first_fit(case.start, case.fit_records, case.scales, given)
         fitted, chosen = best_laws(case, fitted)
     weights = weighting(fitted.model, case.validate_records)
     residual = weighted_residual(fitted.model, case.validate_records, weights)

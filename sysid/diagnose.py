@@ -12,7 +12,7 @@ import numpy as np
 from sim.library import find
 from sysid.base_fit import ranking_error
 from sysid.candidate_list import candidates_of
-from sysid.candidates import Candidate, target_of, try_effect
+from sysid.candidates import Candidate, as_it_looks, look_at, refined, target_of
 from sysid.case import BaseFit, Case, fit_case, load_case, make_case
 from sysid.experiment import DesignValues
 from sysid.misfit import ChannelMisfit, blocks, huber_square, misfit, weighted_residual
@@ -57,6 +57,10 @@ class Trial:
         return base_name(self.name)
 
 
+REFITTED = 10
+"""Effects refitted in full: those that looked best. The others keep what their first look found."""
+
+
 def try_all(
     case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
 ) -> list[Trial]:
@@ -66,14 +70,22 @@ def try_all(
     count = int(numbers.max()) + 1 if numbers.size else 0
     before = np.bincount(numbers, huber_square(base.residual), minlength=count)
     before_fit = ranking_error(base.fitted.fit.residual)
-    candidates = candidates_of(case, present, all_effects)
-    trials = []
-    for k, effect in enumerate(candidates):
+    effects = candidates_of(case, present, all_effects)
+    looks = []
+    for k, effect in enumerate(effects):
         if progress is not None:
-            progress(effect.name, k, len(candidates))
-        candidate = try_effect(base.fitted, effect, case.fit_records, case.scales, basis, target)
-        if candidate is None:
-            continue
+            progress(effect.name, k, len(effects))
+        look = look_at(base.fitted, effect, case.fit_records, case.scales, basis, target)
+        if look is not None and np.isfinite(look.error):
+            looks.append(look)
+    looks.sort(key=lambda look: look.error)
+    trials = []
+    for k, look in enumerate(looks):
+        effect = look.effect
+        if k < REFITTED:
+            candidate = refined(base.fitted, look, case.fit_records, case.scales)
+        else:
+            candidate = as_it_looks(look)
         residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
         if not np.isfinite(residual).all():
             continue

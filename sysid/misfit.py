@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -98,6 +99,14 @@ class Weighting:
     deviations: tuple[dict[str, np.ndarray], ...]
     picks: tuple[dict[str, np.ndarray], ...]
 
+    @cached_property
+    def at_picks(self) -> tuple[dict[str, np.ndarray], ...]:
+        """The deviations at the samples that are scored."""
+        return tuple(
+            {channel: deviations[channel][pick] for channel, pick in picks.items()}
+            for deviations, picks in zip(self.deviations, self.picks, strict=True)
+        )
+
 
 def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> Weighting:
     """Deviations from the base model's prediction, and the samples that are scored.
@@ -125,10 +134,10 @@ def weighted_residual(
     """Residual over its deviation at the scored samples, all channels of all records end to end, (n,)."""
     values = model.values if values is None else values
     parts = []
-    for record, deviations, picks in zip(records, weights.deviations, weights.picks, strict=True):
-        predicted = predict(record, model.effects, values)
+    for record, scales, picks in zip(records, weights.at_picks, weights.picks, strict=True):
+        predicted = predict(record, model.effects, values, picks)
         for channel, pick in picks.items():
-            parts.append((record.measured[channel][pick] - predicted[channel][pick]) / deviations[channel][pick])
+            parts.append((record.measured[channel][pick] - predicted[channel]) / scales[channel])
     return np.concatenate(parts) if parts else np.empty(0)
 
 

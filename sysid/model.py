@@ -17,11 +17,17 @@ from sysid.tip import TipRecord, predict_tip
 Prepared = Balance | TipRecord
 
 
-def predict(record: Prepared, effects: Sequence[Effect], values: Mapping[str, float]) -> dict[str, np.ndarray]:
-    """Predicted channels (n,) of a prepared record of any rig."""
+def predict(
+    record: Prepared,
+    effects: Sequence[Effect],
+    values: Mapping[str, float],
+    at: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, np.ndarray]:
+    """Predicted channels of a prepared record of any rig, (n,), or at the samples `at` of each channel, (k,)."""
     if isinstance(record, TipRecord):
-        return predict_tip(record, effects, values)
-    return predict_balance(record, effects, values)
+        predicted = predict_tip(record, effects, values)
+        return predicted if at is None else {channel: predicted[channel][index] for channel, index in at.items()}
+    return predict_balance(record, effects, values, at)
 
 
 @dataclass(frozen=True)

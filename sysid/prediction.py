@@ -74,34 +74,83 @@ def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     return total
 
 
-def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
-    """Predicted channels (n,) of a force balance, filtered as the measured ones are."""
-    level = friction_level(balance, effects, values)
+def predict_balance(
+    balance: Balance, effects: Sequence[Effect], values: Values, at: Mapping[str, np.ndarray] | None = None
+) -> dict[str, np.ndarray]:
+    """Predicted channels (n,) of a force balance, filtered as the measured ones are.
+
+    Args:
+        balance: the record.
+        effects: of the model.
+        values: of its parameters.
+        at: samples wanted of each channel, (k,); every sample where left out.
+    """
+    if at is None or any(_needs_neighbours(e) for e in effects):
+        whole = _sensed_balance(balance, effects, values)
+        return whole if at is None else {channel: values_there[at[channel]] for channel, values_there in whole.items()}
+    out = {balance.force_channel: _force_at(balance, effects, values, at[balance.force_channel])}
+    if _has_stretch(balance):
+        out["position"] = _stretch_relation(balance, effects, values, at["position"])
+    return out
+
+
+def _needs_neighbours(effect: Effect) -> bool:
+    """Whether an effect works on the filtered channels, so that a sample of them depends on others."""
+    return effect.acts_on in ("drive", "sensor", "structure") and split_channel(effect.name)[0] != "sensor_quantisation"
+
+
+def _has_stretch(balance: Balance) -> bool:
+    return "position" in balance.measured and balance.force_channel == "spring_force"
+
+
+def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tuple[np.ndarray, np.ndarray | None]:
+    """Force against the motion (n,) for the filter `smooth`, and the sharp part of it for the filter `whole`, N."""
+    level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
     forces = axis_force(balance, effects, values)
     axis, _ = friction_axis(balance, effects, values)
-    mass = values.get("rig.mass", 0.0)
-    inertia = mass * balance.acceleration if balance.acceleration is not None else 0.0
     core = next((e for e in effects if e.core is not None), None)
-    level = np.broadcast_to(level, (balance.size,))
     if core is None:
-        friction = forces
-    elif core.core.name != "coulomb" or balance.stuck is None:
+        return forces, None
+    if core.core.name != "coulomb" or balance.stuck is None:
         p = values_of(core, values)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
-        friction = forces + core.core.along(axis.position, axis.velocity, axis.time, level, p)
-    else:
-        # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
-        assert balance.whole is not None and balance.direction is not None and balance.applied is not None
-        assert balance.turns is not None
-        sharp = sharp_friction(
-            balance.direction, balance.stuck, balance.turns, _as_driven(balance, effects, values) - forces,
-            np.ascontiguousarray(level, dtype=float), values_of(core, values).stretch, balance.step**2 / mass,
-        )  # fmt: skip
-        friction = forces
-        inertia = inertia + balance.whole(sharp)
-    total = balance.smooth(friction) + inertia
-    out: dict[str, np.ndarray] = {}
+        return forces + core.core.along(axis.position, axis.velocity, axis.time, level, p), None
+    # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
+    assert balance.direction is not None and balance.applied is not None and balance.turns is not None
+    sharp = sharp_friction(
+        balance.direction, balance.stuck, balance.turns, balance.applied - forces,
+        np.ascontiguousarray(level, dtype=float), values_of(core, values).stretch,
+        balance.step**2 / values.get("rig.mass", 0.0),
+    )  # fmt: skip
+    return forces, sharp
+
+
+def _force_at(balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray) -> np.ndarray:
+    """The force channel (k,) at some samples, where nothing works on the filtered signal."""
+    friction, sharp = _friction(balance, effects, values)
+    total = balance.smooth.at(friction, index)
+    if sharp is not None:
+        assert balance.whole is not None
+        total += balance.whole.at(sharp, index)
+    if balance.acceleration is not None:
+        total += values.get("rig.mass", 0.0) * balance.acceleration[index]
+    if balance.force_channel == "position":
+        return balance.inputs["pull_position"][index] - total / values["rig.pull_stiffness"]
+    return total
+
+
+def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
+    """Every channel (n,), with what the drive, the structure and the sensors do to it."""
+    friction, sharp = _friction(balance, effects, values)
+    mass = values.get("rig.mass", 0.0)
+    every = np.arange(balance.size)
+    total = balance.smooth.at(friction, every)
+    if sharp is not None:
+        assert balance.whole is not None
+        total = total + balance.whole.at(sharp, every)
+    if balance.acceleration is not None:
+        total = total + mass * balance.acceleration
     for effect in effects:
         if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
             p = values_of(effect, values)
@@ -110,16 +159,13 @@ def predict_balance(balance: Balance, effects: Sequence[Effect], values: Values)
             total = total + mass * p.mass_ratio * (ridden - balance.acceleration)
     if balance.kind == "force-drive":
         total = _before_the_drive(balance, effects, values, total)
-    stiffness = values.get("rig.pull_stiffness")
-    channel = balance.force_channel
-    if channel == "position":
-        assert stiffness is not None
-        out["position"] = balance.inputs["pull_position"] - total / stiffness
+    out: dict[str, np.ndarray] = {}
+    if balance.force_channel == "position":
+        out["position"] = balance.inputs["pull_position"] - total / values["rig.pull_stiffness"]
     else:
-        out[channel] = total
-    if "position" in balance.measured and channel == "spring_force":
-        assert stiffness is not None
-        out["position"] = _stretch_relation(balance, effects, values, stiffness)
+        out[balance.force_channel] = total
+    if _has_stretch(balance):
+        out["position"] = _stretch_relation(balance, effects, values)
     return sensed(effects, values, out, balance.step)
 
 
@@ -162,9 +208,16 @@ def _before_the_drive(balance: Balance, effects: Sequence[Effect], values: Value
     return needed
 
 
-def _stretch_relation(balance: Balance, effects: Sequence[Effect], values: Values, stiffness: float) -> np.ndarray:
-    """Position (n,) that the pulling spring's measured force and stiffness imply: pull - force / stiffness."""
-    force = balance.inputs["spring_force"]
+def _stretch_relation(
+    balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
+) -> np.ndarray:
+    """Position that the pulling spring's measured force and stiffness imply: pull - force / stiffness.
+
+    At the samples `index` (k,), where nothing works on the force channel; at all (n,) where left out.
+    """
+    stiffness = values["rig.pull_stiffness"]
+    every = slice(None) if index is None else index
+    force, pull = balance.inputs["spring_force"][every], balance.inputs["pull_position"][every]
     for effect in effects:
         base, channel = split_channel(effect.name)
         if channel != "spring_force":
@@ -183,7 +236,7 @@ def _stretch_relation(balance: Balance, effects: Sequence[Effect], values: Value
             # The gap is open on the side the spring pulls from; without force it may be anywhere, here in the middle.
             slight = 3.0 * balance.noise["spring_force"]
             stretch = stretch + 0.5 * values_of(effect, values).gap * np.clip(force / slight, -1.0, 1.0)
-    return balance.inputs["pull_position"] - stretch
+    return pull - stretch
 
 
 def sensed(

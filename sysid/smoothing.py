@@ -2,12 +2,54 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Callable
+from functools import cache, cached_property
 
 import numpy as np
 
+from sim.compilation import compile_function
+
 CUT = 8.0
 """Half-length of the kernel in standard deviations. Cut at 4, the second derivative leaks by more than the noise."""
+
+CUT_SMOOTHING = 6.0
+"""The same where nothing is differentiated and only some samples are wanted: what is cut off weighs 2e-9."""
+
+
+def _smoothed_at(signal: np.ndarray, kernel: np.ndarray, index: np.ndarray) -> np.ndarray:
+    """Convolution with a symmetric kernel at some samples, ends continued by odd reflection.
+
+    Args:
+        signal: (n,).
+        kernel: (2 h + 1,).
+        index: samples wanted, (k,).
+    """
+    n, size = signal.size, kernel.size
+    out = np.empty(index.size)
+    for j in range(index.size):
+        start = index[j] - size // 2
+        total = 0.0
+        if start >= 0 and start + size <= n:
+            part = signal[start : start + size]
+            for k in range(size):
+                total += kernel[k] * part[k]
+        else:
+            for k in range(size):
+                i = start + k
+                if i < 0:
+                    total += kernel[k] * (2.0 * signal[0] - signal[-i])
+                elif i >= n:
+                    total += kernel[k] * (2.0 * signal[n - 1] - signal[2 * n - 2 - i])
+                else:
+                    total += kernel[k] * signal[i]
+        out[j] = total
+    return out
+
+
+@cache
+def _fast_smoothed_at() -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
+    # Sums may be added up in any order, several at once; nothing else is given up (not-a-numbers stay).
+    return compile_function(_smoothed_at, fastmath={"reassoc", "contract"})
 
 
 class GaussianFilter:
@@ -62,6 +104,18 @@ class GaussianFilter:
         padded = np.concatenate([2.0 * signal[0] - signal[h:0:-1], signal, 2.0 * signal[-1] - signal[-2 : -h - 2 : -1]])
         full = np.fft.irfft(np.fft.rfft(padded, self._length) * self._spectra[order], self._length)
         return full[2 * h : 2 * h + self.size]
+
+    @cached_property
+    def _short_kernel(self) -> np.ndarray:
+        reach = min(int(np.ceil(CUT_SMOOTHING * self.width / self.step)), self.half)
+        kernel = self.kernel()[self.half - reach : self.half + reach + 1]
+        return kernel / kernel.sum()
+
+    def at(self, signal: np.ndarray, index: np.ndarray) -> np.ndarray:
+        """Smoothed signal (n,) at the samples `index` (k,) only: what a score needs, at a tenth of the cost."""
+        if self.half == 0:
+            return signal[index]
+        return _fast_smoothed_at()(np.ascontiguousarray(signal, dtype=float), self._short_kernel, index)
 
     def noise_gain(self, order: int = 0, correlation: float = 0.0) -> float:
         """Standard deviation of the output for noise of unit variance, white or AR(1) of `correlation` a sample."""
