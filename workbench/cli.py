@@ -19,6 +19,7 @@ COMMANDS = {
     "make": "Everything from the parameter file: parts, bill of materials, checks, simulations, one HTML report.",
     "params": "The parameters with unit, tolerance and origin.",
     "parts": "STEP, STL and GLB of parts and assembly, and their mass properties.",
+    "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",
     "check": "Every design check, with value, limit and margin.",
     "calc": "One design calculator by itself.",
     "simulate": "The experiments tip, presliding, hysteresis and stick-slip.",

@@ -11,9 +11,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-_IMPORT = re.compile(
-    r"^[ \t]*(?:from[ \t]+(stagecad[\w.]*)[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+(stagecad[\w.]*))", re.M
-)
+_OURS = r"((?:stagecad|drawings)[\w.]*)"
+_IMPORT = re.compile(rf"^[ \t]*(?:from[ \t]+{_OURS}[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+{_OURS})", re.M)
 
 
 @cache

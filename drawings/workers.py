@@ -1,0 +1,123 @@
+"""Tasks shared by a few processes, with a time limit for each: hidden-line removal can hang, and cannot be interrupted.
+
+A task that exceeds the limit loses its process and is given once more, marked as late, so that it can take a way that
+is sure to end.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+LIMIT = 120.0
+"""Seconds a task may take; the longest takes some ten."""
+
+Work = Callable[[str, bool], Any]
+"""What is done: the task's name, and whether it is late; it must pickle."""
+
+
+def run_tasks(
+    names: Sequence[str],
+    work: Work,
+    advance: Callable[[str], None] = lambda name: None,
+    *,
+    workers: int | None = None,
+    limit: float = LIMIT,
+) -> dict[str, Any]:
+    """What `work` gives for each name.
+
+    Args:
+        names: of the tasks, begun in this order.
+        work: done in another process.
+        advance: called with each name as it is done.
+        workers: processes; the number of processors when left out.
+        limit: seconds a task may take.
+
+    Raises:
+        TimeoutError: a task that was given once more as late exceeded the limit again.
+        Exception: what a task raised.
+    """
+    crew = [_Worker(work) for _ in range(min(workers or os.cpu_count() or 1, len(names)))]
+    waiting = [(name, False) for name in names]
+    done: dict[str, Any] = {}
+    try:
+        while len(done) < len(names):
+            for worker in crew:
+                if worker.task is None and waiting:
+                    worker.give(*waiting.pop(0))
+            busy = [worker for worker in crew if worker.task is not None]
+            patience = min(worker.started for worker in busy) + limit - time.monotonic()
+            ready = wait([worker.pipe for worker in busy], timeout=max(0.0, patience))
+            for worker in busy:
+                assert worker.task is not None
+                name, late = worker.task
+                if worker.pipe in ready:
+                    done[name] = worker.take()
+                    advance(name)
+                elif time.monotonic() - worker.started > limit:
+                    if late:
+                        raise TimeoutError(f"drawing '{name}' took more than {limit:g} s")
+                    worker.stop()
+                    crew[crew.index(worker)] = _Worker(work)
+                    waiting.insert(0, (name, True))
+    finally:
+        for worker in crew:
+            worker.stop()
+    return {name: done[name] for name in names}
+
+
+class _Worker:
+    """One process and the pipe to it."""
+
+    def __init__(self, work: Work) -> None:
+        # `spawn`: a forked kernel with running threads may hang.
+        context = get_context("spawn")
+        self.pipe, theirs = context.Pipe()
+        self._process: BaseProcess = context.Process(target=_serve, args=(theirs, work), daemon=True)
+        self._process.start()
+        theirs.close()
+        self.task: tuple[str, bool] | None = None
+        self.started = 0.0
+
+    def give(self, name: str, late: bool) -> None:
+        self.task, self.started = (name, late), time.monotonic()
+        self.pipe.send((name, late))
+
+    def take(self) -> Any:
+        assert self.task is not None
+        name, _ = self.task
+        self.task = None
+        try:
+            result = self.pipe.recv()
+        except EOFError:
+            raise RuntimeError(f"drawing '{name}': its process ended without a result") from None
+        if isinstance(result, BaseException):
+            raise result
+        return result
+
+    def stop(self) -> None:
+        self._process.terminate()
+        self._process.join()
+        self.pipe.close()
+
+
+def _serve(pipe: Connection, work: Work) -> None:
+    """Do what comes through the pipe until it closes."""
+    while True:
+        try:
+            name, late = pipe.recv()
+        except (EOFError, OSError, KeyboardInterrupt):
+            return
+        try:
+            result = work(name, late)
+        except Exception as error:
+            result = error
+        try:
+            pipe.send(result)
+        except (TypeError, AttributeError, ValueError):
+            pipe.send(RuntimeError(f"{type(result).__name__}: {result}"))

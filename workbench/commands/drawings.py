@@ -1,0 +1,91 @@
+"""`stagecad drawings`: one DXF, SVG, PDF and PNG for each sheet, and what lint has to say about them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from workbench.options import Run, common_options
+
+if TYPE_CHECKING:
+    from drawings.made_sheets import MadeSheet
+
+MANIFEST = "drawings_manifest.json"
+
+
+@click.command("drawings")
+@click.argument("names", metavar="[NAME]...", nargs=-1)
+@click.option("--lint", is_flag=True, help="Look for texts over texts or lines, and the like; exit status 1 on a hit.")
+@common_options
+def command(run: Run, names: tuple[str, ...], lint: bool) -> int:
+    """Draw the sheets of all parts, or of those NAMEd only (a part, or one of its sheets: base_2)."""
+    document = write_drawings(run, names)
+    if run.json_target is None:
+        _tell(run, document)
+    hits = [hit for sheet in document["sheets"].values() for hit in sheet["hits"]]
+    if lint:
+        for name, sheet in document["sheets"].items():
+            for hit in sheet["hits"]:
+                run.note(f"{name}: {hit}")
+        run.say(f"lint: {len(hits)} hits on {len(document['sheets'])} sheets")
+    run.emit(document)
+    return 1 if lint and hits else 0
+
+
+def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Draw what is missing, write the files that differ, and return the document of the command.
+
+    Raises:
+        InputError: a name that is neither a part with a drawing nor one of its sheets.
+    """
+    from drawings.made_sheets import make_sheets
+    from drawings.sheet_names import chosen_sheets
+    from stagecad.solids.cache import Store
+    from stagecad.solids.outputs import DamagedError, write_manifest, write_stored
+
+    wanted = chosen_sheets(names, run.design)
+    store = Store()
+
+    def draw() -> tuple[list[MadeSheet], list[str]]:
+        with run.progress() as progress:
+            task = progress.add_task("drawings", total=len(wanted))
+            made = make_sheets(
+                store, wanted, run.design, lambda name: progress.update(task, advance=1, description=name)
+            )
+        sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
+        files = {file: sheet.entry for sheet in sheets for file in sheet.files}
+        return sheets, write_stored(run.out, files)
+
+    try:
+        sheets, changed = draw()
+    except DamagedError as damage:
+        # The cache is the program's own affair: what is damaged there is made again.
+        store.drop(damage.entry)
+        run.note("a stored result was damaged; it is made again")
+        sheets, changed = draw()
+    hashes = {file: sheet.entry.hashes[file] for sheet in sheets for file in sheet.files}
+    write_manifest(run.out / MANIFEST, hashes)
+    return {
+        "sheets": {
+            sheet.name: {
+                "part": sheet.part,
+                "paper": sheet.paper,
+                "scale": sheet.scale,
+                "views": list(sheet.views),
+                "files": [str(run.out / file) for file in sheet.files],
+                "hits": list(sheet.hits),
+            }
+            for sheet in sheets
+        },
+        "changed": changed,
+        "files": len(hashes),
+    }
+
+
+def _tell(run: Run, document: dict[str, Any]) -> None:
+    width = max(len(name) for name in document["sheets"])
+    run.say(f"{'sheet':{width}}  paper  {'scale':>6}  views")
+    for name, sheet in document["sheets"].items():
+        run.say(f"{name:{width}}  {sheet['paper']:5}  {sheet['scale']:>6}  {', '.join(sheet['views'])}")
+    run.say(f"{len(document['changed'])} of {document['files']} files written to {run.out}")
