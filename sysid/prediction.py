@@ -117,9 +117,9 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
             p = p._replace(stretch=balance.stretch)
         return forces + core.core.along(axis.position, axis.velocity, axis.time, level, p), None
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
-    assert balance.direction is not None and balance.applied is not None and balance.turns is not None
+    assert balance.direction is not None and balance.turns is not None
     sharp = sharp_friction(
-        balance.direction, balance.stuck, balance.turns, balance.applied - forces,
+        balance.direction, balance.stuck, balance.turns, _as_driven(balance, effects, values) - forces,
         np.ascontiguousarray(level, dtype=float), values_of(core, values).stretch,
         balance.step**2 / values.get("rig.mass", 0.0),
     )  # fmt: skip
