@@ -38,6 +38,7 @@ def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, ti
     levels = [_dot(point, n) for point in points]
     runs = [part.along(point, n) for point in points]
     corners = [(x, y) for x in (outline[0], outline[2]) for y in (outline[1], outline[3])]
+    span = abs(_dot(points[0], u) - _dot(points[1], u))
     upright = asked.angle in (0.0, 90.0)
     places: list[tuple[float, float]] = []
     for side in (-1, 1):
@@ -46,12 +47,12 @@ def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, ti
         for tier in range(tiers):
             level = edge + FIRST + PITCH * tier
             reach = level - own
-            places.append((5.0 * tier + 0.25 * reach, side * level))
+            places.append((5.0 * tier + 0.3 * reach, side * level))
         if edge > own + FIRST:
-            places += [(16.0 + 6.0 * k, side * (own + FIRST + 6.0 * k)) for k in range(3)]
+            places += [(14.0 + 0.12 * span + 6.0 * k, side * (own + FIRST + 6.0 * k)) for k in range(3)]
     if abs(levels[0] - levels[1]) < 1e-6:
         # Right across the feature, without extension lines.
-        places.append((10.0 + 0.3 * abs(_dot(points[0], u) - _dot(points[1], u)), levels[0]))
+        places.append((10.0 + 0.3 * span, levels[0]))
     ends = sorted(_dot(point, u) for point in points)
     for cost, level in sorted(places):
         starts = []
@@ -211,6 +212,9 @@ def of_angle(asked: AskedAngle, view: View) -> Iterator[Candidate]:
         (1.15, 6.0),
         (1.3, 7.0),
         (1.6, 9.0),
+        (2.0, 12.0),
+        (2.5, 15.0),
+        (3.0, 18.0),
     ):
         radius = max(reach * share, 8.0)
         for part in (0.5, 0.35, 0.65, 0.2, 0.8):

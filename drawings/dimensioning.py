@@ -98,7 +98,13 @@ class _Maker:
         self.missing: list[str] = []
 
     def stands_alone(self, dimension: Dimension) -> bool:
-        return dimension.kind == "linear" and self.view_of(dimension) is not None
+        """Whether it is a distance in a view of its own, rather than a line of its feature's callout."""
+        if dimension.kind not in ("linear", "depth"):
+            return False
+        view = self.view_of(dimension)
+        if view is None or dimension.kind == "linear":
+            return view is not None
+        return view.cut is not None if dimension.view == "section" else view.projection.name == dimension.view
 
     def add(self, together: list[Dimension]) -> None:
         """One request for one dimension, or for all of a feature."""
@@ -109,7 +115,7 @@ class _Maker:
         if view is None:
             self.missing += [d.name for d in together]
             return
-        if len(together) > 1 or head.feature:
+        if len(together) > 1 or (head.feature and not self.stands_alone(head)):
             self._callout(view, together)
             return
         match head.kind:
@@ -135,24 +141,17 @@ class _Maker:
 
     def view_of(self, dimension: Dimension) -> View | None:
         """The view that shows a dimension best; none where no view shows it true."""
-        preferred = [view for view in self.views if _is(view, dimension.view)]
+        preferred = _preferred(self.views, dimension.view, dimension.points)
         details = [v for v in self.views if v.clip and any(_parallel(v, p) for p in preferred)]
         details = [v for v in details if self._fits(v, dimension)]
-        others = [
-            view for view in self.views if view not in preferred and not view.clip and view.projection.name != "iso"
-        ]
-        whole = [view for view in preferred if not view.clip]
-        for view in (*details, *whole, *others):
+        for view in (*details, *preferred):
             if self._true(view, dimension):
                 return view
         return None
 
     def _any_view(self, dimension: Dimension) -> View | None:
         """Where a callout can point at a dimension that no view shows true."""
-        for view in self.views:
-            if _is(view, dimension.view) and not view.clip:
-                return view
-        return next((view for view in self.views if not view.clip and view.projection.name != "iso"), None)
+        return next(iter(_preferred(self.views, dimension.view, dimension.points)), None)
 
     def _fits(self, view: View, dimension: Dimension) -> bool:
         assert view.clip is not None
@@ -181,6 +180,7 @@ class _Maker:
         """Text with its note beside it where that is short, else with the number of a note."""
         text = plain(dimension, self._plus_minus(dimension))
         note = dimension.note.removeprefix("spherical").strip(" ;") if dimension.kind == "radius" else dimension.note
+        note = "" if dimension.kind == "tap_drill" else note
         if not note:
             return text
         if len(note) <= LONGEST_BESIDE:
@@ -259,8 +259,7 @@ class _Maker:
 
     def require(self, requirement: FaceRequirement) -> None:
         """A datum, a tolerance or a texture on the line as which its face is seen."""
-        views = [view for view in self.views if _is(view, requirement.view) and not view.clip]
-        views += [view for view in self.views if view not in views and not view.clip and view.projection.name != "iso"]
+        views = _preferred(self.views, requirement.view, requirement.points)
         for view in views:
             line = self._line_of(view, requirement)
             if line:
@@ -295,7 +294,8 @@ class _Maker:
 
     def _line_of(self, view: View, requirement: FaceRequirement) -> tuple[Point2, Point2, float] | None:
         """Ends of the line as which the face is seen, and the direction out of it; none where it is seen otherwise."""
-        eye, point = view.projection.towards_eye, requirement.points[0]
+        eye = view.projection.towards_eye
+        point = next((p for p in requirement.points if view.cut and view.cut.holds(p)), requirement.points[0])
         if not isinstance(requirement, SurfaceTexture) and requirement.round:
             return self._outline_of(view, requirement)
         if abs(_dot(requirement.normal, eye)) > SQUARE:
@@ -326,16 +326,34 @@ class _Maker:
                 if not low - 1e-6 <= at <= high + 1e-6:
                     continue
                 u, v = view.projection.to_view(axis)
-                square = (v, -u) if v > 0.5 else (-v, u)
                 middle = view.projection.to_view(requirement.points[0])
+                corners = [view.projection.to_view(corner) for corner in _corners(surface.low, surface.high)]
+                for square in ((v, -u), (-v, u)):
+                    # A flat may have taken the outline away on one side.
+                    if max(_along(corner, middle, square) for corner in corners) > surface.radius - 1e-6:
+                        break
                 rim = (middle[0] + surface.radius * square[0], middle[1] + surface.radius * square[1])
                 ends = [(rim[0] + (end - at) * u, rim[1] + (end - at) * v) for end in (low, high)]
                 return ends[0], ends[1], _degrees(square)
         return None
 
 
-def _is(view: View, name: str) -> bool:
-    return view.name == name or view.name.startswith(f"{name} ")
+def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> list[View]:
+    """Views that may show something declared for the view `name`, the best first; details left out.
+
+    The view of that name; a section whose plane it lies in; a view from the same side, the larger the better.
+    """
+
+    def rank(view: View) -> tuple[int, float]:
+        if view.name == name:
+            return (0, 0.0)
+        if name == "section" and view.cut:
+            return (1, -sum(map(view.cut.holds, points)))
+        if view.projection.name == name:
+            return (2, -view.scale)
+        return (3, 0.0)
+
+    return sorted((view for view in views if not view.clip and view.projection.name != "iso"), key=rank)
 
 
 def _parallel(one: View, other: View) -> bool:

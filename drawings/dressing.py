@@ -37,6 +37,8 @@ LANE = 6.0
 """Least distance of parallel dimension lines, mm."""
 HIT, CROSSING, OVER_PART = 80.0, 3.0, 0.3
 """Cost of a text that touches something, of a line that crosses an annotation's, of one that crosses the part's, mm."""
+ON_PART = 12.0
+"""Cost of a dimension line that runs along a line of the part, mm."""
 ASTRAY = 30.0
 """Cost of a leader that ends where no line of the part is drawn, mm."""
 
@@ -152,12 +154,11 @@ class _Placer:
         if cost >= most:
             return cost, hits
         cost += CROSSING * self.field.crossings(lines)
-        if isinstance(annotation, Round):
-            cost += ASTRAY * (not self.field.part.touching(_tip(annotation, self.view)))
-        if not isinstance(annotation, Linear):
-            cost += OVER_PART * sum(self.field.part.crossing(line) for line in lines)
-        else:
-            cost += OVER_PART * sum(self.field.part.crossing(lane) for lane in lanes)
+        tip = _tip(annotation, self.view)
+        if tip and not self.field.part.touching(tip):
+            cost += ASTRAY
+        cost += OVER_PART * sum(self.field.part.crossing(line) for line in lines)
+        cost += ON_PART * sum(self.field.part.beside(lane, 1.5) for lane in lanes)
         return cost, hits
 
     def keep(self, annotation: Annotation) -> None:
@@ -220,11 +221,17 @@ def _lane(annotation: Linear, lines: Sequence[Line]) -> Line:
     return max(lines, key=lambda line: abs((line[2] - line[0]) * u[0] + (line[3] - line[1]) * u[1]))
 
 
-def _tip(annotation: Round, view: View) -> Box2:
-    """A small box about where the arrow touches the circle."""
-    turn = math.radians(annotation.towards)
-    u, v = annotation.centre
-    at = (u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn))
+def _tip(annotation: Annotation, view: View) -> Box2 | None:
+    """A small box about where an arrow or a datum's triangle must meet a line of the part."""
+    match annotation:
+        case Round():
+            turn = math.radians(annotation.towards)
+            u, v = annotation.centre
+            at = (u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn))
+        case ControlFrame() | DatumMark():
+            at = annotation.at
+        case _:
+            return None
     return grown((*view.to_paper(at), *view.to_paper(at)), 0.3)
 
 

@@ -90,6 +90,19 @@ class Lines:
                 low, high = min(low, a), max(high, b)
         return low, high
 
+    def beside(self, line: Line, apart: float) -> int:
+        """How many pieces run along a line, nearer than `apart`, for more than a millimetre."""
+        x0, y0, x1, y1 = line
+        near = self._near(grown((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), apart))
+        size = math.hypot(x1 - x0, y1 - y0)
+        if not near.shape[1] or size < 1e-9:
+            return 0
+        u, v = (x1 - x0) / size, (y1 - y0) / size
+        off = [np.abs((near[i] - x0) * v - (near[i + 1] - y0) * u) for i in (0, 2)]
+        at = [(near[i] - x0) * u + (near[i + 1] - y0) * v for i in (0, 2)]
+        shared = np.minimum(np.maximum(*at), size) - np.maximum(np.minimum(*at), 0.0)
+        return int(np.count_nonzero((np.maximum(*off) < apart) & (shared > 1.0)))
+
     def _near(self, box: Box2) -> np.ndarray:
         held = self._held[:, : self._count]
         return held[:, (held[6] > box[0]) & (held[4] < box[2]) & (held[7] > box[1]) & (held[5] < box[3])]

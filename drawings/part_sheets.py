@@ -13,19 +13,23 @@ from drawings.dimensioning import request
 from drawings.frame import Paper
 from drawings.layout import Arrangement, arrange
 from drawings.lettering import LINE_PITCH, TEXT
-from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_plans
+from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
 from drawings.projection import project
 from drawings.section import cut_shape, hatch
 from drawings.sheet import Sheet, scale_text, sheet_area
 from drawings.symbols import line_width
-from drawings.title_block import TitleBlock
+from drawings.title_block import TitleBlock, title_box
 from drawings.view import PROJECTIONS, Arc, Box2, Curve, Layer, View
 from stagecad.parameters.dimension import Dimension, FaceRequirement
 from stagecad.solids.measure import Gauge
 
 if TYPE_CHECKING:
     import cadquery as cq
-    from OCP.TopoDS import TopoDS_Shape
+    from OCP.TopoDS import TopoDS_Shape  # pyright: ignore[reportAttributeAccessIssue]
+
+
+TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
+"""Titles that say more than the part's name, as the thesis has them."""
 
 
 class Views:
@@ -124,11 +128,11 @@ def _sheet(
 ) -> Sheet:
     plan = plans[number - 1]
     dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
-    requirements = part.requirements if plan.requirements else ()
+    requirements = [r for r in part.requirements if sheet_of_requirement(plans, r) is plan]
     asked = request(dimensions, requirements, design, gauge, views)
     if asked.missing:
         raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(asked.missing)}")
-    lines = _note_lines(part, asked.notes, design)
+    lines = _note_lines(part, asked.notes)
     paper, arranged, note = _arranged(plan, views, asked.asked, lines)
     title = _title(part, design, plan, number, len(plans))
     return Sheet(plan.name, part.name, paper, plan.scale, title, arranged.views, arranged.annotations, (note,))
@@ -151,24 +155,39 @@ def _arranged(
     return best[1:]
 
 
-def _notes(paper: Paper, lines: tuple[str, ...]) -> tuple[Note, Box2]:
-    """The notes in the lower left corner of a sheet, and the room they take."""
+def _notes(paper: Paper, texts: tuple[str, ...]) -> tuple[Note, Box2]:
+    """The notes in the lower left corner of a sheet, beside the title block, and the room they take."""
     x0, y0, _, _ = sheet_area(paper).space
+    lines = [line for text in texts for line in wrapped(text, title_box(paper)[0] - x0 - 2 * TEXT)]
     width = max(map(line_width, lines))
-    return Note((x0, y0), lines), (x0, y0, x0 + width + TEXT, y0 + (len(lines) + 1) * LINE_PITCH * TEXT)
+    return Note((x0, y0), tuple(lines)), (x0, y0, x0 + width + TEXT, y0 + (len(lines) + 1) * LINE_PITCH * TEXT)
 
 
-def _note_lines(part: Described, numbered: Sequence[str], design: Any) -> tuple[str, ...]:
+def wrapped(text: str, width: float) -> list[str]:
+    """A text in lines no wider than `width`, mm; those after the first stand in by two spaces."""
+    lines: list[str] = []
+    for word in text.split(" "):
+        if lines and line_width(f"{lines[-1]} {word}") <= width:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(f"  {word}" if lines else word)
+    return lines
+
+
+def _note_lines(part: Described, numbered: Sequence[str]) -> tuple[str, ...]:
     """Notes of the sheet: general ones, the part's own, and those that dimensions refer to by number."""
-    general = ["Dimensions in millimetres; tolerances by their decimals, see below right."]
-    lines = ["NOTES", *(f"- {text}" for text in (*general, *part.notes))]
+    lines = [
+        "NOTES",
+        "- Tolerances by the decimals of a dimension: see the table.",
+        *(f"- {text}" for text in part.notes),
+    ]
     lines += [f"[{index}] {text}" for index, text in enumerate(numbered, start=1)]
     return tuple(lines)
 
 
 def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
     drawing = design.drawing
-    words = part.name.replace("_", " ")
+    words = TITLES.get(part.name, part.name.replace("_", " "))
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,
         supplement=drawing.title,

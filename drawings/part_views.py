@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from drawings.frame import Paper
-from drawings.view import Cut
-from stagecad.parameters.dimension import Point
+from drawings.view import PROJECTIONS, Cut
+from stagecad.parameters.dimension import FaceRequirement, Point
 from stagecad.solids.base_clamp import clamps
 from stagecad.solids.tip import piezo_places
 
@@ -55,7 +55,6 @@ class SheetPlan:
         scale: of the views that have none of their own.
         views: the main one first.
         shows: beginnings of the names of the declarations it shows; empty for all that no other sheet shows.
-        requirements: whether datums, geometrical tolerances and surface texture stand on it.
     """
 
     name: str
@@ -63,7 +62,6 @@ class SheetPlan:
     scale: float
     views: tuple[ViewPlan, ...]
     shows: tuple[str, ...] = ()
-    requirements: bool = True
 
 
 def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:
@@ -77,6 +75,17 @@ def sheet_of(plans: tuple[SheetPlan, ...], declaration: str) -> SheetPlan:
         if any(declaration.startswith(beginning) for beginning in plan.shows):
             return plan
     return next(plan for plan in plans if not plan.shows)
+
+
+def sheet_of_requirement(plans: tuple[SheetPlan, ...], requirement: FaceRequirement) -> SheetPlan:
+    """The one sheet that shows a requirement: the first with the view it is declared for, its face seen as a line."""
+    for plan in plans:
+        for view in plan.views:
+            eye = PROJECTIONS[view.projection].towards_eye
+            named = view.name == requirement.view or (requirement.view == "section" and view.cut is not None)
+            if named and abs(sum(a * b for a, b in zip(eye, requirement.normal, strict=True))) < 1e-6:
+                return plan
+    return plans[0]
 
 
 _TOP = ViewPlan("top", "top")
@@ -163,7 +172,6 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
             _detail("X", "top", finger, 1.1 * (base.clamp_reach - base.pocket_diameter / 2) + 12.0, 0.5),
         ),
         ("clamp",),
-        requirements=False,
     )
     three = SheetPlan(
         "base_3",
@@ -174,7 +182,6 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
             _section("A", "front", (0.0, 0.0, 0.0), "top"),
             ViewPlan("bottom", "bottom", "section A-A", symmetry="uv"),
         ),
-        requirements=False,
     )
     return (one, two, three)
 

@@ -41,8 +41,10 @@ def plain(dimension: Dimension, plus_minus: float) -> str:
     """Text of a dimension that stands by itself, note left out."""
     value = number(dimension.value, dimension.tolerance, plus_minus)
     match dimension.kind:
-        case "diameter" | "tap_drill":
+        case "diameter":
             value = DIAMETER + value
+        case "tap_drill":
+            value = f"{dimension.note}, drill {DIAMETER}{value}"
         case "radius":
             value = f"{'S' if 'spherical' in dimension.note else ''}R{value}"
         case "angle":
@@ -87,16 +89,17 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
                     lines.append("{depth}" + value[d.name])
                 else:
                     lines[at] += " {depth}" + value[d.name]
-            case "count" if int(d.value) != count:
-                lines.append(f"{d.value:g} {d.name.split()[-1] if len(d.name.split()) == 2 else d.name}")
+            case "count" if int(d.value) == count and len(dimensions) > 1:
+                continue
             case "count":
-                pass
+                own = d.name.removeprefix(f"{d.feature}s ") if len(dimensions) > 1 else d.name
+                lines.append(f"{d.value:g} {own.removeprefix(d.feature.split()[0]).strip()}")
             case "chamfer":
                 lines.append(f"{value[d.name]}{TIMES}45{DEGREE}")
             case _:
                 lines.append(plain(d, plus_minus[list(dimensions).index(d)]).removeprefix(times(d.count)))
         if d.note and lines:
-            lines[-1] += f" {d.note}"
+            lines[-1] += f"{',' if d.kind == 'count' else ''} {d.note}"
     if not lines:
         lines = [dimensions[0].name]
     lines[0] = times(count) + lines[0]

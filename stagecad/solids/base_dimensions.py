@@ -130,7 +130,7 @@ def _pockets(d: Declarations, design: Any) -> None:
         (out, -half, deep / 2),
         (out, half, deep / 2),
         count=3,
-        view="top",
+        view="right",
         feature=channel,
     )
     d.depth(
@@ -139,7 +139,7 @@ def _pockets(d: Declarations, design: Any) -> None:
         (out, 0, 0),
         (out, 0, deep),
         count=3,
-        view="top",
+        view="right",
         feature=channel,
     )
 
@@ -198,7 +198,6 @@ def _height_bores(d: Declarations, design: Any) -> None:
         note="1-8 UNC",
         count=3,
         view="section",
-        feature="set screw thread",
     )
     d.linear(
         "set screw thread start",

@@ -95,7 +95,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of height pin 1."""
     pin, d = design.height_pin_1, Declarations(design)
     half, radius, back = pin.length / 2, pin.diameter / 2, (-1.0, 0.0, 0.0)
-    d.diameter("diameter", "height_pin_1.diameter", (0, 0, 0), on=back, view="front", note="sliding fit in its bore")
+    d.diameter("diameter", "height_pin_1.diameter", (0, 0, 0), on=back, view="top", note="sliding fit in its bore")
     d.linear("length", "height_pin_1.length", (-radius + 2, 0, -half), (-radius + 2, 0, half), view="front")
     d.linear(
         "wedge face height",

@@ -143,7 +143,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
         feature=bore,
         count=3,
         note="through",
-        view="bottom",
+        view="top",
     )
     d.diameter("well", "holder.well_diameter", (0, 0, middle), on=(0.0, -1.0, 0.0), view="top")
     slot, half = (h.well_diameter / 2 + y3 - h.bore_diameter / 2) / 2, h.lead_slot_width / 2

@@ -166,6 +166,6 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Seats in one plane, so that three equal piezos hold the nose upright."""
     f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
     seats = tuple((x, y, 0.0) for x, y in piezo_places(design))
-    f.keeps("flatness", "seats", "drawing.tolerance_x_xx", seats, down, "front", combined=True)
-    f.smooth("seats", "bearing.way_roughness", seats, down, "front")
+    f.keeps("flatness", "seats", "drawing.tolerance_x_xx", seats, down, "section", combined=True)
+    f.smooth("seats", "bearing.way_roughness", seats, down, "section")
     return tuple(f)
