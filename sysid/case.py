@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from sysid.model import Model, Prepared, Scales, scales_of, with_effect
 from sysid.noise_floor import Noise, estimate_noise
 from sysid.prepare import driven_mass, velocity_drive
 from sysid.records import Record, load_records
+from sysid.starts import searched
 from sysid.tip import tip_record
 
 FORMS = {
@@ -310,30 +311,43 @@ def fit_case(case: Case, model: Model | None = None) -> BaseFit:
     return BaseFit(fitted, weights, residual, chosen)
 
 
-def best_laws(case: Case, fitted: Fitted) -> tuple[Fitted, tuple[str, ...]]:
-    """A fit in which each effect that the experiment names without a variant has the best law of its family.
+def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = None) -> tuple[Fitted, tuple[str, ...]]:
+    """A fit in which effects have the best law of their family.
 
     The law of the family's own name is taken unless another is clearly better.
+
+    Args:
+        case: whose records are fitted.
+        fitted: the model as it stands, with any law of each family.
+        families: names of the effects whose law is open; those of `open_laws` where left out.
 
     Returns:
         The fit, and the names of the laws that took their family's place.
     """
     chosen: list[str] = []
-    for effect in case.start.effects:
-        if effect.core is not None or ":" in effect.name or not effect.variants:
-            continue
+    for name in open_laws(case) if families is None else families:
+        effect = find(name, case.custom)
         present = {e.name for e in fitted.model.effects}
         if effect.name not in present:
+            if not any(e.name.partition(":")[0] == name for e in fitted.model.effects):
+                continue
             # Another law was chosen while the model still lacked something.
-            own = with_effect(_without(fitted.model, effect.name), effect, case.scales)
-            fitted = fit_model(own, case.fit_records)
-        for variant in effect.variants:
-            other = with_effect(_without(fitted.model, effect.name), variant, case.scales)
-            trial = fit_model(other, case.fit_records, fitted.weights)
-            if clearly_better(trial, fitted):
-                fitted = fit_model(trial.model, case.fit_records)
-                chosen = [c for c in chosen if c.partition(":")[0] != effect.name] + [variant.name]
+            fitted = searched(fitted, effect, case.fit_records, case.scales)
+        trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in effect.variants]
+        best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
+        if clearly_better(best, fitted):
+            fitted = best
+            chosen += [e.name for e in best.model.effects if e.name.partition(":")[0] == name]
     return fitted, tuple(chosen)
+
+
+def open_laws(case: Case) -> tuple[str, ...]:
+    """Effects whose law is for the fit to choose: named without a variant, and with no value given by the user."""
+    given = {key.rpartition(".")[0] for key in case.experiment.parameters}
+    return tuple(
+        e.name for e in case.start.effects
+        if e.core is None and ":" not in e.name and e.variants and e.name not in given
+    )  # fmt: skip
 
 
 def clearly_better(other: Fitted, fitted: Fitted) -> bool:
@@ -341,13 +355,3 @@ def clearly_better(other: Fitted, fitted: Fitted) -> bool:
     extra = len(other.model.unknowns) - len(fitted.model.unknowns)
     # Law by law the cost of a wrong curve is far above the noise; chance is not.
     return other.fit.cost < 0.97 * fitted.fit.cost - 4.0 * max(extra, 0)
-
-
-def _without(model: Model, effect: str) -> Model:
-    """The model less one effect and its parameters, other variants of it included."""
-    family = effect.partition(":")[0]
-    gone = [e.name for e in model.effects if e.name.partition(":")[0] == family]
-    keep = tuple(e for e in model.effects if e.name not in gone)
-    belongs = tuple(f"{name}." for name in gone)
-    values = {k: v for k, v in model.values.items() if not k.startswith(belongs)}
-    return Model(keep, values, tuple(u for u in model.unknowns if not u.key.startswith(belongs)))

@@ -13,7 +13,7 @@ from stagecad.parameters.errors import InputError, nearest
 from sysid.base_fit import Fitted, fit_model
 from sysid.candidate_list import candidates_of
 from sysid.candidates import target_of, try_effect
-from sysid.case import BaseFit, Case, best_laws, clearly_better, fit_case, load_case, make_case
+from sysid.case import BaseFit, Case, best_laws, clearly_better, fit_case, load_case, make_case, open_laws
 from sysid.document import both_json, noise_json, parameter_unit, parameters_json
 from sysid.experiment import DesignValues, Experiment
 from sysid.intervals import intervals
@@ -65,9 +65,12 @@ def add_effects(source: str | Path, effects: Sequence[str], design: DesignValues
     grown_case, fitted = case, base.fitted
     for name in effects:
         grown_case, fitted = _grow(grown_case, fitted, name)
+    # A law that made up for what was missing may be the wrong one now.
+    free = _free_laws(case, effects)
+    fitted, _ = best_laws(grown_case, fitted, free)
     after_fit = misfit(fitted.model, grown_case.fit_records)
     after_validate = misfit(fitted.model, grown_case.validate_records)
-    document = _rung_document(grown_case, fitted, after_fit, after_validate)
+    document = {**_rung_document(grown_case, fitted, after_fit, after_validate), "open_laws": list(free)}
     names = [e.name for e in fitted.model.effects] + _quantised(grown_case, fitted)
     starts = {
         u.key: (fitted.model.values[u.key], parameter_unit(grown_case, u.key))
@@ -125,8 +128,16 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     plain = next((c for c in good if c.effect.name == name), None)
     if plain is not None and not clearly_better(best.fitted, plain.fitted):
         best = plain
-    # A law that made up for what was missing may be the wrong one now.
-    return case, best_laws(case, fit_model(best.fitted.model, case.fit_records, iterations=40))[0]
+    return case, fit_model(best.fitted.model, case.fit_records, iterations=40)
+
+
+def _free_laws(case: Case, added: Sequence[str]) -> tuple[str, ...]:
+    """Families whose law is the program's choice: open in the file, named without a law now, or on the last rung."""
+    rungs = read_ladder(case.experiment)
+    before = [] if not rungs or edited_by_hand(case.experiment, rungs) else rungs[-1].document.get("open_laws", [])
+    named = [name for name in added if ":" not in name and "@" not in name]
+    families = dict.fromkeys([*open_laws(case), *before, *named])
+    return tuple(name for name in families if find(name, case.custom).variants and find(name, case.custom).core is None)
 
 
 def _with_quantisation(case: Case, name: str) -> tuple[Case, Fitted]:

@@ -3,52 +3,108 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from workbench.options import Run, common_options
 
+if TYPE_CHECKING:
+    from sysid.base_fit import Fitted
+    from sysid.case import Case
+
 
 @click.command("add")
 @click.argument("experiment", type=click.Path(path_type=Path))
-@click.argument("effects", nargs=-1, metavar="EFFECT...")
+@click.argument("effects", nargs=-1, metavar="[EFFECT...]")
 @click.option("--undo", "undo_last", is_flag=True, help="Go back to the rung before; the undone one is kept.")
+@click.option(
+    "--write-back",
+    "keys",
+    multiple=True,
+    metavar="KEY[=FITTED]",
+    help="Write a fitted value to KEY of the parameter file (--params, or stage.toml here), with its deviation and the "
+    "experiment as its origin; may be repeated, with or without an EFFECT to add first.",
+)
 @common_options
-def command(run: Run, experiment: Path, effects: tuple[str, ...], undo_last: bool) -> None:
+def command(run: Run, experiment: Path, effects: tuple[str, ...], undo_last: bool, keys: tuple[str, ...]) -> None:
     """Add EFFECTs to the model of EXPERIMENT, fit it, write the next rung of its ladder and experiment.toml."""
+    if undo_last and (effects or keys):
+        raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--write-back'}")
+    if undo_last:
+        _undo(run, experiment)
+    elif effects:
+        _add(run, experiment, effects, keys)
+    elif keys:
+        _write_back_only(run, experiment, keys)
+    else:
+        raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
+
+
+def _undo(run: Run, experiment: Path) -> None:
+    from sysid.experiment import load_experiment
+    from sysid.ladder_files import undo
     from workbench.design_values import design_values
 
-    if undo_last and effects:
-        raise click.UsageError("--undo takes no EFFECT")
-    if not undo_last and not effects:
-        raise click.UsageError("name at least one EFFECT to add, or --undo; 'stagecad effects' lists them")
-    if undo_last:
-        from sysid.experiment import load_experiment
-        from sysid.ladder_files import undo
+    rung, kept = undo(load_experiment(experiment, design_values(run)))
+    effects_now = ", ".join(rung.effects) or "no effects"
+    run.say(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
+    run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
 
-        rung, kept = undo(load_experiment(experiment, design_values(run)))
-        effects_now = ", ".join(rung.effects) or "no effects"
-        run.say(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
-        run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
-        return
+
+def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...]) -> None:
     from sysid.document import both_json
     from sysid.ladder import add_effects
+    from workbench.design_values import design_values
     from workbench.loop_text import say_step
 
+    if keys:
+        from workbench.write_back import parameter_file
+
+        # Before the rung is written: a file that cannot take the values stops the command with nothing done.
+        parameter_file(run)
     step = add_effects(experiment, effects, design_values(run))
     parameters = dict(step.rung.document["parameters"])
     say_step(run, step, parameters)
-    run.emit(
-        {
-            "schema": 1,
-            "rung": step.rung.number,
-            "file": str(step.rung.path),
-            "form": step.case.form,
-            "effects": list(step.rung.effects),
-            "added": list(step.rung.document.get("added", ())),
-            "before": both_json(step.case, step.before_fit, step.before_validate),
-            "after": both_json(step.case, step.after_fit, step.after_validate),
-            "parameters": parameters,
-            "seconds": step.seconds,
-        }
-    )
+    document = {
+        "schema": 1,
+        "rung": step.rung.number,
+        "file": str(step.rung.path),
+        "form": step.case.form,
+        "effects": list(step.rung.effects),
+        "added": list(step.rung.document.get("added", ())),
+        "before": both_json(step.case, step.before_fit, step.before_validate),
+        "after": both_json(step.case, step.after_fit, step.after_validate),
+        "parameters": parameters,
+        "seconds": step.seconds,
+    }
+    if keys:
+        document.update(_written(run, step.case, step.base.fitted, keys, step.rung.number))
+    run.emit(document)
+
+
+def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
+    from sysid.case import fit_case, load_case
+    from sysid.document import parameters_json
+    from sysid.ladder_files import edited_by_hand, read_ladder
+    from workbench.design_values import design_values
+
+    case = load_case(experiment, design_values(run))
+    fitted = fit_case(case).fitted
+    rungs = read_ladder(case.experiment)
+    rung = rungs[-1].number if rungs and not edited_by_hand(case.experiment, rungs) else None
+    document = {"schema": 1, "form": case.form, "effects": [e.name for e in fitted.model.effects]}
+    document["parameters"] = parameters_json(case, fitted)
+    run.emit({**document, **_written(run, case, fitted, keys, rung)})
+
+
+def _written(run: Run, case: Case, fitted: Fitted, keys: tuple[str, ...], rung: int | None) -> dict[str, Any]:
+    from workbench.write_back import parameter_file, write_back, written_json
+
+    name = case.experiment.folder.resolve().name
+    origin = f"measured: {name}" if rung is None else f"measured: {name}, rung {rung:03d}"
+    written = write_back(run, case, fitted, keys, origin)
+    path = parameter_file(run)
+    for one in written:
+        run.say(f"{path}: {one.key} = {one.text} ({one.origin}); it was {one.before[0]} ({one.before[1]})")
+    return {"parameter_file": str(path), "written_back": written_json(written)}

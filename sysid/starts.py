@@ -1,0 +1,45 @@
+"""One law of an effect put in another's place in a fitted model, its shape searched before it is fitted.
+
+A fit that begins with a wrong shape stays there: a Stribeck curve that starts ten times too wide loses its force, and
+with it the gradient of its width.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sim.effect import Effect
+from sysid.base_fit import Fitted, fit_model
+from sysid.candidates import linear_scores, target_of
+from sysid.model import Model, Prepared, Scales, with_effect
+
+
+def without_effect(model: Model, effect: str) -> Model:
+    """The model less one effect and its parameters, other laws of its family included."""
+    family = effect.partition(":")[0]
+    gone = [e.name for e in model.effects if e.name.partition(":")[0] == family]
+    keep = tuple(e for e in model.effects if e.name not in gone)
+    belongs = tuple(f"{name}." for name in gone)
+    values = {k: v for k, v in model.values.items() if not k.startswith(belongs)}
+    return Model(keep, values, tuple(u for u in model.unknowns if not u.key.startswith(belongs)))
+
+
+def searched(fitted: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales) -> Fitted:
+    """The model with `effect` in place of its family, fitted from the best point of the effect's grid.
+
+    Bounds, priors and fixed values of the model stay. `effect` is no core.
+    """
+    rest = fit_model(without_effect(fitted.model, effect.name), records, fitted.weights)
+    basis, target = target_of(rest)
+    scores = linear_scores(rest, effect, records, scales, basis, target)
+    start = with_effect(rest.model, effect, scales, scores[0].start if scores else None)
+    return fit_model(_with_bounds_of(start, fitted.model), records)
+
+
+def _with_bounds_of(model: Model, given: Model) -> Model:
+    """The model with bounds and priors as `given` has them, where it has the same unknown."""
+    known = {u.key: u for u in given.unknowns}
+    fixed = set(given.values) - set(known)
+    values = {**model.values, **{key: given.values[key] for key in fixed if key in model.values}}
+    unknowns = tuple(known.get(u.key, u) for u in model.unknowns if u.key not in fixed)
+    return Model(model.effects, values, unknowns).at(values)
