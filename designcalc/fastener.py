@@ -5,6 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import k0
+
 from stagecad.parameters.errors import InputError
 
 
@@ -78,3 +82,30 @@ def head_pressure(force: float, head_diameter: float, hole_diameter: float) -> f
     if not head_diameter > hole_diameter > 0:
         raise InputError("fastener: the head must be larger than its hole")
     return force / (math.pi / 4 * (head_diameter**2 - hole_diameter**2))
+
+
+def screw_waves(
+    force: ArrayLike, pitch: ArrayLike, distance: ArrayLike, modulus: ArrayLike, poisson: ArrayLike
+) -> NDArray[np.float64]:
+    """Amplitude of the waves that a row of screws presses into the surface beside it, m.
+
+    The Fourier series along the row of ``sum (1 - nu^2) F/(pi E r)`` has waves of the pitch, of the amplitude
+    ``4 F (1 - nu^2)/(pi E p) K0(2 pi d/p)``; the higher ones are far smaller.
+
+    Args:
+        force: F of each screw, N, >= 0.
+        pitch: p, m, > 0.
+        distance: d from the row, m, > 0; a quarter of the pitch or more, for the first wave to stand for all.
+        modulus, poisson: of the body, Pa and -.
+
+    Raises:
+        InputError: outside the range.
+
+    Source: Boussinesq's point force, Johnson (1985), eq. 3.22; the sum as a Fourier series of Bessel functions.
+    """
+    F, p, d, E, nu = (np.asarray(v, float) for v in (force, pitch, distance, modulus, poisson))
+    if not (np.all(F >= 0) and np.all(p > 0) and np.all(E > 0) and np.all(d >= p / 4)):
+        raise InputError(
+            "fastener: pitch and modulus must be above 0, the distance from the row a quarter pitch or more"
+        )
+    return 4 * F * (1 - nu**2) / (np.pi * E * p) * k0(2 * np.pi * d / p)

@@ -166,14 +166,6 @@ def stack_current(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLi
     return np.pi * np.asarray(frequency, float) * np.asarray(capacitance, float) * np.asarray(voltage, float)
 
 
-def inertial_pull(mass: ArrayLike, frequency: ArrayLike, travel: ArrayLike) -> Array:
-    """Peak inertial force of a mass moved by a sine of peak-to-peak travel: ``m (2 pi f)^2 Y/2``, N.
-
-    A stack is pulled by its share of this unless it is preloaded by more.
-    """
-    return np.asarray(mass, float) * (2 * np.pi * np.asarray(frequency, float)) ** 2 * np.asarray(travel, float) / 2
-
-
 def _hull_edges(points: Array) -> tuple[Array, Array]:
     """Outward normals (n, 2) and offsets (n,) of the convex hull of points in the plane."""
     from scipy.spatial import ConvexHull, QhullError

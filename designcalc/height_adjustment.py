@@ -40,6 +40,61 @@ def wedge_drive(thread_pitch: float, slope: float, stroke: float, faces: int = 2
     return WedgeDrive(turn, turn / 360, stroke * slope, math.tan(math.atan(slope) / faces))
 
 
+@dataclass(frozen=True)
+class ClampShift:
+    """What closing the clamp does to the tip; SI units."""
+
+    squeeze: float
+    """growth of the holder's height as the clamp squeezes it, m"""
+    drop: float
+    """of the apex as the holder tilts within its pocket's play, m"""
+    sideways: float
+    """of the apex by the same tilt and by the play itself, m"""
+
+
+def clamp_shift(
+    screw_force: float,
+    wrap: float,
+    holder_diameter: float,
+    holder_height: float,
+    play: float,
+    apex_height: float,
+    modulus: float,
+    poisson: float,
+) -> ClampShift:
+    """A finger drawn round a cylindrical holder like a band, and the pocket's wall that takes the reaction.
+
+    Normal forces on the rim add up to ``S = T (theta + 2 sin(theta/2))``, band and reaction; by the theorem of mean
+    stress the two stresses in the plane then have the mean sum ``-S R/(pi R^2 H)``, and the height grows on the mean by
+    ``nu S/(pi R E)``, whatever its height. The holder tilts within its play by at most ``play/H``.
+
+    Args:
+        screw_force: T, preload of the clamp screw, N, >= 0; the neck takes part of it, so this bounds the squeeze.
+        wrap: theta, angle over which the finger lies on the holder, rad, 0 to pi.
+        holder_diameter: 2 R, m.
+        holder_height: H, m.
+        play: pocket diameter less holder diameter, m, >= 0.
+        apex_height: of the tip over the holder's foot, m.
+        modulus, poisson: of the holder, Pa and -.
+
+    Raises:
+        InputError: outside the range.
+
+    Source: theorem of mean stress: Love, Mathematical Theory of Elasticity (1927), section 123.
+    """
+    if not (min(holder_diameter, holder_height, apex_height, modulus) > 0 and play >= 0 and screw_force >= 0):
+        raise InputError("height adjustment: diameter, heights and modulus must be above 0, play and force 0 or more")
+    if not (0 <= wrap <= math.pi and 0 <= poisson <= 0.5):
+        raise InputError("height adjustment: the wrap must lie in 0 to 180 deg, Poisson's ratio in 0 to 0.5")
+    rim = screw_force * (wrap + 2 * math.sin(wrap / 2))
+    tilt = play / holder_height
+    return ClampShift(
+        squeeze=poisson * rim / (math.pi * holder_diameter / 2 * modulus),
+        drop=2 * apex_height * math.sin(tilt / 2) ** 2,
+        sideways=apex_height * math.sin(tilt) + play / 2,
+    )
+
+
 def screw_force(lift: float, slope: float, friction: float) -> float:
     """Axial force on the wedge to raise a load, N: ``lift [tan(lambda + phi) + tan(phi)]``, phi = atan(mu).
 

@@ -46,8 +46,15 @@ def velocity_noise(count: ArrayLike, rate: ArrayLike) -> Array:
 
 
 def lag_error(speed: ArrayLike, bandwidth: ArrayLike) -> Array:
-    """Position error of a first-order sensor at constant speed: ``v/(2 pi f)``, m."""
-    return np.asarray(speed, float) / (2 * np.pi * np.asarray(bandwidth, float))
+    """Position error of a first-order sensor at constant speed: ``v/(2 pi f)``, m (v in m/s, f > 0 in Hz).
+
+    Raises:
+        InputError: bandwidth not above 0.
+    """
+    f = np.asarray(bandwidth, float)
+    if not np.all(f > 0):
+        raise InputError("sensors: bandwidth: must be above 0 Hz")
+    return np.asarray(speed, float) / (2 * np.pi * f)
 
 
 def abbe_error(offset: ArrayLike, angle: ArrayLike) -> Array:

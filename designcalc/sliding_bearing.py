@@ -113,6 +113,16 @@ def crown_wear_distance(depth: ArrayLike, crown_radius: ArrayLike, wear_rate: Ar
     return np.pi * R * h**2 / (np.asarray(wear_rate, float) * np.asarray(load, float))
 
 
+def crown_wear_depth(distance: ArrayLike, crown_radius: ArrayLike, wear_rate: ArrayLike, load: ArrayLike) -> Array:
+    """Depth a crown is worn to by sliding, ``h = sqrt(k F s/(pi R))``, m: the inverse of `crown_wear_distance`."""
+    s, R, k, F = (np.asarray(v, float) for v in (distance, crown_radius, wear_rate, load))
+    if not (np.all(s >= 0) and np.all(R > 0) and np.all(k > 0) and np.all(F > 0)):
+        raise InputError(
+            "sliding bearing: wear needs a radius, a wear rate and a load above 0, and a distance of 0 or more"
+        )
+    return np.sqrt(k * F * s / (np.pi * R))
+
+
 def pad_loads(pads: ArrayLike, load: float, centre: ArrayLike) -> Array:
     """Normal load of each pad, N: equal springs under a rigid stage (statics alone for three pads).
 

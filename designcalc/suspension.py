@@ -2,43 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.stats import rankdata
 
 from stagecad.parameters.errors import InputError
 
 Array = NDArray[np.float64]
 
 _MU_0 = 1.25663706127e-6
-
-
-@dataclass(frozen=True)
-class AirBearing:
-    """Catalogue point of a porous air bearing, SI units."""
-
-    diameter: float
-    load: float
-    stiffness: float
-    supply: float
-    """gauge pressure, Pa"""
-    gap: float
-
-    @property
-    def load_ratio(self) -> float:
-        """Load over supply pressure times area: 0.2 to 0.5 for a sound porous pad."""
-        return self.load / (self.supply * np.pi / 4 * self.diameter**2)
-
-    @property
-    def stiffness_ratio(self) -> float:
-        """Stiffness times gap over load; 1 to 2 about the optimum gap (load ~ gap^-1 to gap^-2)."""
-        return self.stiffness * self.gap / self.load
-
-    @property
-    def roughness_limit(self) -> float:
-        """A quarter of the gap, m: largest peak-to-valley roughness (Slocum 1992, chapter 9)."""
-        return self.gap / 4
 
 
 def dipole_hessian(moment_1: ArrayLike, moment_2: ArrayLike, separation: ArrayLike) -> Array:
@@ -68,6 +40,13 @@ def dipole_hessian(moment_1: ArrayLike, moment_2: ArrayLike, separation: ArrayLi
     return _MU_0 / (4 * np.pi) * hessian / d**5
 
 
-def series_stiffness(*stiffnesses: float) -> float:
-    """Springs in series, N/m: the softest rules."""
-    return 1 / sum(1 / k for k in stiffnesses)
+def rank_sum(columns: ArrayLike) -> Array:
+    """Sum of places over several criteria, the smallest the best.
+
+    Args:
+        columns: what each candidate scores, shape (candidates, criteria), small is good; equals share their mean place.
+
+    Returns:
+        shape (candidates,).
+    """
+    return rankdata(np.asarray(columns, float), axis=0).sum(axis=1)

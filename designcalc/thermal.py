@@ -74,7 +74,13 @@ def vibration_at_tip(floor_acceleration: ArrayLike, resonance: ArrayLike) -> Arr
     """Relative motion across a loop by shaking its base well below its resonance: ``a/(2 pi f)^2``, m.
 
     Args:
-        floor_acceleration: amplitude or rms, m/s^2.
-        resonance: first resonance f of the loop, Hz, > 0.
+        floor_acceleration: amplitude or rms, m/s^2, >= 0.
+        resonance: first resonance f of the loop, Hz, > 0; the shaking must lie well below it.
+
+    Raises:
+        InputError: outside the range.
     """
-    return np.asarray(floor_acceleration, float) / (2 * np.pi * np.asarray(resonance, float)) ** 2
+    shake, f = np.asarray(floor_acceleration, float), np.asarray(resonance, float)
+    if not (np.all(shake >= 0) and np.all(f > 0)):
+        raise InputError("thermal: the floor's acceleration must be 0 or more, the resonance above 0")
+    return shake / (2 * np.pi * f) ** 2

@@ -11,10 +11,10 @@ from workbench.cluster import run_all
 from workbench.options import Run
 
 if TYPE_CHECKING:
+    from designcalc.checks import Weighed
     from designcalc.checks.sweep import Point, Range
     from designcalc.checks.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import MassProperties
 
 
 @dataclass(frozen=True)
@@ -47,14 +47,14 @@ def source_of(run: Run) -> Source:
 
 
 def swept_point(source: Source, swept: Range, base: Design, solids: bool, value: float) -> Point:
-    """The checks at one value of a sweep, the moving body weighed anew on its own solids (or on plain volumes)."""
+    """The checks at one value of a sweep, weighed anew on its own solids (or on plain volumes)."""
     from designcalc.checks.sweep import run_point
-    from workbench.moving_body import moving_body_of
+    from workbench.weighing import weigh
 
-    return run_point(swept, value, source.design, base, moving_body_of if solids else _no_body)
+    return run_point(swept, value, source.design, base, weigh if solids else _unweighed)
 
 
-def _no_body(design: Design) -> None:
+def _unweighed(design: Design) -> None:
     return None
 
 
@@ -71,9 +71,7 @@ def sweep(run: Run, swept: Range, solids: bool, scheduler: str | None) -> list[P
         )
 
 
-def tolerance(
-    run: Run, body: MassProperties | None, samples: int, scheduler: str | None, seed: int = 1
-) -> ToleranceStudy:
+def tolerance(run: Run, weighed: Weighed | None, samples: int, scheduler: str | None, seed: int = 1) -> ToleranceStudy:
     """Monte-Carlo over the tolerances; what each dimension does is worked out side by side."""
     from designcalc.checks.tolerance import tolerance_study
 
@@ -85,4 +83,4 @@ def tolerance(
             progress.update(task, total=len(keys))
             return run_all(job, keys, scheduler, lambda: progress.update(task, advance=1))
 
-        return tolerance_study(run.design, load, body, samples, seed, run_all=side_by_side)
+        return tolerance_study(run.design, load, weighed, samples, seed, run_all=side_by_side)

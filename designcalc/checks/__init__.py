@@ -6,41 +6,57 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import TYPE_CHECKING
 
-from designcalc.checks import budget, candidates, contact, drive, heat, height, pads, sensing, teeth, ways
+from designcalc.checks import (
+    actuator,
+    budget,
+    candidates,
+    contact,
+    drive,
+    heat,
+    height,
+    layout,
+    pads,
+    sensing,
+    smooth,
+    teeth,
+    ways,
+    wear,
+)
 from designcalc.checks.check import Check, Input, Verdict
-from designcalc.checks.reading import Reading
+from designcalc.checks.reading import Reading, Weighed
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import MassProperties
 
-__all__ = ["SUBJECTS", "Check", "Input", "Verdict", "run_checks"]
+__all__ = ["SUBJECTS", "Check", "Input", "Verdict", "Weighed", "run_checks"]
 
 SUBJECTS: dict[str, Callable[[Reading], Iterator[partial[Check]]]] = {
     "tip on stage": contact.checks,
     "bearing ways": ways.checks,
     "magnetic teeth": teeth.checks,
     "friction drive": drive.checks,
+    "piezo actuator": actuator.checks,
     "sliding bearing": pads.checks,
+    "smoothness": smooth.checks,
+    "wear and heat of the pads": wear.checks,
     "heat and surroundings": heat.checks,
     "sensors": sensing.checks,
     "height adjustment": height.checks,
+    "layout": layout.checks,
     "candidates": candidates.checks,
     "error budget": budget.checks,
 }
 """Checks by subject, in the order of the report."""
 
 
-def run_checks(
-    design: Design, moving_body: MassProperties | None = None, subjects: tuple[str, ...] | None = None
-) -> list[Check]:
+def run_checks(design: Design, weighed: Weighed | None = None, subjects: tuple[str, ...] | None = None) -> list[Check]:
     """Run every check on one design.
 
     Args:
         design: the design.
-        moving_body: mass properties of stage and all that rides on it, from the solids; None estimates the mass from
-            the plain volume of the stage's plate, and the inputs of the checks concerned say so.
+        weighed: what the solids weigh; None estimates the stage from the plain volume of its plate and takes the tip at
+            its limit, and the inputs of the checks concerned say so.
         subjects: names of `SUBJECTS` to run; all when left out.
 
     Returns:
@@ -51,7 +67,7 @@ def run_checks(
     for subject, checks in SUBJECTS.items():
         if subjects is not None and subject not in subjects:
             continue
-        reading = Reading(design, moving_body, subject)
+        reading = Reading(design, weighed, subject)
         for step in checks(reading):
             try:
                 made.append(step())

@@ -118,5 +118,6 @@ def contact_stiffness(r: Reading) -> Check:
         _JOHNSON + "; catalogue line of the piezo",
         "dF/ddelta = 1.5 F/delta >= k_piezo/2, so that the contact takes less than two thirds of the give",
         f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
-        "a larger nose radius, or more preload (stiffness grows as (F R)^(1/3))",
+        f"nose radius of {show(r('tip.nose_radius') * (0.5 * stack / float(contact.stiffness)) ** 3, 'm')}, or more "
+        "preload (stiffness grows as (F R)^(1/3))",
     )

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from functools import partial
 
 from designcalc.checks.check import Check
-from designcalc.checks.drive import tip_resonance
-from designcalc.checks.machine import stroke_ellipse
+from designcalc.checks.machine import holding_stiffness, moved_mass, pads_stiffness, rail, stroke_ellipse
 from designcalc.checks.reading import Reading, show
-from designcalc.thermal import differential_growth, loop_drift, vibration_at_tip
+from designcalc.friction_drive import resonance
+from designcalc.thermal import bow_of_layers, differential_growth, loop_drift, vibration_at_tip
 
 
 def checks(r: Reading) -> Iterator[partial[Check]]:
@@ -19,7 +20,10 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(base_expansion, r)
     if r.design.teeth.fitted:
         yield partial(magnetism, r)
-    yield partial(vibration, r)
+    yield partial(bow, r)
+    yield partial(symmetry, r)
+    yield partial(vibration, r, "along")
+    yield partial(vibration, r, "normal")
 
 
 def _beside(r: Reading) -> tuple[str, str]:
@@ -126,19 +130,83 @@ def magnetism(r: Reading) -> Check:
     )
 
 
-def vibration(r: Reading) -> Check:
-    floor = r.given("floor acceleration", 1e-3, "m/s^2", "assumed: VC-B at 30 Hz, about 5 mm/s^2 peak over 5")
-    first = tip_resonance(r)
-    motion = float(vibration_at_tip(floor, first))
+def bow(r: Reading) -> Check:
+    """Way and base as one bimetal: what a joint that never slips would do. The screws let it slip, and bow it less."""
+    way, change = rail(r), r("environment.temperature_change")
+    key, other = _beside(r)
+
+    def sagitta(modulus: float, expansion: float) -> float:
+        return change * bow_of_layers(
+            way.length, way.height, way.rail_modulus, r.material("bearing_way", "expansion"), r("base.height"),
+            modulus, expansion,
+        )  # fmt: skip
+
+    here = sagitta(way.bed_modulus, r.material("base", "expansion"))
+    beside = sagitta(r(f"materials.{key}.youngs_modulus"), r(f"materials.{key}.expansion"))
+    limit = r("requirements.straightness")
     return r.check(
-        "floor vibration between tip and stage",
-        motion,
+        "bow of the way on its base by heat",
+        here,
+        limit,
+        "m",
+        "at most",
+        "Timoshenko (1925), two layers that cannot slip: an upper bound",
+        "sagitta = curvature L^2/8 <= straightness",
+        f"{show(here, 'm')} over {show(way.length, 'm')} and {change:.3g} K",
+        f"hold the temperature to {change * limit / here:.2g} K, or a base of silicon carbide or alumina",
+        note=f"on a base of {other}: {show(beside, 'm')}",
+        requirement="Table 2: low thermal expansion",
+    )
+
+
+def symmetry(r: Reading) -> Check:
+    """Teeth and ways hold the stage in the middle plane of the base; a tip off that plane grows away from it."""
+    off = max(abs(y) for _, y in r.design.derived.fitted_places[:1]) * 1e-3
+    off = r.given("actuator 1 from the middle plane", off, "m", "layout of the pockets")
+    change, alpha = r("environment.temperature_change"), r.material("base", "expansion")
+    half = r("base.way_gap") / 2
+    return r.check(
+        "sideways drift by asymmetry of the base",
+        off * alpha * change,
         r("requirements.resolution_coarse"),
         "m",
         "at most",
-        "base shaken below the first resonance of the loop",
-        "a/(2 pi f_1)^2 <= 10 nm",
-        f"{show(floor, 'm/s^2')}, f_1 = {show(first, 'Hz')}: {show(motion, 'm')}",
-        "an isolation table",
-        requirement="Table 1: resolution",
+        "growth of the base from its middle plane to the tip",
+        "alpha_base y dT <= 10 nm",
+        f"y = {show(off, 'm')}: {show(off * alpha * change, 'm')}",
+        "the actuator on the base's middle plane",
+        thesis="'designed as asymmetrically as possible for thermal stability' must be symmetrically: with the "
+        f"actuator beside a way, {show(half, 'm')} off, the tip would wander {show(half * alpha * change, 'm')}",
+        requirement="Table 2: low thermal expansion",
+    )
+
+
+def vibration(r: Reading, direction: str) -> Check:
+    """The floor shakes the base; stage and payload follow through what holds them, below its resonance."""
+    frequency = r("environment.floor_frequency")
+    shake = r("environment.floor_velocity") * 2 * math.pi * frequency
+    if direction == "along":
+        stiffness, holder = holding_stiffness(r), "the tip's rocking and the shear of its contact"
+        limit, requirement = r("requirements.resolution_coarse"), "Table 1: resolution"
+    else:
+        stiffness, holder = pads_stiffness(r).normal, "the pads"
+        limit, requirement = r("requirements.smoothness"), "Table 1: smoothness"
+    first = float(resonance(stiffness, moved_mass(r)))
+    motion = float(vibration_at_tip(shake, first))
+    return r.check(
+        f"floor vibration between tip and stage, {direction}",
+        motion,
+        limit,
+        "m",
+        "at most",
+        f"base shaken below the resonance of stage and payload on {holder}",
+        "2 pi f_floor v/(2 pi f_1)^2",
+        f"{show(shake, 'm/s^2')} at {show(frequency, 'Hz')}, K = {show(stiffness, 'N/m')}, f_1 = {show(first, 'Hz')}: "
+        f"{show(motion, 'm')}",
+        "an isolation table, or a stiffer tip contact (larger nose radius)",
+        note=f"the finest resolution asked for, {show(r('requirements.resolution'), 'm')}, needs a floor "
+        f"{max(motion / r('requirements.resolution'), 1):.3g} times quieter"
+        if direction == "along"
+        else "",
+        requirement=requirement,
     )

@@ -9,12 +9,23 @@ from numpy.typing import NDArray
 
 from designcalc.bolted_rail import Rail
 from designcalc.checks.reading import Reading
-from designcalc.friction_drive import GRAVITY, TipEllipse, piezo_stiffness, tip_ellipse
-from designcalc.hertz import PointContact, contact_modulus, point_contact
+from designcalc.friction_drive import GRAVITY, TipEllipse, piezo_stiffness, resonance, tip_ellipse
+from designcalc.hertz import PointContact, contact_modulus, point_contact, tangential_stiffness
 from designcalc.magnetic_teeth import MagnetCircuit, MagnetWorkingPoint, TeethField, teeth_field, working_point
-from designcalc.sliding_bearing import FilmContact, confined_modulus, film_contact, pad_loads
+from designcalc.piezo_stack import rocking_stiffness, tip_inertia
+from designcalc.sliding_bearing import (
+    FilmContact,
+    PadStiffness,
+    confined_modulus,
+    film_contact,
+    pad_loads,
+    pad_stiffness,
+)
 
 Array = NDArray[np.float64]
+
+PIEZOS = 3
+"""Under one tip."""
 
 
 def weight(r: Reading) -> float:
@@ -48,6 +59,47 @@ def tip_contact(r: Reading, load: float) -> PointContact:
     return point_contact(load, r("tip.nose_radius"), np.inf, modulus)
 
 
+def usable_ellipse(r: Reading) -> tuple[float, float]:
+    """X and Y of the ellipse at what the piezo has, or at the drive's own stroke where that is less, m."""
+    amplitude = min(r("piezo.stroke") / 2, r("actuator.stroke_amplitude"))
+    path = tip_ellipse(amplitude, r("actuator.phase"), r("actuator.piezo_spacing"), r("actuator.tip_height"))
+    return float(path.along), float(path.normal)
+
+
+def swinging_mass(r: Reading) -> float:
+    """What moves on the piezos: the tip and a share of each stack, kg."""
+    return r.tip_mass() + PIEZOS * r("piezo.moving_mass")
+
+
+def tip_resonances(r: Reading) -> tuple[float, float]:
+    """Resonances of the free tip on its piezos, Hz: up and down on all three, rocking on the two along the travel."""
+    mass, stack = swinging_mass(r), stack_stiffness(r)
+    circle = r("actuator.piezo_spacing") / np.sqrt(3)
+    inertia = tip_inertia(mass, circle, r("actuator.tip_height"))
+    turn = rocking_stiffness(stack, r("actuator.piezo_spacing"))
+    return float(resonance(PIEZOS * stack, mass)), float(resonance(turn, inertia))
+
+
+def tip_resonance(r: Reading) -> float:
+    """The lower one of `tip_resonances`, Hz."""
+    return min(tip_resonances(r))
+
+
+def holding_stiffness(r: Reading) -> float:
+    """With which a tip that does not slip holds the stage along its travel, N/m: rocking on its piezos, and the
+    shear of the contact, in series."""
+    rocking = rocking_stiffness(stack_stiffness(r), r("actuator.piezo_spacing")) / r("actuator.tip_height") ** 2
+    contact = tip_contact(r, tip_load(r))
+    shear = tangential_stiffness(
+        contact,
+        r.material("tip", "youngs_modulus"),
+        r.material("tip", "poisson_ratio"),
+        r.material("stage", "youngs_modulus"),
+        r.material("stage", "poisson_ratio"),
+    )
+    return 1 / (1 / float(rocking) + 1 / float(shear))
+
+
 def stroke_ellipse(r: Reading) -> TipEllipse:
     """Path of the tip at the drive's own stroke and phase."""
     return tip_ellipse(
@@ -67,8 +119,8 @@ def pads(r: Reading) -> Array:
     return np.array([(-along, across), (along, across), *far])
 
 
-def film(r: Reading, load: float) -> FilmContact:
-    """One crowned pad on the way, the PTFE film between them."""
+def film(r: Reading, load: float, crown_radius: float | None = None) -> FilmContact:
+    """One crowned pad on the way, the PTFE film between them; the crown of the design when left out."""
     modulus = confined_modulus(r("materials.ptfe.youngs_modulus"), r("materials.ptfe.poisson_ratio"))
     bodies = contact_modulus(
         r.material("stage", "youngs_modulus"),
@@ -76,13 +128,31 @@ def film(r: Reading, load: float) -> FilmContact:
         r.material("bearing_way", "youngs_modulus"),
         r.material("bearing_way", "poisson_ratio"),
     )
-    return film_contact(load, r("pads.crown_radius"), r("bearing.film_thickness"), modulus, float(bodies))
+    return film_contact(
+        load, crown_radius or r("pads.crown_radius"), r("bearing.film_thickness"), modulus, float(bodies)
+    )
+
+
+def pad_forces(r: Reading) -> Array:
+    """Load of each pad under weight and preload, N."""
+    return pad_loads(pads(r), weight(r) + r("preload.force"), r.centre())
+
+
+def heaviest_pad(r: Reading) -> float:
+    """Load of the pad that bears most, N."""
+    return r.given("heaviest pad load", float(np.max(pad_forces(r))), "N", "statics of weight and preload on the pads")
+
+
+def pads_stiffness(r: Reading) -> PadStiffness:
+    """Normal, pitch and roll stiffness of the stage on its pads, each at its own load."""
+    loads = pad_forces(r)
+    # A pad about to lift has next to no stiffness; a load of zero is out of its formula's range.
+    return pad_stiffness(pads(r), np.array([float(film(r, max(float(n), 1e-3)).stiffness) for n in loads]))
 
 
 def normal_stiffness(r: Reading) -> float:
-    """Of the stage on all its pads, N/m, each at its own load."""
-    loads = pad_loads(pads(r), weight(r) + r("preload.force"), (0.0, 0.0))
-    return sum(float(film(r, max(float(n), 1e-3)).stiffness) for n in loads)
+    """Of the stage on all its pads, N/m."""
+    return pads_stiffness(r).normal
 
 
 def rail(r: Reading) -> Rail:

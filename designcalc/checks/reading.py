@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from designcalc.checks.check import Check, Input
@@ -21,19 +22,29 @@ def show(value: float, unit: str = "") -> str:
     return format_quantity(float(value), unit, 4)
 
 
+@dataclass(frozen=True)
+class Weighed:
+    """What the solids of a design weigh, as far as checks want to know."""
+
+    moving: MassProperties
+    """stage and all that rides on it, in the assembly's coordinates at mid-travel"""
+    tip: MassProperties
+    """one tip, in its own coordinates"""
+
+
 class Reading:
     """Reads SI numbers of one design for one check, and makes the check with them as its inputs.
 
     Args:
         design: the design.
-        body: mass properties of the moving body from the solids; without them mass and centre are estimated from the
-            stage's plain plate, and the inputs say so.
+        weighed: what the solids weigh; without it masses are estimated from the stage's plain plate and the tip's
+            limit, and the inputs say so.
         subject: what the checks are about.
     """
 
-    def __init__(self, design: Design, body: MassProperties | None, subject: str) -> None:
+    def __init__(self, design: Design, weighed: Weighed | None, subject: str) -> None:
         self.design = design
-        self.body = body
+        self.weighed = weighed
         self.subject = subject
         self.inputs: dict[str, Input] = {}
 
@@ -55,8 +66,8 @@ class Reading:
 
     def mass(self) -> float:
         """Mass of the moving body, kg."""
-        if self.body is not None:
-            return self.given("moving body mass", self.body.mass, "kg", "measured from the solids")
+        if self.weighed is not None:
+            return self.given("moving body mass", self.weighed.moving.mass, "kg", "measured from the solids")
         plate = self("stage.length") * self("stage.width") * self("stage.thickness")
         return self.given(
             "moving body mass",
@@ -65,14 +76,50 @@ class Reading:
             "estimated: the stage as a plain plate, since no solids were built",
         )
 
+    def tip_mass(self) -> float:
+        """Mass of one tip, kg."""
+        if self.weighed is not None:
+            return self.given("tip mass", self.weighed.tip.mass, "kg", "measured from the solids")
+        return self("tip.mass_limit")
+
     def centre(self) -> tuple[float, float]:
         """Centre of mass of the moving body in the plane of motion, from the middle of the stage, m."""
-        if self.body is None:
+        if self.weighed is None:
             return 0.0, 0.0
-        x, y = float(self.body.centre_of_mass[0]), float(self.body.centre_of_mass[1])
+        x, y = self.weighed.moving.centre_of_mass[:2]
         self.given("centre of mass along", x, "m", "measured from the solids")
         self.given("centre of mass across", y, "m", "measured from the solids")
         return x, y
+
+    def centre_height(self) -> float:
+        """Height of the centre of mass of stage and payload over the sea, m."""
+        thickness, carried, above = self("stage.thickness"), self("payload.mass"), self("payload.height")
+        mass = self.mass()
+        if self.weighed is None:
+            own = thickness / 2
+        else:
+            sea = self("bearing_way.height") + self("pads.height")
+            own = self.given(
+                "centre of mass above the sea", self.weighed.moving.centre_of_mass[2] - sea, "m", "measured"
+            )
+        return (mass * own + carried * (thickness + above)) / (mass + carried)
+
+    def turning_inertia(self) -> tuple[float, float]:
+        """Moments of inertia of stage and payload about the axes along and across, through their centre, kg m^2."""
+        mass, carried = self.mass(), self("payload.mass")
+        length, width, thickness = self("stage.length"), self("stage.width"), self("stage.thickness")
+        if self.weighed is None:
+            own = mass * (width**2 + thickness**2) / 12, mass * (length**2 + thickness**2) / 12
+        else:
+            inertia = self.weighed.moving.inertia
+            own = float(inertia[0][0]), float(inertia[1][1])
+        apart = thickness / 2 + self("payload.height")
+        steiner = mass * carried / (mass + carried) * apart**2 if mass + carried > 0 else 0.0
+        along = self.given("inertia about the axis along", own[0] + steiner, "kg*m^2", "stage and a payload at a point")
+        across = self.given(
+            "inertia about the axis across", own[1] + steiner, "kg*m^2", "stage and a payload at a point"
+        )
+        return along, across
 
     def check(
         self,

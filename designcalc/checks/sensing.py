@@ -7,7 +7,7 @@ from functools import partial
 
 from designcalc.checks.check import Check
 from designcalc.checks.reading import Reading, show
-from designcalc.sensors import abbe_error, count_size, filtered_noise, velocity_noise
+from designcalc.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
 
 _DATASHEET = "thesis 2.3.4, data sheets"
 
@@ -24,7 +24,11 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(interferometer_range, r)
     yield partial(interferometer_speed, r)
     yield partial(differencing, r)
+    yield partial(lag, r)
+    yield partial(probe_linearity, r)
+    yield partial(contactless, r)
     yield partial(abbe, r)
+    yield partial(cosine, r)
 
 
 def lvdt_range(r: Reading) -> Check:
@@ -36,7 +40,7 @@ def lvdt_range(r: Reading) -> Check:
         "at least",
         _DATASHEET,
         "range >= travel",
-        "25.4 mm against 200 mm",
+        f"{show(r('sensors.lvdt.range'), 'm')} against {show(r('requirements.sensor_range'), 'm')}",
         "a linear encoder, or the interferometer, over the whole travel",
         thesis="the LVDT covers an eighth of the travel that Table 2 asks of the sensor",
         requirement="Table 2: sensor range",
@@ -173,6 +177,83 @@ def differencing(r: Reading) -> Check:
         "count/sqrt(6) f_s <= 1 % of the speed",
         f"{show(step, 'm')} at {show(rate, 'Hz')}: {show(noise, 'm/s')}",
         "an observer, or a velocity sensor",
+    )
+
+
+def lag(r: Reading) -> Check:
+    speed, bandwidth = r("requirements.speed"), r("sensors.lvdt.bandwidth")
+    late = float(lag_error(speed, bandwidth))
+    window = r("sensors.probe.range") / 2
+    return r.check(
+        "lag of the LVDT at full speed",
+        late,
+        window,
+        "m",
+        "at most",
+        "first-order sensor of the bandwidth stated; half the probe's range must catch the stage",
+        "v/(2 pi f) <= probe range/2",
+        f"{show(speed, 'm/s')} at {show(bandwidth, 'Hz')}: {show(late, 'm')}",
+        f"enter the probe's range at {show(speed * window / late, 'm/s')} at most, or correct the known lag",
+        requirement="Table 1: speed",
+    )
+
+
+def probe_linearity(r: Reading) -> Check:
+    error = r("sensors.probe.linearity") * r("sensors.probe.range")
+    limit = r("requirements.resolution_coarse")
+    return r.check(
+        "capacitive probe linearity",
+        error,
+        limit,
+        "m",
+        "at most",
+        _DATASHEET,
+        "linearity x full range <= 10 nm",
+        show(error, "m"),
+        f"calibrate it against the interferometer, or use {show(limit / r('sensors.probe.linearity'), 'm')} of it",
+        requirement="Table 2: sensor resolution",
+    )
+
+
+def contactless(r: Reading) -> Check:
+    travel = r("requirements.sensor_range")
+    sensors = r.design.sensors
+    reach = {
+        "LVDT": (r("sensors.lvdt.range"), sensors.lvdt.contactless),
+        "interferometer": (2 * r("sensors.interferometer.range"), sensors.interferometer.contactless),
+    }
+    fit = [name for name, (length, free) in reach.items() if free and length >= travel]
+    return r.check(
+        "sensors over the travel that do not touch",
+        len(fit),
+        1.0 if r.design.requirements.sensor_contactless else 0.0,
+        "",
+        "at least",
+        _DATASHEET,
+        "number of sensors that reach over the travel and let the stage move across their axis",
+        ", ".join(fit) or "none",
+        "an interferometer, or a grid encoder",
+        requirement="Table 2: sensor without contact",
+    )
+
+
+def cosine(r: Reading) -> Check:
+    travel, angle = r("stage.travel"), r("sensors.interferometer.misalignment")
+    error = float(cosine_error(travel, angle))
+    limit = r("requirements.resolution_coarse")
+    return r.check(
+        "cosine error of the interferometer",
+        error,
+        limit,
+        "m",
+        "at most",
+        "beam at an angle to the travel",
+        "travel (1 - cos(angle)) <= 10 nm",
+        f"{show(travel, 'm')} at {show(angle, 'rad')}: {show(error, 'm')}",
+        f"align the beam to {show(angle * (limit / error) ** 0.5, 'rad')}",
+        note=f"the finest resolution, {show(r('requirements.resolution'), 'm')}, needs "
+        f"{show(angle * (r('requirements.resolution') / error) ** 0.5, 'rad')}",
+        requirement="Table 2: sensor resolution",
     )
 
 

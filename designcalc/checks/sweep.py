@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from designcalc.checks import run_checks
+from designcalc.checks import Weighed, run_checks
 from designcalc.checks.check import Check
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.quantities import from_si, parse_quantity, to_si
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import MassProperties
 
 DEFAULT_POINTS = 11
 
@@ -80,7 +79,7 @@ def run_point(
     value: float,
     load: Callable[[str], Design],
     base: Design,
-    body: Callable[[Design], MassProperties | None],
+    weigh: Callable[[Design], Weighed | None],
 ) -> Point:
     """The checks at one value of a sweep.
 
@@ -89,7 +88,7 @@ def run_point(
         value: one of its values.
         load: design with one more override, `KEY=VALUE`.
         base: the design as it stands.
-        body: mass properties of a design's moving body, from its own solids; None estimates from plain volumes.
+        weigh: what a design's own solids weigh; None estimates from plain volumes.
 
     Returns:
         the point; one that breaks a rule of the design says so in place of its checks.
@@ -99,7 +98,7 @@ def run_point(
         design = load(swept.override(int(value) if isinstance(base.value(swept.key), int) else value))
     except InputError as error:
         return Point(si, (), str(error))
-    return Point(si, tuple(run_checks(design, body(design))))
+    return Point(si, tuple(run_checks(design, weigh(design))))
 
 
 def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:

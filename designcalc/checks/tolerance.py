@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.checks import SUBJECTS, run_checks
+from designcalc.checks import SUBJECTS, Weighed, run_checks
 from stagecad.parameters.mass_properties import MassProperties
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def _influence(item: Influence) -> dict[str, Any]:
 def tolerance_study(
     design: Design,
     load: Callable[[str], Design],
-    body: MassProperties | None,
+    weighed: Weighed | None,
     samples: int = 10_000,
     seed: int = 1,
     subjects: tuple[str, ...] | None = None,
@@ -109,7 +109,7 @@ def tolerance_study(
     Args:
         design: the design.
         load: design with one more override `KEY=VALUE`, without the rules across values.
-        body: mass properties of the moving body, or None.
+        weighed: what the solids of the design as it stands weigh, or None.
         samples: number of machines.
         seed: of the random numbers.
         subjects: of the checks to look at; all but the candidates when left out.
@@ -117,7 +117,7 @@ def tolerance_study(
     """
     # A candidate passed over is not made: no tolerance of it matters.
     wanted = tuple(name for name in subjects or SUBJECTS if name != "candidates")
-    base = run_checks(design, body, wanted)
+    base = run_checks(design, weighed, wanted)
     named = {check.name: check.margin for check in base if check.margin is not None}
     readers: dict[str, set[str]] = {}
     for check in base:
@@ -127,7 +127,7 @@ def tolerance_study(
     names = list(named)
     nominal = np.array([named[n] for n in names], float)
     slope, bend = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
-    found = run_all(partial(_ends, design, load, body, readers, named), keys)
+    found = run_all(partial(_ends, design, load, weighed, readers, named), keys)
     for row, ends in enumerate(found):
         slope[row] = (ends[1] - ends[0]) / 2
         bend[row] = (ends[1] + ends[0]) / 2 - nominal
@@ -165,7 +165,7 @@ def tolerance_study(
 def _ends(
     design: Design,
     load: Callable[[str], Design],
-    body: MassProperties | None,
+    weighed: Weighed | None,
     readers: Mapping[str, set[str]],
     nominal: Mapping[str, float],
     key: str,
@@ -176,29 +176,26 @@ def _ends(
         # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
         value = float(design.value(key)) + sign * design.plus_minus(key)
         changed = load(f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
-        checks = run_checks(changed, body_of(changed, design, body), tuple(sorted(readers[key])))
+        checks = run_checks(changed, weighed_of(changed, design, weighed), tuple(sorted(readers[key])))
         found = {check.name: check.margin for check in checks}
         values = [(found.get(name), base) for name, base in nominal.items()]
         ends.append(np.array([base if value is None else value for value, base in values], float))
     return ends
 
 
-def body_of(design: Design, base: Design, base_body: MassProperties | None) -> MassProperties | None:
-    """Mass properties of the moving body for a design that differs by tolerances, without making its solids.
+def weighed_of(design: Design, base: Design, weighed: Weighed | None) -> Weighed | None:
+    """What a design that differs by tolerances weighs, without making its solids.
 
     The base design's body with the mass of the plain plate's change added: exact for a longer, wider or thicker plate
     but for the features cut through it, a tenth of a change that is itself a hundredth of the mass.
     """
-    if base_body is None:
+    if weighed is None:
         return None
-    change = _plate(design) - _plate(base)
-    if change == 0:
-        return base_body
-    scale = (base_body.mass + change) / base_body.mass
-    inertia = np.asarray(base_body.inertia, float) * scale
-    return MassProperties(
-        base_body.volume * scale, base_body.mass + change, base_body.centre_of_mass, inertia, base_body.bounding_box
-    )
+    change, body = _plate(design) - _plate(base), weighed.moving
+    scale = (body.mass + change) / body.mass
+    inertia = np.asarray(body.inertia, float) * scale
+    moving = MassProperties(body.volume * scale, body.mass + change, body.centre_of_mass, inertia, body.bounding_box)
+    return Weighed(moving, weighed.tip)
 
 
 def _plate(design: Design) -> float:

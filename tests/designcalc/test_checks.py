@@ -10,19 +10,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designcalc.checks import SUBJECTS, run_checks
+from designcalc.checks import SUBJECTS, Weighed, run_checks
 from designcalc.checks.candidates import ranking
 from designcalc.checks.check import Check
 from designcalc.checks.reading import Reading
 from designcalc.checks.report import corrections, markdown, requirements
 from designcalc.checks.sweep import moved, read_range, run_point, table
-from designcalc.checks.tolerance import body_of, tolerance_study
+from designcalc.checks.tolerance import tolerance_study, weighed_of
 from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import MassProperties
 
 CASES = tomllib.loads((Path(__file__).parents[1] / "reference" / "contradictions.toml").read_text())["check"]
 BODY = MassProperties(8e-4, 2.1, (0.0, 0.0, 0.033), np.eye(3) * 0.01, ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)))
+TIP = MassProperties(8.5e-6, 0.023, (0.0, 0.0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0.0), (0.03, 0.03, 0.02)))
+WEIGHED = Weighed(BODY, TIP)
 
 
 def load(*overrides):
@@ -96,8 +98,9 @@ def test_a_calculator_out_of_its_range_says_so_and_the_rest_goes_on():
 
 def test_mass_from_the_solids_is_used_and_named():
     design = load()
-    measured = next(c for c in run_checks(design, BODY) if c.name == "preload against the share of the load asked for")
-    estimated = named()["preload against the share of the load asked for"]
+    name = "preload against the share of the load asked for"
+    measured = next(c for c in run_checks(design, WEIGHED) if c.name == name)
+    estimated = named()[name]
     assert measured.inputs["moving body mass"].value == 2.1
     assert "measured" in measured.inputs["moving body mass"].origin
     assert "estimated" in estimated.inputs["moving body mass"].origin
@@ -182,10 +185,12 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
 
 def test_moving_body_of_a_thicker_plate_gains_the_plates_mass():
     design, thick = load(), load("stage.thickness=15 mm")
-    body = body_of(thick, design, BODY)
-    assert body is not None
-    assert body.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
-    assert body_of(design, design, BODY) is BODY
+    heavier = weighed_of(thick, design, WEIGHED)
+    assert heavier is not None
+    assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
+    assert heavier.tip is TIP
+    assert weighed_of(design, design, WEIGHED) == WEIGHED
+    assert weighed_of(thick, design, None) is None
 
 
 def test_tolerances_spread_a_margin_as_its_closed_form():

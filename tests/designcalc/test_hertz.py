@@ -170,3 +170,15 @@ def test_the_two_balls_of_the_thesis():
 def test_outside_the_range_is_said(call, words):
     with pytest.raises(InputError, match=words):
         call()
+
+
+def test_like_spheres_shear_as_mindlin_says():
+    """k_t/k_n = 2 (1 - nu)/(2 - nu) for like bodies, and a rigid body leaves the other one twice as stiff."""
+    nu = 0.3
+    modulus = hertz.contact_modulus(200e9, nu, 200e9, nu)
+    contact = hertz.point_contact(np.array([5.0, 50.0]), 0.02, np.inf, modulus)
+    shear = hertz.tangential_stiffness(contact, 200e9, nu, 200e9, nu)
+    np.testing.assert_allclose(shear / contact.stiffness, 2 * (1 - nu) / (2 - nu), rtol=1e-12)
+    np.testing.assert_allclose(hertz.tangential_stiffness(contact, 200e9, nu, 1e30, nu) / shear, 2.0, rtol=1e-9)
+    with pytest.raises(InputError, match="modulus"):
+        hertz.tangential_stiffness(contact, 0.0, nu, 200e9, nu)

@@ -46,6 +46,13 @@ def test_crown_wear_takes_the_volume_of_its_cap():
     assert float(bearing.crown_wear_distance(h, R, 1e-15, 16.0)) == pytest.approx(volume / (1e-15 * 16.0), rel=1e-6)
 
 
+def test_depth_worn_undoes_the_distance():
+    depth = bearing.crown_wear_depth(1200.0, 2.0, 1e-15, 16.0)
+    assert float(bearing.crown_wear_distance(depth, 2.0, 1e-15, 16.0)) == pytest.approx(1200.0)
+    with pytest.raises(InputError, match="wear rate"):
+        bearing.crown_wear_depth(1200.0, 2.0, 0.0, 16.0)
+
+
 def test_confined_modulus_is_hookes_law_without_side_strain():
     E, nu = 0.5e9, 0.46
     compliance = np.array([[1, -nu, -nu], [-nu, 1, -nu], [-nu, -nu, 1]]) / E

@@ -110,11 +110,73 @@ def test_earnshaw_by_energy_differences():
         assert np.linalg.eigvalsh(exact)[0] < 0
 
 
-def test_air_bearing_of_the_catalogue():
-    pad = suspension.AirBearing(25.4e-3, 90.0, 24.5e6, 413e3, 5e-6)
-    assert 0.2 < pad.load_ratio < 0.5
-    assert 1.0 < pad.stiffness_ratio < 2.0
-    assert pad.roughness_limit == pytest.approx(1.25e-6)
+def test_places_are_added_up_and_equals_share_theirs():
+    places = suspension.rank_sum([[1.0, 5.0], [2.0, 5.0], [3.0, 1.0]])
+    np.testing.assert_allclose(places, [1 + 2.5, 2 + 2.5, 3 + 1])
+
+
+def test_screws_press_waves_into_the_surface_beside_them():
+    """The displacements of many point forces in a row, summed, and their first wave taken by a Fourier sum."""
+    force, pitch, away, modulus, poisson = 7.9e3, 38.1e-3, 30e-3, 410e9, 0.14
+    row = np.arange(-4000, 4001) * pitch
+    along = np.arange(64) / 64 * pitch
+    sunk = np.sum((1 - poisson**2) * force / (np.pi * modulus * np.hypot(along[:, None] - row, away)), axis=1)
+    wave = 2 * np.abs(np.fft.rfft(sunk)[1]) / 64
+    assert float(fastener.screw_waves(force, pitch, away, modulus, poisson)) == pytest.approx(wave, rel=1e-4)
+    with pytest.raises(InputError, match="a quarter pitch"):
+        fastener.screw_waves(force, pitch, pitch / 5, modulus, poisson)
+
+
+def test_clamp_squeezes_the_holder_as_a_disc_under_two_forces():
+    """Two opposed line forces on a disc (Hertz's exact field): in-plane stresses summed over it grow its height."""
+    force, diameter, height, modulus, poisson = 4e3, 76e-3, 36.6e-3, 141e9, 0.29
+    radius = diameter / 2
+    # A band over half the rim with its reaction presses like pi + 2 screw forces; two forces press with two.
+    shift = height_adjustment.clamp_shift(
+        2 * force / (math.pi + 2), math.pi, diameter, height, 0.0, 60e-3, modulus, poisson
+    )
+    r = (np.arange(1500) + 0.5) / 1500 * radius
+    t = (np.arange(1440) + 0.5) / 1440 * 2 * np.pi
+    R, T = np.meshgrid(r, t)
+    x, y = R * np.cos(T), R * np.sin(T)
+    per_length = force / height
+
+    def radial(depth, side):  # stress towards a force on the rim: -2 P cos(angle)/(pi distance)
+        return -2 * per_length * depth / (np.pi * (depth**2 + side**2))
+
+    total = radial(radius - y, x) + radial(radius + y, x) + 2 * 2 * per_length / (np.pi * diameter)
+    mean = np.sum(total * R) / np.sum(R)
+    assert shift.squeeze == pytest.approx(-poisson / modulus * mean * height, rel=2e-3)
+
+
+def test_clamp_tilts_the_actuator_by_its_play():
+    shift = height_adjustment.clamp_shift(0.0, 1.0, 76e-3, 36.6e-3, 50e-6, 62e-3, 141e9, 0.29)
+    apex = Rotation.from_euler("y", 50e-6 / 36.6e-3).apply([0.0, 0.0, 62e-3])
+    assert shift.squeeze == 0.0
+    assert shift.drop == pytest.approx(62e-3 - apex[2], rel=1e-6)
+    assert shift.sideways == pytest.approx(apex[0] + 25e-6)
+    with pytest.raises(InputError, match="wrap"):
+        height_adjustment.clamp_shift(1.0, 4.0, 76e-3, 36.6e-3, 0.0, 62e-3, 141e9, 0.29)
+
+
+def test_a_first_order_sensor_lags_a_ramp_by_its_time_constant():
+    speed, bandwidth = 0.2, 500.0
+    steps = np.arange(0, 5e-3, 1e-6)
+    reading, rate = 0.0, 2 * np.pi * bandwidth
+    for place in speed * steps:
+        reading += 1e-6 * rate * (place - reading)
+    assert speed * steps[-1] - reading == pytest.approx(float(sensors.lag_error(speed, bandwidth)), rel=1e-2)
+    with pytest.raises(InputError, match="bandwidth"):
+        sensors.lag_error(speed, 0.0)
+
+
+def test_vibration_is_the_low_frequency_limit_of_an_oscillator():
+    shake, first, slow = 4.7e-3, 336.0, 10.0
+    ratio = slow / first
+    exact = shake / (2 * np.pi * first) ** 2 / (1 - ratio**2)
+    assert float(thermal.vibration_at_tip(shake, first)) == pytest.approx(exact, rel=2e-3)
+    with pytest.raises(InputError, match="resonance"):
+        thermal.vibration_at_tip(shake, 0.0)
 
 
 def test_transforms_are_rigid_and_those_of_scipy():

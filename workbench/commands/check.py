@@ -12,11 +12,11 @@ from stagecad.parameters.atomic import atomic_path, atomic_write_text
 from workbench.options import Run, common_options, finite
 
 if TYPE_CHECKING:
+    from designcalc.checks import Weighed
     from designcalc.checks.candidates import Candidate
     from designcalc.checks.check import Check
     from designcalc.checks.sweep import Point, Range
     from designcalc.checks.tolerance import ToleranceStudy
-    from stagecad.parameters.mass_properties import MassProperties
 
 
 @click.command("check")
@@ -50,10 +50,10 @@ def command(
 
     design = run.design
     wanted = read_range(swept, design) if swept is not None else None
-    body = moving_body(run) if solids else None
-    checks = run_checks(design, body)
+    weighed = weighed_solids(run) if solids else None
+    checks = run_checks(design, weighed)
     folder = run.out / "checks"
-    write_files(checks, folder, ranking(Reading(design, body, "candidates")))
+    write_files(checks, folder, ranking(Reading(design, weighed, "candidates")))
     _print(run, checks)
     document: Any = [check.as_json() for check in checks]
     if wanted is not None or tolerance:
@@ -62,13 +62,13 @@ def command(
         from designcalc.checks.sweep import table
         from workbench.margin_runs import sweep
 
-        points = sweep(run, wanted, body is not None, scheduler)
+        points = sweep(run, wanted, weighed is not None, scheduler)
         document["sweep"] = table(wanted, points)
         _print_sweep(run, wanted, points, folder)
     if tolerance:
         from workbench.margin_runs import tolerance as tolerance_study
 
-        study = tolerance_study(run, body, samples, scheduler)
+        study = tolerance_study(run, weighed, samples, scheduler)
         document["tolerance"] = study.as_json()
         _print_tolerance(run, study)
     if figures:
@@ -81,14 +81,14 @@ def command(
     return 1 if any(check.verdict == "fails" for check in checks) else 0
 
 
-def moving_body(run: Run) -> MassProperties | None:
-    """Mass properties of the moving body from its solids, made when missing; None where they cannot be."""
-    from workbench.moving_body import moving_body_of
+def weighed_solids(run: Run) -> Weighed | None:
+    """What the solids weigh, made when missing; None where they cannot be made."""
+    from workbench.weighing import weigh
 
     try:
-        return moving_body_of(run.design)
+        return weigh(run.design)
     except ImportError as error:
-        run.note(f"no solids can be made here ({error}): the moving mass is estimated from plain volumes")
+        run.note(f"no solids can be made here ({error}): masses are estimated from plain volumes")
         return None
 
 

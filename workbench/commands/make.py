@@ -24,7 +24,7 @@ def command(run: Run, simulations: bool) -> None:
 
     Exit status 0 once all is built, whatever the checks say.
     """
-    from designcalc.checks import run_checks
+    from designcalc.checks import Weighed, run_checks
     from designcalc.checks.report import counted
     from stagecad.solids.bill_of_materials import document as bill_document
     from stagecad.solids.cache import Store
@@ -51,7 +51,7 @@ def command(run: Run, simulations: bool) -> None:
         progress.update(task, description="interference")
         meetings = make_meetings(store, machine.parts, design)
     run.say(f"interference: {len(clashes(meetings))} clashes, {len(meetings)} contacts, fits and near places looked at")
-    checks = run_checks(design, machine.moving_body)
+    checks = run_checks(design, Weighed(machine.moving_body, machine.masses["tip"]))
     write_files(checks, run.out / "checks")
     run.say(f"checks: {counted(checks)}")
     check_figures = _check_figures(run)

@@ -1,30 +1,33 @@
-"""Mass properties of the moving body from its solids alone: the rest of the machine need not be made for them."""
+"""What checks want to know of the solids, weighed on those parts alone: the rest of the machine need not be made."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from designcalc.checks import Weighed
     from stagecad.parameters.design import Design
-    from stagecad.parameters.mass_properties import MassProperties
 
 
-def moving_body_of(design: Design) -> MassProperties:
-    """Stage with irons and magnets, in the assembly's coordinates at mid-travel, SI.
+def weigh(design: Design) -> Weighed:
+    """Moving body (stage with irons and magnets, at mid-travel) and tip, SI.
 
-    The solids come from the cache or are made now; with the pads on the ways their places follow from the stage's own
-    datums. Equal to `Machine.moving_body` of the whole machine.
+    The solids come from the cache or are made now; with the pads on the ways the riders' places follow from the
+    stage's own datums. Equal to what `Machine` has of the whole assembly.
     """
+    from designcalc.checks import Weighed
     from stagecad.parameters.dimension import Datum
     from stagecad.parameters.mass_properties import combined
     from stagecad.solids.cache import Store
     from stagecad.solids.frame import UNMOVED, mate
     from stagecad.solids.machine import part_mass
-    from stagecad.solids.made_part import make_parts
+    from stagecad.solids.made_part import make_part
     from stagecad.solids.mass import placed
 
     riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
-    parts = make_parts(Store(), ("stage", *riders), design)
+    store = Store()
+    # One after another: other processes for so few parts cost more than they save, and a cluster's may start none.
+    parts = {name: make_part(store, name, design) for name in ("stage", "tip", *riders)}
     plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     stage = parts["stage"]
     frame = mate(stage.datums["pads"], UNMOVED, plane)
@@ -34,4 +37,4 @@ def moving_body_of(design: Design) -> MassProperties:
         for name, seat in stage.datums.items():
             if name.rpartition("_")[0] == rider:
                 bodies.append(placed(mass, mate(parts[rider].datums["seat"], frame, seat)))
-    return combined(bodies)
+    return Weighed(combined(bodies), part_mass(parts["tip"], design))

@@ -1,0 +1,97 @@
+"""What sliding does to the pads: running in, wear, heat."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+from designcalc.checks.check import Check
+from designcalc.checks.machine import heaviest_pad, weight
+from designcalc.checks.reading import Reading, show
+from designcalc.sliding_bearing import crown_wear_depth, crown_wear_distance, friction_heat
+
+
+def checks(r: Reading) -> Iterator[partial[Check]]:
+    """Film, running in, life, heat."""
+    yield partial(film_thickness, r)
+    yield partial(running_in, r)
+    yield partial(life, r)
+    yield partial(heat, r)
+
+
+def film_thickness(r: Reading) -> Check:
+    thickness = r("bearing.film_thickness")
+    return r.check(
+        "PTFE film as printed, '1 mm - 2 um'",
+        thickness,
+        r("bearing.thickest_film"),
+        "m",
+        "at most",
+        "thesis 2.3.2: keep the film thin, so that heat passes into the stage; Nanosurf 2 has 2 to 3 um",
+        "t <= 3 um",
+        show(thickness, "m"),
+        "1 to 2 um",
+        thesis="'1 mm - 2 um' is a misprint for 1 - 2 um: a film of 1 mm would be 300 times too thick",
+    )
+
+
+def running_in(r: Reading) -> Check:
+    """The film must outlive its own running in."""
+    cycles, travel = r("bearing.run_in_cycles"), r("stage.travel")
+    distance = 2 * travel * cycles
+    load, radius = heaviest_pad(r), r("pads.crown_radius")
+    worn = float(crown_wear_depth(distance, radius, r("bearing.run_in_wear_rate"), load))
+    thickness = r("bearing.film_thickness")
+    limit = thickness / 2
+    hours = distance / r("requirements.speed") / 3600
+    return r.check(
+        "wear of the PTFE film by running in",
+        worn,
+        limit,
+        "m",
+        "at most",
+        "Archard on a crown over the thesis's several thousand cycles; half the film kept",
+        "h = sqrt(k F s/(pi R)) <= t/2, s = 2 travel x cycles",
+        f"{cycles:.0f} cycles, {show(distance, 'm')}, {hours:.2g} h at full speed: {show(worn, 'm')} of "
+        f"{show(thickness, 'm')}",
+        f"a crown radius of {show(radius * (worn / limit) ** 2, 'm')}, or run in over "
+        f"{show(travel * (limit / worn) ** 2, 'm')} of travel",
+    )
+
+
+def life(r: Reading) -> Check:
+    load = heaviest_pad(r)
+    radius, depth = r("pads.crown_radius"), r("bearing.film_thickness") / 2
+    distance = float(crown_wear_distance(depth, radius, r("bearing.wear_rate"), load))
+    wanted = r("bearing.life")
+    return r.check(
+        "life of the PTFE film",
+        distance,
+        wanted,
+        "m",
+        "at least",
+        "Archard, the crown worn by half the film",
+        "s = pi R (t/2)^2/(k F)",
+        f"R = {show(radius, 'm')}, F = {show(load, 'N')}: {show(distance, 'm')}, "
+        f"{distance / (2 * r('stage.travel')):.3g} strokes there and back",
+        f"a crown radius of {show(radius * wanted / distance, 'm')}",
+    )
+
+
+def heat(r: Reading) -> Check:
+    load = weight(r) + r("preload.force")
+    watts = float(friction_heat(r("bearing.dynamic_friction"), load, r("requirements.speed")))
+    limit = r("bearing.heat_limit")
+    return r.check(
+        "heat of sliding at full speed",
+        watts,
+        limit,
+        "W",
+        "at most",
+        "friction power",
+        "mu N v",
+        f"{show(load, 'N')}: {show(watts, 'W')}",
+        f"full speed for {100 * min(limit / watts, 1.0):.2g} % of the time, or less preload",
+        note=f"the worst friction the thesis allows, mu = {r('bearing.dynamic_friction_high'):.2g}, makes it "
+        f"{show(watts * r('bearing.dynamic_friction_high') / r('bearing.dynamic_friction'), 'W')}",
+    )
