@@ -144,6 +144,8 @@ class _Maker:
         preferred = _preferred(self.views, dimension.view, dimension.points)
         details = [v for v in self.views if v.clip and any(_parallel(v, p) for p in preferred)]
         details = [v for v in details if self._fits(v, dimension)]
+        if dimension.view == "section" and preferred and preferred[0].cut:
+            details = []
         for view in (*details, *preferred):
             if self._true(view, dimension):
                 return view

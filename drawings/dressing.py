@@ -8,7 +8,7 @@ order of a set: the same view gives the same places.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotation import (
@@ -50,15 +50,18 @@ class Dressed:
     Args:
         room: box of all ink.
         hits: how many places were left where something touches a text.
+        asked, marks: what it was dressed with.
     """
 
     view: View
     annotations: tuple[Annotation, ...]
     room: Box2
     hits: int
+    asked: tuple[Asked, ...]
+    marks: tuple[Annotation, ...]
 
 
-def dress(view: View, asked: Iterable[Asked], marks: Sequence[Annotation] = ()) -> Dressed:
+def dress(view: View, asked: Sequence[Asked], marks: Sequence[Annotation] = ()) -> Dressed:
     """Finds places for what a view is asked to show.
 
     Args:
@@ -72,7 +75,7 @@ def dress(view: View, asked: Iterable[Asked], marks: Sequence[Annotation] = ()) 
         placer.keep(mark)
     for one in sorted(asked, key=_order):
         placer.place(one)
-    return Dressed(view, tuple(placer.kept), placer.room(), placer.hits)
+    return Dressed(view, tuple(placer.kept), placer.room(), placer.hits, tuple(asked), tuple(marks))
 
 
 def _order(asked: Asked) -> tuple[int, float]:

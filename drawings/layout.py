@@ -1,7 +1,8 @@
 """Places of the views on the sheet, each with its annotations: in line as third angle asks, nothing over another.
 
-`arrange` takes views without places and what is asked of them, and gives both with places. Whether all fits on the
-paper is part of the answer: who calls chooses a larger paper or another scale.
+`dressed` puts round each view what is asked of it; `arrange` gives the dressed views places on a sheet. Whether all
+fits is part of the answer: who calls takes a larger paper, another corner for the notes, or lets a view stand by itself
+(`detached`).
 """
 
 from __future__ import annotations
@@ -42,28 +43,41 @@ class Arrangement:
     needed: tuple[float, float]
 
 
-def arrange(views: Sequence[View], asked: Sequence[Asked], area: SheetArea) -> Arrangement:
-    """Dresses the views and gives them places.
+def dressed(views: Sequence[View], asked: Sequence[Asked]) -> tuple[Dressed, ...]:
+    """Views with their annotations round them.
 
     Args:
-        views: with curves and scale; `beside` says which stand in line.
+        views: with curves and scale; `beside` says which stand in line, the first one in the middle.
         asked: as `drawings.dimensioning.request` gives it.
-        area: free space of the sheet.
     """
     marks = _marks(views)
-    dressed = [dress(view, [one for one in asked if one.view == view.name], marks.get(view.name, ())) for view in views]
-    group = _in_line(dressed)
-    alone = [one for one in dressed if one.view.name not in group]
-    rooms = [_at(one.room, group[one.view.name]) for one in dressed if one.view.name in group]
+    return tuple(
+        dress(view, [one for one in asked if one.view == view.name], marks.get(view.name, ())) for view in views
+    )
+
+
+def detached(every: Sequence[Dressed], name: str) -> tuple[Dressed, ...]:
+    """The views, the named one no longer in line with another, and so with its name below it."""
+    return tuple(
+        dress(replace(one.view, beside="", label=name.upper()), one.asked, one.marks) if one.view.name == name else one
+        for one in every
+    )
+
+
+def arrange(every: Sequence[Dressed], area: SheetArea) -> Arrangement:
+    """Gives dressed views places on a sheet."""
+    group = _in_line(every)
+    alone = [one for one in every if one.view.name not in group]
+    rooms = [_at(one.room, group[one.view.name]) for one in every if one.view.name in group]
     whole = around(rooms)
     needed = (whole[2] - whole[0], whole[3] - whole[1])
     places, fits = _on_sheet(rooms, whole, [one.room for one in alone], area)
     shift, *others = places
     by_name = {name: (x + shift[0], y + shift[1]) for name, (x, y) in group.items()}
     by_name |= {one.view.name: place for one, place in zip(alone, others, strict=True)}
-    placed = tuple(replace(one.view, place=by_name[one.view.name]) for one in dressed)
-    annotations = tuple(moved(a, by_name[one.view.name]) for one in dressed for a in one.annotations)
-    return Arrangement(placed, annotations, fits, sum(one.hits for one in dressed), needed)
+    placed = tuple(replace(one.view, place=by_name[one.view.name]) for one in every)
+    annotations = tuple(moved(a, by_name[one.view.name]) for one in every for a in one.annotations)
+    return Arrangement(placed, annotations, fits, sum(one.hits for one in every), needed)
 
 
 def _marks(views: Sequence[View]) -> dict[str, list[Annotation]]:

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drawings.annotation import Note
+from drawings.asked import Asked
 from drawings.centre_lines import Axis, axes_of, centre_lines
 from drawings.detail import clipped
 from drawings.dimensioning import request
 from drawings.frame import Paper
-from drawings.layout import Arrangement, arrange
+from drawings.layout import Arrangement, arrange, detached, dressed
 from drawings.lettering import LINE_PITCH, TEXT
 from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
 from drawings.projection import project
@@ -30,6 +31,10 @@ if TYPE_CHECKING:
 
 TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
 """Titles that say more than the part's name, as the thesis has them."""
+
+
+DETACHABLE = ("bottom", "back", "left")
+"""Views that may stand by themselves where a sheet is too small for them in line; they are named then."""
 
 
 class Views:
@@ -139,28 +144,31 @@ def _sheet(
 
 
 def _arranged(
-    plan: SheetPlan, views: tuple[View, ...], asked: Sequence[Any], lines: tuple[str, ...]
+    plan: SheetPlan, views: tuple[View, ...], asked: Sequence[Asked], texts: tuple[str, ...]
 ) -> tuple[Paper, Arrangement, Note]:
-    """Views and annotations on the smallest paper on which they fit, with the notes in the lower left corner."""
-    best: tuple[tuple[bool, int], Paper, Arrangement, Note] | None = None
+    """Views, annotations and notes on the smallest paper on which they fit."""
+    every = dressed(views, asked)
+    tried = [every, *(detached(every, view.name) for view in plan.views if view.name in DETACHABLE and view.beside)]
     for paper in plan.papers:
-        note, room = _notes(paper, lines)
-        arranged = arrange(views, asked, sheet_area(paper, (room,)))
-        rank = (not arranged.fits, arranged.hits)
-        if best is None or rank < best[0]:
-            best = (rank, paper, arranged, note)
-        if best[0] == (False, 0):
-            break
-    assert best is not None
-    return best[1:]
+        for dresses in tried:
+            for note, room in _notes(paper, texts):
+                arranged = arrange(dresses, sheet_area(paper, (room,)))
+                if arranged.fits:
+                    return paper, arranged, note
+    note, room = _notes(plan.papers[-1], texts)[0]
+    return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (room,))), note
 
 
-def _notes(paper: Paper, texts: tuple[str, ...]) -> tuple[Note, Box2]:
-    """The notes in the lower left corner of a sheet, beside the title block, and the room they take."""
+def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
+    """The notes beside the title block, in the lower left corner, or above it, and the room they take."""
     x0, y0, _, _ = sheet_area(paper).space
-    lines = [line for text in texts for line in wrapped(text, title_box(paper)[0] - x0 - 2 * TEXT)]
-    width = max(map(line_width, lines))
-    return Note((x0, y0), tuple(lines)), (x0, y0, x0 + width + TEXT, y0 + (len(lines) + 1) * LINE_PITCH * TEXT)
+    title = title_box(paper)
+    found = []
+    for left, low, width in ((x0, y0, title[0] - x0 - 2 * TEXT), (title[0], title[3] + 2 * TEXT, title[2] - title[0])):
+        lines = [line for text in texts for line in wrapped(text, width)]
+        room = (left, low, left + max(map(line_width, lines)) + TEXT, low + (len(lines) + 1) * LINE_PITCH * TEXT)
+        found.append((Note((left, low), tuple(lines)), room))
+    return found
 
 
 def wrapped(text: str, width: float) -> list[str]:

@@ -7,6 +7,7 @@ is too small for its dimensions at the sheet's scale, a section or detail at a l
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -116,7 +117,6 @@ def _holder(design: Any) -> tuple[SheetPlan, ...]:
     views = (
         _TOP,
         _FRONT,
-        _BOTTOM,
         _section("A", "front", (x, y, 0.0), "top"),
         ViewPlan("back", "back", "front"),
         _ISO,
@@ -159,7 +159,9 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
         (top, _FRONT, _RIGHT, _ISO),
         ("length", "width", "height", "edge chamfer", "way ", "hole chamfer", "setting-pin", "pocket", "lead channel"),
     )
-    finger = (first.centre[0], first.centre[1] + first.side * base.pocket_diameter / 2, 0.0)
+    # From the pocket's axis to the far corner of the lug's slot, and a little more.
+    finger = (*first.place(first.slot / 2, base.clamp_reach / 2), 0.0)
+    reach = math.hypot(first.slot, base.clamp_reach) / 2 + 10.0
     two = SheetPlan(
         "base_2",
         ("A3", "A2"),
@@ -169,7 +171,7 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
             ViewPlan("right", "right", "top"),
             _section("A", "top", (0.0, 0.0, -base.clamp_screw_depth), ""),
             _section("B", "top", (0.0, 0.0, floor), ""),
-            _detail("X", "top", finger, 1.1 * (base.clamp_reach - base.pocket_diameter / 2) + 12.0, 0.5),
+            _detail("X", "top", finger, reach, 0.5),
         ),
         ("clamp",),
     )

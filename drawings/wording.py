@@ -92,8 +92,10 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
             case "count" if int(d.value) == count and len(dimensions) > 1:
                 continue
             case "count":
-                own = d.name.removeprefix(f"{d.feature}s ") if len(dimensions) > 1 else d.name
-                lines.append(f"{d.value:g} {own.removeprefix(d.feature.split()[0]).strip()}")
+                own = d.name
+                if len(dimensions) > 1:
+                    own = own.removeprefix(f"{d.feature}s").removeprefix(d.feature.split()[0]).strip()
+                lines.append(f"{d.value:g} {own}")
             case "chamfer":
                 lines.append(f"{value[d.name]}{TIMES}45{DEGREE}")
             case _:
