@@ -57,6 +57,10 @@ class Lines:
         off = dx * ((box[1] + box[3]) / 2 - near[1]) - dy * ((box[0] + box[2]) / 2 - near[0])
         return int(np.count_nonzero(np.abs(off) < np.abs(dx) * half_y + np.abs(dy) * half_x))
 
+    def within(self, box: Box2) -> list[Line]:
+        """The pieces whose own boxes reach into a box."""
+        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in self._near(box)[:4].T.tolist()]
+
     def crossing(self, line: Line) -> int:
         """How many pieces a line crosses, ends that just touch left out."""
         x0, y0, x1, y1 = line

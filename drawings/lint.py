@@ -1,0 +1,346 @@
+"""Whether a finished sheet can be read: looks at the DXF document itself, as a reader would see it on paper.
+
+Nothing is taken from the program that placed things. Model space is seen through the viewports; dimensions are their
+blocks. A text must touch no other text and no line, everything must be within the frame and off the title block, no
+two dimension lines may share a line, a dimension must say what its points measure, and the file must be sound.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from ezdxf.document import Drawing
+from ezdxf.tools.text_size import text_size
+
+from drawings.field import Line, Lines, arc_points, pieces
+from drawings.lettering import prepare
+from drawings.view import Arc, Box2, Point2
+
+Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
+
+TOUCH = 0.05
+"""By how much a text must go into something to touch it, mm on paper."""
+
+
+@dataclass(frozen=True)
+class Hit:
+    """Something that makes a sheet hard to read or wrong.
+
+    Args:
+        kind: what was violated.
+        what: in plain words.
+        at: where on the paper, mm from the lower left corner.
+    """
+
+    kind: Kind
+    what: str
+    at: Point2
+
+    def __str__(self) -> str:
+        return f"{self.what}, at x {self.at[0]:.0f}, y {self.at[1]:.0f} mm"
+
+
+@dataclass(frozen=True)
+class _Text:
+    """A text on the paper: middle, half width and half height along its own direction."""
+
+    words: str
+    middle: Point2
+    half: Point2
+    turn: float
+
+    def corners(self) -> list[Point2]:
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        return [
+            (self.middle[0] + a * c - b * s, self.middle[1] + a * s + b * c)
+            for a, b in (
+                (-self.half[0], -self.half[1]),
+                (self.half[0], -self.half[1]),
+                (self.half[0], self.half[1]),
+                (-self.half[0], self.half[1]),
+            )
+        ]
+
+    def seen_from(self, point: Point2) -> Point2:
+        """A point in the text's own frame."""
+        x, y = point[0] - self.middle[0], point[1] - self.middle[1]
+        c, s = math.cos(self.turn), math.sin(self.turn)
+        return (x * c + y * s, -x * s + y * c)
+
+
+@dataclass(frozen=True)
+class _Window:
+    """A viewport: paper = (model - shift) * scale, for what lies within its box in model space."""
+
+    scale: float
+    middle: Point2
+    seen: Point2
+    box: Box2
+
+    def shows(self, point: Point2) -> bool:
+        return self.box[0] <= point[0] <= self.box[2] and self.box[1] <= point[1] <= self.box[3]
+
+    def to_paper(self, point: Point2) -> Point2:
+        return (
+            self.middle[0] + (point[0] - self.seen[0]) * self.scale,
+            self.middle[1] + (point[1] - self.seen[1]) * self.scale,
+        )
+
+
+class _Ink:
+    """All texts and lines of the sheet on the paper, with the numbers of what belongs together."""
+
+    def __init__(self, document: Drawing) -> None:
+        prepare()
+        self.texts: list[_Text] = []
+        self.sheet_lines: list[Line] = []
+        self.view_lines: list[Line] = []
+        self.view_texts: list[_Text] = []
+        self.lost: list[str] = []
+        paper = document.paperspace()
+        self.windows = list(_windows(paper))
+        for entity in paper:
+            if entity.dxftype() == "TEXT":
+                self.texts.append(_text(entity, None))
+            elif entity.dxftype() != "VIEWPORT":
+                self.sheet_lines += _lines(entity, None)
+        for entity in document.modelspace():
+            parts = entity.virtual_entities() if entity.dxftype() == "DIMENSION" else (entity,)  # type: ignore[attr-defined]
+            for part in parts:
+                self._from_model(part)
+
+    def _from_model(self, entity: Any) -> None:
+        points = _points(entity)
+        window = next((w for w in self.windows if points and all(map(w.shows, points))), None)
+        if window is None:
+            self.lost.append(f"{entity.dxftype()} on layer {entity.dxf.layer}")
+        elif entity.dxftype() == "TEXT":
+            text = _text(entity, window)
+            self.texts.append(text)
+            self.view_texts.append(text)
+        else:
+            self.view_lines += _lines(entity, window)
+
+
+def lint(document: Drawing) -> list[Hit]:
+    """Everything on a sheet that is in the way of reading it; empty for a good one."""
+    ink = _Ink(document)
+    return [
+        *_lost(ink),
+        *_texts_on_texts(ink),
+        *_texts_on_lines(ink),
+        *_off_the_sheet(document, ink),
+        *_shared_lines(document, ink),
+        *_values(document, ink),
+        *_unsound(document),
+    ]
+
+
+def _lost(ink: _Ink) -> Iterator[Hit]:
+    for what in ink.lost:
+        yield Hit("viewport", f"{what} is cut by its viewport, or in none", (0.0, 0.0))
+
+
+def _texts_on_texts(ink: _Ink) -> Iterator[Hit]:
+    texts = sorted(ink.texts, key=lambda text: min(x for x, _ in text.corners()))
+    lows = [min(x for x, _ in text.corners()) for text in texts]
+    highs = [max(x for x, _ in text.corners()) for text in texts]
+    for i, one in enumerate(texts):
+        for j in range(i + 1, len(texts)):
+            if lows[j] >= highs[i]:
+                break
+            if _apart(one, texts[j]) or _apart(texts[j], one):
+                continue
+            yield Hit("text", f"'{one.words}' is over '{texts[j].words}'", one.middle)
+
+
+def _apart(one: _Text, other: _Text) -> bool:
+    """Whether one text's own frame has a straight line between the two."""
+    seen = [one.seen_from(corner) for corner in other.corners()]
+    for axis in (0, 1):
+        low, high = min(p[axis] for p in seen), max(p[axis] for p in seen)
+        if low > one.half[axis] - TOUCH or high < -one.half[axis] + TOUCH:
+            return True
+    return False
+
+
+def _texts_on_lines(ink: _Ink) -> Iterator[Hit]:
+    lines = Lines()
+    lines.add([*ink.sheet_lines, *ink.view_lines])
+    for text in ink.texts:
+        near = lines.within(_box(text.corners()))
+        for line in near:
+            (x0, y0), (x1, y1) = text.seen_from(line[:2]), text.seen_from(line[2:])
+            half = (text.half[0] - TOUCH, text.half[1] - TOUCH)
+            if _reaches((x0, y0, x1, y1), half):
+                yield Hit("line", f"'{text.words}' is over a line", text.middle)
+                break
+
+
+def _reaches(line: Line, half: Point2) -> bool:
+    """Whether a line reaches into the box about the origin with these half sides."""
+    x0, y0, x1, y1 = line
+    if max(x0, x1) <= -half[0] or min(x0, x1) >= half[0] or max(y0, y1) <= -half[1] or min(y0, y1) >= half[1]:
+        return False
+    dx, dy = x1 - x0, y1 - y0
+    return abs(dy * x0 - dx * y0) < abs(dx) * half[1] + abs(dy) * half[0]
+
+
+def _off_the_sheet(document: Drawing, ink: _Ink) -> Iterator[Hit]:
+    frames = sorted(_frames(document), key=_area, reverse=True)
+    if not frames:
+        yield Hit("frame", "the sheet has no frame", (0.0, 0.0))
+        return
+    x0, y0, x1, y1 = frames[0]
+    for text in ink.view_texts:
+        if any(not (x0 < x < x1 and y0 < y < y1) for x, y in text.corners()):
+            yield Hit("frame", f"'{text.words}' is outside the frame", text.middle)
+    outside = [
+        line
+        for line in ink.view_lines
+        if min(line[::2]) < x0 or max(line[::2]) > x1 or min(line[1::2]) < y0 or max(line[1::2]) > y1
+    ]
+    if outside:
+        yield Hit("frame", f"{len(outside)} lines are outside the frame", outside[0][:2])
+    for title in frames[1:]:
+        lines = Lines()
+        lines.add(ink.view_lines)
+        if lines.touching(title):
+            yield Hit("title block", "lines of a view are over the title block", title[:2])
+        for text in ink.view_texts:
+            box = _box(text.corners())
+            if box[0] < title[2] and title[0] < box[2] and box[1] < title[3] and title[1] < box[3]:
+                yield Hit("title block", f"'{text.words}' is over the title block", text.middle)
+
+
+def _frames(document: Drawing) -> Iterator[Box2]:
+    """Frame and title block: the closed rectangles in the heavy line."""
+    for entity in document.paperspace():
+        if entity.dxftype() == "LWPOLYLINE" and entity.dxf.layer == "FRAME":
+            points = _points(entity)
+            if len(points) == 5 and math.dist(points[0], points[-1]) < 1e-9:
+                yield _box(points)
+
+
+def _shared_lines(document: Drawing, ink: _Ink) -> Iterator[Hit]:
+    """Dimension lines that run on top of one another."""
+    placed: list[tuple[Point2, Point2, str]] = []
+    for dimension in document.modelspace().query("DIMENSION"):
+        d = dimension.dxf
+        if d.dimtype & 7 != 0:
+            continue
+        turn = math.radians(d.angle)
+        u = (math.cos(turn), math.sin(turn))
+        window = next((w for w in ink.windows if w.shows((d.defpoint.x, d.defpoint.y))), None)
+        if window is None:
+            continue
+        reach = [(p.x - d.defpoint.x) * u[0] + (p.y - d.defpoint.y) * u[1] for p in (d.defpoint2, d.defpoint3)]
+        start, end = (
+            window.to_paper((d.defpoint.x + r * u[0], d.defpoint.y + r * u[1])) for r in (min(reach), max(reach))
+        )
+        for other in placed:
+            if _on_one_line((start, end), other[:2]):
+                yield Hit("dimensions", f"dimension lines of {d.text} and {other[2]} run on one line", start)
+        placed.append((start, end, d.text))
+
+
+def _on_one_line(one: tuple[Point2, Point2], other: tuple[Point2, Point2]) -> bool:
+    size = math.dist(*one)
+    if size < 1e-9:
+        return False
+    u = ((one[1][0] - one[0][0]) / size, (one[1][1] - one[0][1]) / size)
+    off = [(p[0] - one[0][0]) * -u[1] + (p[1] - one[0][1]) * u[0] for p in other]
+    at = [(p[0] - one[0][0]) * u[0] + (p[1] - one[0][1]) * u[1] for p in other]
+    return max(map(abs, off)) < 1.0 and min(max(at), size) - max(min(at), 0.0) > TOUCH
+
+
+def _values(document: Drawing, ink: _Ink) -> Iterator[Hit]:
+    """Dimensions whose picture does not say what their points measure."""
+    for dimension in document.modelspace().query("DIMENSION"):
+        measured = dimension.get_measurement()  # type: ignore[attr-defined]
+        if not isinstance(measured, float):
+            continue
+        decimals = document.dimstyles.get(dimension.dxf.dimstyle).dxf.dimdec
+        said = _decoded(dimension.dxf.text.replace("<>", f"{measured:.{decimals}f}"))
+        drawn = "".join(part.plain_text() for part in dimension.virtual_entities() if part.dxftype() == "TEXT")  # type: ignore[attr-defined]
+        if "<>" not in dimension.dxf.text or _decoded(said) != _decoded(drawn):
+            at = (dimension.dxf.defpoint.x, dimension.dxf.defpoint.y)
+            window = next((w for w in ink.windows if w.shows(at)), None)
+            yield Hit("value", f"'{drawn}' is drawn, '{said}' is measured", window.to_paper(at) if window else at)
+
+
+def _decoded(text: str) -> str:
+    return text.replace("%%c", "Ø").replace("%%d", "°").replace("%%p", "±").replace("⌀", "Ø")
+
+
+def _unsound(document: Drawing) -> Iterator[Hit]:
+    auditor = document.audit()
+    for error in (*auditor.errors, *auditor.fixes):
+        yield Hit("file", f"DXF audit: {error.message}", (0.0, 0.0))
+
+
+def _windows(paper: Any) -> Iterator[_Window]:
+    for viewport in paper.query("VIEWPORT"):
+        d = viewport.dxf
+        if d.id == 1:  # the paper space's own
+            continue
+        scale = d.height / d.view_height
+        seen = (d.view_center_point.x, d.view_center_point.y)
+        half = (d.width / scale / 2, d.height / scale / 2)
+        box = (seen[0] - half[0], seen[1] - half[1], seen[0] + half[0], seen[1] + half[1])
+        yield _Window(scale, (d.center.x, d.center.y), seen, box)
+
+
+def _text(entity: Any, window: _Window | None) -> _Text:
+    size = text_size(entity)
+    scale = window.scale if window else 1.0
+    turn = math.radians(entity.dxf.rotation)
+    align, first, second = entity.get_placement()
+    at = (second or first) if align.name != "LEFT" else first
+    shift = {"LEFT": 0.5, "CENTER": 0.0, "RIGHT": -0.5}[align.name] * size.width
+    c, s = math.cos(turn), math.sin(turn)
+    up = size.cap_height / 2
+    middle = (at.x + shift * c - up * s, at.y + shift * s + up * c)
+    if window:
+        middle = window.to_paper(middle)
+    return _Text(entity.plain_text(), middle, (size.width * scale / 2, size.cap_height * scale / 2), turn)
+
+
+def _points(entity: Any) -> list[Point2]:
+    """Points along an entity, in its own space."""
+    d = entity.dxf
+    match entity.dxftype():
+        case "LINE":
+            return [(d.start.x, d.start.y), (d.end.x, d.end.y)]
+        case "LWPOLYLINE":
+            return [(x, y) for x, y, *_ in entity.get_points()]
+        case "CIRCLE":
+            return arc_points(Arc((d.center.x, d.center.y), d.radius))
+        case "ARC":
+            return arc_points(Arc((d.center.x, d.center.y), d.radius, d.start_angle, d.end_angle))
+        case "SOLID":
+            corners = [(p.x, p.y) for p in (d.vtx0, d.vtx1, d.vtx3, d.vtx2)]
+            return [*corners, corners[0]]
+        case "HATCH":
+            return [(x, y) for path in entity.paths for x, y, *_ in path.vertices]
+        case "TEXT":
+            return [(d.insert.x, d.insert.y)]
+        case kind:
+            raise ValueError(f"a sheet has no {kind}")
+
+
+def _lines(entity: Any, window: _Window | None) -> list[Line]:
+    points: Iterable[Point2] = _points(entity)
+    return pieces(list(map(window.to_paper, points)) if window else list(points))
+
+
+def _box(points: Iterable[Point2]) -> Box2:
+    xs, ys = zip(*points)
+    return (min(xs), min(ys), max(xs), max(ys))
+
+
+def _area(box: Box2) -> float:
+    return (box[2] - box[0]) * (box[3] - box[1])
