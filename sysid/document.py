@@ -11,7 +11,9 @@ from sim.effect import rotary_unit
 from stagecad.parameters.quantities import as_json
 from sysid.base_fit import Fitted, ranking_error
 from sysid.case import BaseFit, Case
+from sysid.detectable import Smallest, smallest_shown
 from sysid.diagnose import Diagnosis
+from sysid.identifiability import correlation_json, open_words, public_key
 from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
 from sysid.prediction import split_channel
@@ -43,12 +45,6 @@ def parameter_unit(case: Case, key: str) -> str:
         channel = split_channel(effect)[1] or next(iter(case.fit_records[0].measured))
         return unit.replace("channel", channel_unit(case, channel))
     return rotary_unit(unit) if rotary else unit
-
-
-def public_key(key: str) -> str:
-    """A parameter's key under the name everyone uses: `stribeck:rational.velocity` -> `stribeck.velocity`."""
-    effect, _, name = key.rpartition(".")
-    return f"{effect.partition(':')[0]}.{name}" if ":" in effect else key
 
 
 def p_value_json(p: float) -> Any:
@@ -95,6 +91,25 @@ def parameters_json(
             entry["at_bound"] = True
         out[public_key(key)] = entry
     return out
+
+
+def open_json(fitted: Fitted, found: Intervals) -> dict[str, Any]:
+    """What the records leave open of the fitted values: in words, and their correlations."""
+    return {"not_identifiable": open_words(fitted, found), "correlation": correlation_json(found)}
+
+
+def detectable_json(case: Case, sizes: Sequence[Smallest]) -> list[dict[str, Any]]:
+    """The smallest size of each effect that the records could have shown; `value` is null where no size would have."""
+    return [
+        {
+            "effect": one.effect,
+            "parameter": public_key(one.key),
+            "value": one.value,
+            "unit": parameter_unit(case, one.key),
+            "at": {public_key(key): as_json(value, parameter_unit(case, key)) for key, value in one.at.items()},
+        }
+        for one in sizes
+    ]
 
 
 def where_json(maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
@@ -146,6 +161,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     case, best = diagnosis.case, diagnosis.best
     after = diagnosis.trials[0] if diagnosis.trials else None
     after = best if best is not None else after
+    fitted = best.candidate.fitted if best is not None else diagnosis.base.fitted
+    found = intervals(fitted, case.fit_records)
     return {
         "schema": SCHEMA,
         "form": case.form,
@@ -159,6 +176,9 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         if after is not None
         else {"fit": {}, "validate": {}},
         "ranking": ranking_json(diagnosis),
+        "parameters": parameters_json(case, fitted, found),
+        **open_json(fitted, found),
+        "detectable": detectable_json(case, smallest_shown(diagnosis)),
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,
         "laws": list(diagnosis.base.laws),
@@ -176,13 +196,15 @@ def comparison_json(
     seconds: float,
 ) -> dict[str, Any]:
     """The document of `compare`."""
+    found = intervals(base.fitted, case.fit_records)
     return {
         "schema": SCHEMA,
         "form": case.form,
         "effects": [e.name for e in base.fitted.model.effects],
         "noise": noise_json(case),
         "before": both_json(case, fit, validate),
-        "parameters": parameters_json(case, base.fitted),
+        "parameters": parameters_json(case, base.fitted, found),
+        **open_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
         "dead": [public_key(k) for k in base.fitted.fit.dead],
         "where": where_json(maps),

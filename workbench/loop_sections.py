@@ -17,17 +17,17 @@ from sysid.base_fit import Fitted
 from sysid.case import Case
 from sysid.compare import Comparison
 from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, Trial
-from sysid.document import channel_unit, parameters_json, public_key, worst_channel
+from sysid.document import channel_unit, parameters_json, worst_channel
+from sysid.identifiability import open_words, public_key
 from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
-from workbench.loop_text import COORDINATE_WORDS, noise_line, plain
+from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, noise_line, plain, shape_words
 
 Section = dict[str, Any]
 
 SHARE_SHOWN = 0.005
-STRONG_CORRELATION = 0.9
 
 
 def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Section:
@@ -90,6 +90,7 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
         "overlays": _overlays(case, models, found.before_validate, inks),
         "ranking": ranking_rows(document["ranking"], before),
         "ranking_channel": worst_channel(case, found.before_validate).replace("_", " "),
+        "detectable": detectable_rows(document["detectable"]) if found.unexplained_share <= NOTHING_LEFT else [],
         "maps": _maps(case, found.maps),
         "told_apart": rivals_sentence(found),
         "effect": _effect_words(best) if found.best is not None else None,
@@ -128,7 +129,7 @@ def verdict_sentence(found: Diagnosis) -> str:
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {errors}, "
             f"from {times}."
         )
-    if found.unexplained_share > 0.05:
+    if found.unexplained_share > NOTHING_LEFT:
         text += f" {100 * found.unexplained_share:.0f} % of the misfit stays: add it, and diagnose again."
     return text
 
@@ -293,25 +294,23 @@ def parameter_rows(parameters: Mapping[str, Mapping[str, Any]]) -> list[dict[str
 
 def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
     """What the records leave open, in words, and the correlations of the fitted values."""
-    words = [f"{public_key(key)} changes nothing in these records." for key in fitted.fit.dead]
-    words += [f"{public_key(key)} ended at its bound; its interval is not told." for key in fitted.fit.at_bound]
-    words += [
-        "Only a combination is told, not each by itself: "
-        + " against ".join(public_key(k) for k in text.split(" against "))
-        + "."
-        for text in known.unidentified
-    ]
+    words = open_words(fitted, known)
     names = [public_key(key) for key in known.keys]
-    matrix = known.correlation
-    for i in range(len(names)):
-        for j in range(i):
-            r = float(matrix[i, j])
-            if abs(r) > STRONG_CORRELATION:
-                words.append(f"{names[j]} and {names[i]} hang together (correlation {r:+.2f}).")
-    if not fitted.fit.converged:
-        words.append("The fit stopped before its last step was small.")
-    cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in matrix]
+    cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in known.correlation]
     return {"open": words, "correlation": {"names": names, "cells": cells} if 1 < len(names) <= 14 else None}
+
+
+def detectable_rows(detectable: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
+    """The smallest size of each effect that the records could have shown."""
+    return [
+        {
+            "effect": row["effect"],
+            "of": row["parameter"].rpartition(".")[2].replace("_", " "),
+            "size": plain(row["value"], row["unit"]) if row["value"] is not None else "no size would have shown",
+            "at": shape_words(row),
+        }
+        for row in detectable
+    ]
 
 
 def ranking_rows(ranking: Sequence[Mapping[str, Any]], before: float) -> list[dict[str, Any]]:

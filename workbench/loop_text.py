@@ -12,7 +12,8 @@ from stagecad.parameters.quantities import format_quantity
 from sysid.case import Case
 from sysid.compare import Comparison
 from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis
-from sysid.document import channel_unit, public_key, worst_channel
+from sysid.document import channel_unit, worst_channel
+from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit
 from workbench.options import Run
@@ -31,6 +32,11 @@ COORDINATE_WORDS = {
     "temperature": "temperature",
     "input": "input",
 }
+
+
+NOTHING_LEFT = 0.05
+"""Share of the misfit up to which what an effect leaves is not worth a word. While more is left, what is still missing
+hides smaller effects, and what would have been found of them is not said."""
 
 
 def plain(value: float, unit: str) -> str:
@@ -87,6 +93,25 @@ def where_table(maps: Sequence[Any]) -> Table:
     return table
 
 
+def detectable_table(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """The smallest size of each effect that these records could have shown."""
+    table = Table(title="What would have been found, had it been at least so large", title_justify="left")
+    for name in ("effect", "of", "from", "where it shows best"):
+        table.add_column(name, justify="right" if name == "from" else "left")
+    for row in rows:
+        size = plain(row["value"], row["unit"]) if row["value"] is not None else "no size"
+        parameter = row["parameter"].rpartition(".")[2].replace("_", " ")
+        table.add_row(row["effect"], parameter, size, shape_words(row))
+    return table
+
+
+def shape_words(row: Mapping[str, Any]) -> str:
+    """The shape at which an effect's size shows best, as `pitch 2.1 mm, damping 0.05`."""
+    return ", ".join(
+        f"{key.rpartition('.')[2].replace('_', ' ')} {plain(q['value'], q['unit'])}" for key, q in row["at"].items()
+    )
+
+
 def noise_line(case: Case) -> str:
     """The noise floor in words."""
     parts = []
@@ -101,8 +126,8 @@ def noise_line(case: Case) -> str:
     return text
 
 
-def say_comparison(run: Run, comparison: Comparison, parameters: Mapping[str, Any]) -> None:
-    """Print a comparison."""
+def say_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> None:
+    """Print a comparison; `document` is its own."""
     case = comparison.case
     for note in case.notes:
         run.note(f"note: {note}")
@@ -110,9 +135,9 @@ def say_comparison(run: Run, comparison: Comparison, parameters: Mapping[str, An
     rows = [("fit", comparison.fit), ("held out", comparison.validate)]
     effects = ", ".join(e.name for e in comparison.base.fitted.model.effects) or "no effects"
     run.console.print(misfit_table(case, rows, f"Model as it stands: {effects}"))
-    run.console.print(parameter_table(parameters))
-    for key in comparison.base.fitted.fit.dead:
-        run.say(f"{public_key(key)} changes nothing in these records")
+    run.console.print(parameter_table(document["parameters"]))
+    for line in document["not_identifiable"]:
+        run.say(line)
     over = max((m.over_noise for m in (*comparison.fit.values(), *comparison.validate.values())), default=1.0)
     if over <= ADEQUATE_OVER_NOISE[case.form]:
         run.say(f"{over:.2f} x the noise: what is left is noise.")
@@ -123,9 +148,9 @@ def say_comparison(run: Run, comparison: Comparison, parameters: Mapping[str, An
     run.say(f"{over:.3g} x above the noise{where}.")
 
 
-def say_diagnosis(run: Run, diagnosis: Diagnosis, ranking: Sequence[Mapping[str, Any]]) -> None:
-    """Print a diagnosis."""
-    case = diagnosis.case
+def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> None:
+    """Print a diagnosis; `document` is its own."""
+    case, ranking = diagnosis.case, document["ranking"]
     for note in case.notes:
         run.note(f"note: {note}")
     run.say(noise_line(case))
@@ -145,6 +170,8 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, ranking: Sequence[Mapping[str,
             row.get("law", ""),
         )
     run.console.print(table)
+    if document["detectable"] and diagnosis.unexplained_share <= NOTHING_LEFT:
+        run.console.print(detectable_table(document["detectable"]))
     if diagnosis.verdict == "missing-effect":
         assert diagnosis.best is not None
         channel = worst_channel(case, diagnosis.before_validate)
@@ -157,7 +184,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, ranking: Sequence[Mapping[str,
         )
         if diagnosis.indistinguishable:
             run.say(f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}")
-        if diagnosis.unexplained_share > 0.05:
+        if diagnosis.unexplained_share > NOTHING_LEFT:
             run.say(f"{100 * diagnosis.unexplained_share:.0f} % of the misfit stays; add it and diagnose again.")
     elif diagnosis.verdict == "adequate":
         run.say(f"adequate: {diagnosis.reason}.")
@@ -165,6 +192,8 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, ranking: Sequence[Mapping[str,
         depends = [m for m in diagnosis.maps if m.share > 0.02][:2]
         words = " and ".join(COORDINATE_WORDS[m.coordinate] for m in depends) or "nothing that was recorded"
         run.say(f"unexplained: {diagnosis.reason}. What is left depends on {words}.")
+    for line in document["not_identifiable"]:
+        run.say(line)
 
 
 def say_step(run: Run, step: Step, parameters: Mapping[str, Any]) -> None:

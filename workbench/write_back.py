@@ -19,8 +19,9 @@ from stagecad.parameters.quantities import from_si, si_unit, unit_dimension
 from sysid.balance import Balance
 from sysid.base_fit import Fitted
 from sysid.case import Case
-from sysid.document import parameter_unit, public_key
+from sysid.document import parameter_unit
 from sysid.file_lock import file_lock
+from sysid.identifiability import public_key
 from sysid.intervals import intervals
 from workbench.options import Run
 

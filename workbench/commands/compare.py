@@ -22,7 +22,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
 
     found = compare(experiment, design_values(run))
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
-    say_comparison(run, found, document["parameters"])
+    say_comparison(run, found, document)
     if figures:
         from workbench.loop_report import write_comparison
 

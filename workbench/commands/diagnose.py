@@ -30,7 +30,7 @@ def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> Non
             lambda name, k, total: progress.update(task, description=name, completed=k, total=total),
         )
     document = diagnosis_json(found)
-    say_diagnosis(run, found, document["ranking"])
+    say_diagnosis(run, found, document)
     if figures:
         from workbench.loop_report import write_diagnosis
 

@@ -1,0 +1,101 @@
+"""The smallest size that records could have shown: against algebra, and against what a diagnosis then finds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.library import find
+from sysid.case import Case, fit_case, load_case
+from sysid.detectable import Smallest, smallest_shown, smallest_sizes
+from sysid.diagnose import LEAST_GAIN, diagnose
+
+NOISE = 0.01
+TIME = np.arange(2500) * 1e-3
+VELOCITY = 0.02 * np.sin(2 * np.pi * TIME) + 0.01 * np.sin(2 * np.pi * 3.1 * TIME)
+POSITION = np.cumsum(VELOCITY) * 1e-3
+
+
+def slide(folder: Path, extra: np.ndarray | float = 0.0, effects: str = '"coulomb"') -> Case:
+    folder.mkdir(exist_ok=True)
+    rng = np.random.default_rng(3)
+    for name in ("fit", "validate"):
+        force = 1.5 * np.sign(VELOCITY) + extra + rng.normal(0, NOISE, TIME.size)
+        rows = zip(TIME, POSITION, VELOCITY, force, strict=True)
+        text = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.6g}" for a, b, c, d in rows)
+        (folder / f"{name}.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{text}\n")
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = [{effects}]\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+        f'[noise]\nfriction_force = "{NOISE} N"\n'
+    )
+    return load_case(folder)
+
+
+def sizes(case: Case, *names: str) -> dict[str, Smallest]:
+    found = smallest_sizes(fit_case(case).fitted, [find(n) for n in names], case.fit_records, case.scales)
+    return {one.effect: one for one in found}
+
+
+def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
+    case = slide(tmp_path)
+    found = sizes(case, "constant_bias", "viscous")
+    sign = np.sign(VELOCITY)[1:]
+    for effect, column in (("constant_bias", np.ones(sign.size)), ("viscous", VELOCITY[1:])):
+        free = column - sign * (sign @ column) / (sign @ sign)
+        wanted = NOISE * np.sqrt(LEAST_GAIN * sign.size / (free @ free))
+        # The deviations allow for the time of a turn within a step, which plain algebra does not.
+        assert found[effect].value == pytest.approx(wanted, rel=0.1)
+
+
+@pytest.mark.parametrize("times,verdict", [(1.7, "missing-effect"), (0.4, "adequate")])
+def test_a_diagnosis_finds_what_is_well_above_that_size_and_not_what_is_below(
+    tmp_path: Path, times: float, verdict: str
+) -> None:
+    smallest = sizes(slide(tmp_path / "without"), "viscous")["viscous"].value
+    assert smallest is not None
+    found = diagnose(slide(tmp_path / "with", times * smallest * VELOCITY))
+    assert found.verdict == verdict
+    assert found.effect == ("viscous" if verdict == "missing-effect" else None)
+
+
+def test_a_size_without_an_amplitude_is_searched(tmp_path: Path) -> None:
+    smallest = sizes(slide(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
+    assert smallest is not None
+    assert 1e-5 < smallest < 5e-3
+    lagged = np.empty(TIME.size)
+    lagged[0] = 0.0
+    for k in range(1, TIME.size):
+        lagged[k] = lagged[k - 1] + (1.0 - np.exp(-1e-3 / (3.0 * smallest))) * (
+            1.5 * np.sign(VELOCITY[k]) - lagged[k - 1]
+        )
+    found = diagnose(slide(tmp_path / "with", lagged - 1.5 * np.sign(VELOCITY)))
+    assert found.effect in ("sensor_lag", "sensor_delay")
+
+
+def test_the_loudest_noise_hides_most(tmp_path: Path) -> None:
+    quiet = sizes(slide(tmp_path / "a"), "cable_spring", "magnetic_cogging", "presliding")
+    loud = sizes(
+        slide(tmp_path / "b", np.random.default_rng(5).normal(0, 10 * NOISE, TIME.size)),
+        "cable_spring", "magnetic_cogging", "presliding",
+    )  # fmt: skip
+    for name, one in quiet.items():
+        assert one.value is not None
+        other = loud[name].value
+        assert other is None or other > 2.0 * one.value, name
+
+
+def test_a_relative_size_beyond_its_bound_is_no_size(tmp_path: Path) -> None:
+    case = slide(tmp_path, np.random.default_rng(5).normal(0, 300 * NOISE, TIME.size))
+    assert sizes(case, "position_dependent_friction")["position_dependent_friction"].value is None
+
+
+def test_a_diagnosis_tells_it_of_every_effect_but_the_one_it_found(tmp_path: Path) -> None:
+    found = diagnose(slide(tmp_path, 3.0 * VELOCITY))
+    assert found.effect == "viscous"
+    told = {one.effect for one in smallest_shown(found)}
+    assert "viscous" not in told
+    assert "coulomb" not in told
+    assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told
