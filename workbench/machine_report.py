@@ -13,6 +13,7 @@ from stagecad.parameters.atomic import atomic_write_text
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
+    from drawings.procedure import Procedure
     from stagecad.solids.interference import Meeting
     from workbench.options import Run
 
@@ -34,6 +35,7 @@ def write_report(
     simulation_figures: Sequence[Path],
     bill: Sequence[Mapping[str, Any]],
     meetings: Sequence[Meeting],
+    procedure: Procedure,
 ) -> Path:
     """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked.
 
@@ -46,6 +48,7 @@ def write_report(
         simulation_figures: PNG of the simulations.
         bill: rows of the bill of materials.
         meetings: pairs of parts that touch, fit, or overlap.
+        procedure: steps of the assembly.
 
     Returns:
         The page.
@@ -91,6 +94,7 @@ def write_report(
         measures=[(k.replace("_", " "), _measure(q)) for k, q in document["measures"].items()],
         parts=parts,
         bill=bill,
+        procedure=procedure,
         subjects=[(subject, [row for row in rows if row["subject"] == subject]) for subject in subjects],
         counted=counted(checks),
         failing=sum(check.verdict == "fails" for check in checks),

@@ -26,6 +26,7 @@ def command(run: Run, simulations: bool) -> None:
     """
     from designcalc.checks import Weighed, run_checks
     from designcalc.checks.report import counted
+    from drawings.procedure import procedure
     from stagecad.solids.bill_of_materials import document as bill_document
     from stagecad.solids.cache import Store
     from stagecad.solids.interference import clashes, make_meetings
@@ -36,6 +37,7 @@ def command(run: Run, simulations: bool) -> None:
     from workbench.commands.check import write_files
     from workbench.commands.parts import write_parts
     from workbench.machine_report import write_report
+    from workbench.procedure_values import procedure_values
 
     design = run.design
     document = write_parts(run, chosen((), design))
@@ -51,14 +53,15 @@ def command(run: Run, simulations: bool) -> None:
         progress.update(task, description="interference")
         meetings = make_meetings(store, machine.parts, design)
     run.say(f"interference: {len(clashes(meetings))} clashes, {len(meetings)} contacts, fits and near places looked at")
-    checks = run_checks(design, Weighed(machine.moving_body, machine.masses["tip"]))
+    weighed = Weighed(machine.moving_body, machine.masses["tip"])
+    checks = run_checks(design, weighed)
     write_files(checks, run.out / "checks")
     run.say(f"checks: {counted(checks)}")
     check_figures = _check_figures(run)
     figures = _simulate(run) if simulations else []
-    page = write_report(
-        run, document, pictures, checks, check_figures, figures, bill_document(machine.bill_of_materials), meetings
-    )
+    bill = machine.bill_of_materials
+    steps = procedure(design, bill, procedure_values(design, weighed))
+    page = write_report(run, document, pictures, checks, check_figures, figures, bill_document(bill), meetings, steps)
     run.say(f"report: {page}")
     run.emit(
         {
