@@ -46,7 +46,7 @@ def styled(draw: Callable[..., list[Path]]) -> Callable[..., list[Path]]:
     return drawn
 
 
-def _figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
+def new_figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
     # Figure and not pyplot: no window system, and nothing global that outlives the figure.
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -56,7 +56,7 @@ def _figure(rows: int, columns: int, width: float, height: float, **options: Any
     return figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def _save(figure: Any, path: Path) -> Path:
+def save_figure(figure: Any, path: Path) -> Path:
     with atomic_path(path) as temporary:
         figure.savefig(temporary, dpi=150, format="png")
     return path
@@ -65,7 +65,7 @@ def _save(figure: Any, path: Path) -> Path:
 @styled
 def draw_tip(folder: Path, results: Mapping[str, Mapping[str, TipEllipse]]) -> list[Path]:
     """Ellipses of the tip, one panel per stroke (Figure 34)."""
-    figure, axes = _figure(1, len(results), 4.6 * len(results), 4.4)
+    figure, axes = new_figure(1, len(results), 4.6 * len(results), 4.4)
     for panel, (stroke, phases) in zip(axes[0], results.items()):
         for ink, (phase, path) in zip(INK, phases.items()):
             x, y = np.append(path.x, path.x[0]) * 1e6, np.append(path.y, path.y[0]) * 1e6
@@ -76,13 +76,13 @@ def draw_tip(folder: Path, results: Mapping[str, Mapping[str, TipEllipse]]) -> l
         )
         panel.legend(title="phase", loc="upper right")
     figure.suptitle("Path of the actuator tip (Figure 34)")
-    return [_save(figure, folder / "tip.png")]
+    return [save_figure(figure, folder / "tip.png")]
 
 
 @styled
 def draw_presliding(folder: Path, results: Mapping[str, Presliding]) -> list[Path]:
     """Position in time, and force against position, for each model (Figures 35 to 37)."""
-    figure, axes = _figure(2, len(results), 3.4 * len(results), 5.6, sharey="row")
+    figure, axes = new_figure(2, len(results), 3.4 * len(results), 5.6, sharey="row")
     for column, (model, result) in enumerate(results.items()):
         run, ink = result.simulation, INK[column % len(INK)]
         axes[0, column].plot(run.time, run.position * 1e6, color=ink)
@@ -92,13 +92,13 @@ def draw_presliding(folder: Path, results: Mapping[str, Presliding]) -> list[Pat
     axes[0, 0].set_ylabel("position (µm)")
     axes[1, 0].set_ylabel("friction force (N)")
     figure.suptitle("Presliding displacement (Figures 35 to 37)")
-    return [_save(figure, folder / "presliding.png")]
+    return [save_figure(figure, folder / "presliding.png")]
 
 
 @styled
 def draw_hysteresis(folder: Path, results: Mapping[str, Mapping[str, Hysteresis]]) -> list[Path]:
     """Friction force against velocity in the last period, for each model (Figure 38)."""
-    figure, axes = _figure(2, len(results), 3.4 * len(results), 5.6, sharey="row")
+    figure, axes = new_figure(2, len(results), 3.4 * len(results), 5.6, sharey="row")
     for column, (model, cases) in enumerate(results.items()):
         for row, mean in enumerate(("1.5mm_s", "0")):
             panel = axes[row, column]
@@ -113,7 +113,7 @@ def draw_hysteresis(folder: Path, results: Mapping[str, Mapping[str, Hysteresis]
     axes[1, 0].set_ylabel("friction force (N)")
     axes[0, 0].legend(loc="upper right")
     figure.suptitle("Hysteresis: force against an imposed velocity (Figure 38)")
-    return [_save(figure, folder / "hysteresis.png")]
+    return [save_figure(figure, folder / "hysteresis.png")]
 
 
 @styled
@@ -124,7 +124,7 @@ def draw_stick_slip(folder: Path, results: Mapping[str, StickSlip]) -> list[Path
         run, ink = result.simulation, INK[number % len(INK)]
         shown = run.time <= SHOWN
         t = run.time[shown]
-        figure, axes = _figure(4, 1, 7.2, 8.0)
+        figure, axes = new_figure(4, 1, 7.2, 8.0)
         position, velocity, force, landing = axes[:, 0]
         position.plot(t, run.position[shown], color=ink, label="mass")
         position.plot(t, PULL * t, color="#888888", linewidth=0.8, label="pulled end")
@@ -141,14 +141,14 @@ def draw_stick_slip(folder: Path, results: Mapping[str, StickSlip]) -> list[Path
             landing.plot(run.time[near], run.friction[near], color=ink, linewidth=0.8)
         landing.set(ylabel="friction (N)", xlabel="time (s)", title="about the first landing")
         figure.suptitle(f"Stick-slip: {TITLES[model]} (Figures 40 to 42)")
-        written.append(_save(figure, folder / f"stick-slip_{model}.png"))
+        written.append(save_figure(figure, folder / f"stick-slip_{model}.png"))
     return written
 
 
 @styled
 def draw_passivity(folder: Path, results: Mapping[str, Mapping[str, Audit]]) -> list[Path]:
     """Heat and force of each model in a fast start, and force at a tip's motion."""
-    figure, axes = _figure(3, 1, 7.2, 7.2)
+    figure, axes = new_figure(3, 1, 7.2, 7.2)
     for ink, (model, motions) in zip(INK, results.items()):
         start, tip = (motions[motion] for motion in MOTIONS)
         run = start.simulation
@@ -161,4 +161,4 @@ def draw_passivity(folder: Path, results: Mapping[str, Mapping[str, Audit]]) -> 
     axes[0, 0].legend(loc="upper left")
     axes[1, 0].set(ylabel="friction force (N)", xlabel="time (ms)")
     axes[2, 0].set(ylabel="friction force (N)", xlabel="time (ms)", title="A tip's motion, 0.2 m/s at 5 kHz")
-    return [_save(figure, folder / "passivity.png")]
+    return [save_figure(figure, folder / "passivity.png")]

@@ -13,6 +13,7 @@ from designcalc.magnetic_teeth import MagnetCircuit, teeth_field, working_point
 from designcalc.sensors import count_size
 from designcalc.sliding_bearing import confined_modulus, film_contact
 from sim.stage.machine import Contact, Pads, Piezo, Sensors, Stage, StageMachine, Tip
+from sim.stage.slip_elements import parabola, slip_elements
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import MassProperties, combined
 
@@ -55,16 +56,16 @@ def stage_machine(design: Design, body: MassProperties, tip: MassProperties) -> 
     )
 
 
-def planar_design_places(design: Design) -> np.ndarray:
-    """Places of all three actuators, fitted or not, m, shape (3, 2)."""
-    return np.array(design.derived.actuator_places) * 1e-3
+def driven_alone(design: Design, machine: StageMachine) -> StageMachine:
+    """The machine on actuator 1 only."""
+    return dataclasses.replace(machine, actuators=np.array(design.derived.actuator_places[:1]) * 1e-3)
 
 
-def planar(machine: StageMachine, places: np.ndarray) -> StageMachine:
-    """The same stage on three actuators, without teeth: its preload is a dead weight, and nothing guides it."""
+def driven_by_three(design: Design, machine: StageMachine) -> StageMachine:
+    """The machine on three actuators, without teeth: its preload is a dead weight, and nothing guides it."""
     ballast = machine.stage.preload / machine.gravity
-    whole = _point_added(machine.stage, ballast)
-    return dataclasses.replace(machine, stage=whole, actuators=places)
+    places = np.array(design.derived.actuator_places) * 1e-3
+    return dataclasses.replace(machine, stage=_point_added(machine.stage, ballast), actuators=places)
 
 
 def _point_added(stage: Stage, mass: float) -> Stage:
@@ -140,6 +141,7 @@ def _pads(design: Design, mass: float, load: float) -> Pads:
     depth = 1.5 * each / stiffness
     critical = 2.0 * math.sqrt(len(places) * stiffness * mass)
     damping = si("bearing.damping_ratio") * critical / len(places)
+    shear = slip_elements(parabola)[2] * si("bearing.static_friction") * load / si("bearing.presliding_distance")
     return Pads(
         places=places,
         contact_rate=each / depth**1.5,
@@ -148,6 +150,8 @@ def _pads(design: Design, mass: float, load: float) -> Pads:
         dynamic_friction=si("bearing.dynamic_friction"),
         stribeck_velocity=si("bearing.stribeck_velocity"),
         presliding=si("bearing.presliding_distance"),
+        # Of the stage on the film's shear at rest, as of its bounce: tau = 2 zeta/omega.
+        tangential_lag=2.0 * si("bearing.damping_ratio") / math.sqrt(shear / mass),
     )
 
 

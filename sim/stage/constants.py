@@ -62,6 +62,7 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         pad_rate=pads.contact_rate,
         pad_damping=pads.damping,
         pad_bristle=pad_slope * pads.static_friction / pads.presliding,
+        pad_lag=pads.tangential_lag,
         pad_static=pads.static_friction,
         pad_dynamic=pads.dynamic_friction,
         pad_stribeck=pads.stribeck_velocity,

@@ -50,7 +50,7 @@ FAULTS = {
     "piezo_2_late": Fault("piezo 2 late by 10 deg", delays=(0.0, math.radians(10.0), 0.0)),
     "piezo_3_late": Fault("piezo 3 late by 10 deg", delays=(0.0, 0.0, math.radians(10.0))),
     "piezo_3_weak": Fault("piezo 3 weak by 5 %", gains=(1.0, 1.0, 0.95)),
-    "piezo_3_still": Fault("piezo 3 not driven: two-piezo drive", gains=(1.0, 1.0, 0.0)),
+    "piezo_3_still": Fault("piezo 3 not driven", gains=(1.0, 1.0, 0.0)),
     "off_centre": Fault("actuator 1 mm off the centre line", offset=1e-3),
 }
 

@@ -81,7 +81,7 @@ class Steady:
     largest_tip_force: float
 
 
-def steady(machine: StageMachine, setting: Setting, shortest: float = 0.25, longest: float = 0.5) -> Steady:
+def steady(machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5) -> Steady:
     """Lasting speed at a setting: five periods at least, started near it and so that the run passes mid-travel.
 
     Args:

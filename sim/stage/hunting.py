@@ -17,7 +17,7 @@ from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_sea, rest_with_load
 from sim.stage.steps import LOAD_SHARE
 
-DURATION = 1.2
+DURATION = 1.0
 STILL = 5e-9
 """m: less than this peak to peak is no limit cycle, but the count of the interferometer."""
 
@@ -43,7 +43,7 @@ class Hold:
 
 HOLDS = {
     "ellipse_no_integral": Hold("whole ellipse, no integral action", "ellipse", 2e4, 0.0),
-    "ellipse_slow": Hold("whole ellipse, slow integral", "ellipse", 2e4, 1e6),
+    "ellipse_slow": Hold("whole ellipse, slow integral", "ellipse", 2e4, 2e6),
     "ellipse_fast": Hold("whole ellipse, fast integral", "ellipse", 2e4, 3e6),
     "travel_slow": Hold("travel only, slow integral", "travel", 2e4, 1e6),
     "lean_fast": Hold("pressed tip, integral of 200 /s", "lean", 0.0, 200.0, target=1e-6),
@@ -70,8 +70,8 @@ class Held:
         return self.run.position[:, 0] - self.target
 
     def cycle(self) -> tuple[float, float | None]:
-        """Peak-to-peak motion in the last third (m) and the period of its strongest wave (s; none when it is still)."""
-        late = self.error[self.run.time > self.run.time[-1] * 2.0 / 3.0]
+        """Peak-to-peak motion in the second half (m) and the period of its strongest wave (s; none when it is still)."""
+        late = self.error[self.run.time > 0.5 * self.run.time[-1]]
         size = float(np.ptp(late))
         if size < STILL:
             return size, None
@@ -92,7 +92,7 @@ class HuntingStudy:
         found: dict[str, tuple[float, str] | None] = {}
         for name, held in self.holds.items():
             size, period = held.cycle()
-            late = held.run.time > held.run.time[-1] * 2.0 / 3.0
+            late = held.run.time > 0.5 * held.run.time[-1]
             found[f"{name}_motion"] = (size, "m")
             found[f"{name}_period"] = None if period is None else (period, "s")
             found[f"{name}_error"] = (float(np.mean(held.error[late])), "m")

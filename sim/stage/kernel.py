@@ -44,6 +44,7 @@ class Constants(NamedTuple):
     pad_rate: float
     pad_damping: float
     pad_bristle: float  # tangential stiffness per load, 1/m
+    pad_lag: float  # s, of the film's force behind its stretch
     pad_static: float
     pad_dynamic: float
     pad_stribeck: float
@@ -103,8 +104,12 @@ class State(NamedTuple):
     clock: np.ndarray  # (1,) s
 
 
-def _slip(force, tangent_before, tangent, cap, stiffness_shares, cap_shares, dx, dy):
-    """Move elements by (dx, dy); returns the force on the moved side's partner (x, y), the heat and the energy kept."""
+def _slip(force, tangent_before, tangent, cap, stiffness_shares, cap_shares, dx, dy, lag):
+    """Move elements by (dx, dy); returns the force that resists (x, y), the heat and the energy kept.
+
+    An element that sticks damps as well: its force is k (z + tau z'), `lag` = tau over the step. Slip begins when that
+    passes the cap, and the force stays at the cap while z goes there with tau: at speed nothing is left of the damping.
+    """
     fx, fy, heat, kept = 0.0, 0.0, 0.0, 0.0
     if tangent <= 0.0:
         for e in range(force.shape[0]):
@@ -123,20 +128,26 @@ def _slip(force, tangent_before, tangent, cap, stiffness_shares, cap_shares, dx,
         before = 0.0
         if tangent_before > 0.0:
             before = (x0 * x0 + y0 * y0) / (2.0 * tangent_before * stiffness_shares[e])
-        x = x0 * loss + stiffness * dx
-        y = y0 * loss + stiffness * dy
-        size = math.sqrt(x * x + y * y)
+        x, y = x0 * loss, y0 * loss
+        whole_x = x + (1.0 + lag) * stiffness * dx
+        whole_y = y + (1.0 + lag) * stiffness * dy
+        size = math.sqrt(whole_x * whole_x + whole_y * whole_y)
         if size > most:
-            x *= most / size
-            y *= most / size
-            size = most
-        after = size * size / (2.0 * stiffness)
-        heat += 0.5 * (x0 + x) * dx + 0.5 * (y0 + y) * dy - (after - before)
+            whole_x *= most / size
+            whole_y *= most / size
+            x += (whole_x - x) / (1.0 + lag)
+            y += (whole_y - y) / (1.0 + lag)
+        else:
+            x += stiffness * dx
+            y += stiffness * dy
+        after = (x * x + y * y) / (2.0 * stiffness)
+        work = (0.5 * (x0 + x) + whole_x - x) * dx + (0.5 * (y0 + y) + whole_y - y) * dy
+        heat += work - (after - before)
         kept += after
         force[e, 0] = x
         force[e, 1] = y
-        fx += x
-        fy += y
+        fx += whole_x
+        fy += whole_y
     return fx, fy, heat, kept
 
 
@@ -238,7 +249,7 @@ def _advance(c, s, commands, rows, stride):
                 s.pad_totals[k, 0] += h
             fx, fy, heat, kept = _slip(
                 s.pad_force[k], s.pad_tangent[k], tangent, mu * load,
-                c.pad_stiffness_shares, c.pad_cap_shares, vx * h, vy * h,
+                c.pad_stiffness_shares, c.pad_cap_shares, vx * h, vy * h, c.pad_lag / h,
             )  # fmt: skip
             s.pad_tangent[k] = tangent
             s.totals[1] += heat
@@ -309,7 +320,7 @@ def _advance(c, s, commands, rows, stride):
                 s.actuator_totals[k, 3] += h
             fx, fy, heat, kept = _slip(
                 s.contact_force[k], s.contact_tangent[k], tangent, c.contact_friction * load,
-                c.contact_stiffness_shares, c.contact_cap_shares, slide_x * h, slide_y * h,
+                c.contact_stiffness_shares, c.contact_cap_shares, slide_x * h, slide_y * h, 0.0,
             )  # fmt: skip
             s.contact_tangent[k] = tangent
             s.totals[2] += heat

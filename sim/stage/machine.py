@@ -48,6 +48,7 @@ class Pads:
         static_friction, dynamic_friction: coefficients.
         stribeck_velocity: m/s; mu = mu_d + (mu_s - mu_d) exp(-(v/vs)^2).
         presliding: distance from rest to full slip, m.
+        tangential_lag: of the film's shear force behind its shear, s; damps while it sticks.
     """
 
     places: np.ndarray
@@ -57,6 +58,7 @@ class Pads:
     dynamic_friction: float
     stribeck_velocity: float
     presliding: float
+    tangential_lag: float
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ class SpeedStudy:
 
 
 def _point(case: tuple[StageMachine, Setting]) -> Steady:
-    return steady(*case)
+    return steady(*case, shortest=0.2)
 
 
 def speed_study(

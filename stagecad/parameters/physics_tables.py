@@ -73,7 +73,7 @@ class Bearing:
     heat_limit: float = number("that the stage sheds", "W")
     stribeck_velocity: float = number("at which static has mostly fallen to dynamic friction", "m/s")
     presliding_distance: float = number("from rest to full slip", "m")
-    damping_ratio: float = number("of the stage bouncing on its pads", closed=True, high=1)
+    damping_ratio: float = number("of the stage on its pads' film, up and along", closed=True, high=1)
 
 
 @dataclass(frozen=True)

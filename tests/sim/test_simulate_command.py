@@ -22,7 +22,8 @@ def simulated(capsys, tmp_path, *arguments: str) -> dict:
 def everything(tmp_path_factory):
     folder = tmp_path_factory.mktemp("out")
     target = folder / "found.json"
-    assert run(["simulate", "--out", str(folder), "--json", str(target)]) == 0
+    thesis = ["tip", "presliding", "hysteresis", "stick-slip"]
+    assert run(["simulate", *thesis, "--out", str(folder), "--json", str(target)]) == 0
     return folder / "simulate", json.loads(target.read_text())
 
 

@@ -1,8 +1,8 @@
-"""`stagecad simulate`: the thesis's experiments, with data, features and figures."""
+"""`stagecad simulate`: the thesis's experiments and the driven stage, with data, features and figures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,19 +10,33 @@ import click
 
 from stagecad.parameters.errors import InputError, nearest
 from workbench.options import Run, common_options
-from workbench.simulation_inputs import friction_of, moving_mass, tip_dimensions
+from workbench.simulation_inputs import moving_mass
+from workbench.simulation_jobs import Job, features_document
 
-EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip")
+EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity",)
 """Run only when named."""
+STUDIES = ("steps", "speed", "travel_map", "ellipse", "coupling", "planar", "positioning", "hunting")
+"""Of the stage; as `sim.experiments.stage.STUDIES`, which loads numba."""
 
 
 @click.command("simulate")
-@click.argument("names", nargs=-1, metavar="[tip] [presliding] [hysteresis] [stick-slip] [passivity]")
+@click.argument("names", nargs=-1, metavar="[tip] [presliding] [hysteresis] [stick-slip] [stage] [passivity]")
 @click.option("--mass", default=None, metavar="QUANTITY|design", help="Moving mass (default: the thesis's 1 kg).")
 @click.option(
     "--model", "models", multiple=True, metavar="NAME", help="Friction model; may be repeated (default: all)."
 )
+@click.option(
+    "--study",
+    "studies",
+    multiple=True,
+    metavar="NAME",
+    help=f"Study of the stage; may be repeated (default: all of {', '.join(STUDIES)}).",
+)
+@click.option(
+    "--sweep", "swept", default=None, metavar="KEY=LOW:HIGH[:N]", help="Features over the values of a parameter."
+)
+@click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the many runs of stage or sweep to a cluster.")
 @click.option(
     "--format",
     "kinds",
@@ -34,11 +48,20 @@ EXTRA = ("passivity",)
 @click.option("--figures/--no-figures", default=True, help="Draw the figures.")
 @common_options
 def command(
-    run: Run, names: tuple[str, ...], mass: str | None, models: tuple[str, ...], kinds: str, figures: bool
+    run: Run,
+    names: tuple[str, ...],
+    mass: str | None,
+    models: tuple[str, ...],
+    studies: tuple[str, ...],
+    swept: str | None,
+    scheduler: str | None,
+    kinds: str,
+    figures: bool,
 ) -> None:
-    """Simulate the thesis's experiments; data and figures go to OUT/simulate.
+    """Simulate the thesis's experiments and the driven stage; data and figures go to OUT/simulate.
 
-    Without a name: tip, presliding, hysteresis, stick-slip. `passivity` audits the energy of the friction models.
+    Without a name: tip, presliding, hysteresis, stick-slip, stage. `passivity` audits the energy of the friction
+    models.
     """
     from sim.experiments.friction_models import MODELS
     from sim.simulation import SimulationError
@@ -49,30 +72,95 @@ def command(
     for model in models:
         if model not in MODELS:
             raise InputError(f"--model {model}: no such friction model{nearest(model, MODELS)}")
-    wanted = [name for name in (*EXPERIMENTS, *EXTRA) if name in names] if names else list(EXPERIMENTS)
+    for study in studies:
+        if study not in STUDIES:
+            raise InputError(f"--study {study}: no such study of the stage{nearest(study, STUDIES)}")
+    wanted = tuple(name for name in (*EXPERIMENTS, *EXTRA) if name in names) if names else EXPERIMENTS
+    if studies and "stage" not in wanted:
+        raise InputError("--study: only the experiment 'stage' has studies; name it")
+    if scheduler is not None and "stage" not in wanted and swept is None:
+        raise InputError("--scheduler: only 'stage' and --sweep have many independent runs")
     folder = run.out / "simulate"
-    folder.mkdir(parents=True, exist_ok=True)
+    chosen_models = tuple(m for m in MODELS if not models or m in models)
+    chosen_studies = tuple(study for study in STUDIES if not studies or study in studies)
     forms = {"both": ("csv", "parquet"), "none": ()}.get(kinds, (kinds,))
-    job = _Job(run, folder, tuple(m for m in MODELS if not models or m in models), forms, figures)
-    kilograms = moving_mass(run, mass) if wanted != ["tip"] else 1.0
-    if wanted != ["tip"]:
+    if swept is not None:
+        _sweep(run, swept, (wanted, chosen_models, mass, chosen_studies), scheduler, folder, forms)
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    job = Job(run, folder, chosen_models, forms, figures)
+    frictional = [name for name in wanted if name not in ("tip", "stage")]
+    kilograms = moving_mass(run, mass) if frictional else 1.0
+    if frictional:
         run.say(f"mass {kilograms:.6g} kg")
     document: dict[str, Any] = {}
     try:
         with run.progress() as progress:
             task = progress.add_task(
-                "simulations", total=sum(1 if name == "tip" else len(job.models) for name in wanted)
+                "simulations",
+                total=sum(1 if name == "tip" else len(job.models) for name in wanted if name != "stage"),
             )
             job.advance = lambda: progress.advance(task)
             for name in wanted:
                 progress.update(task, description=name)
-                document[name] = job.run_one(name, kilograms)
+                if name == "stage":
+                    document[name] = _stage(run, job, chosen_studies, scheduler, progress)
+                else:
+                    document[name] = job.run_one(name, kilograms)
     except SimulationError as failure:
         raise InputError(str(failure)) from None
     for name, models_found in document.items():
         _print(run, name, models_found)
     run.say(f"{len(job.written)} files in {folder}")
     run.emit(document)
+
+
+def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, progress: Any) -> dict[str, Any]:
+    """The studies of the stage, written and drawn; their features."""
+    from workbench.stage_simulation import run_studies, stage_drive
+
+    drive = stage_drive(run.design)
+    task = progress.add_task("stage: cases", total=None)
+    found = run_studies(
+        drive, studies, scheduler, lambda done, total: progress.update(task, completed=done, total=total)
+    )
+    if job.forms:
+        from workbench.stage_tables import stage_tables
+
+        for name, columns in stage_tables(found).items():
+            job.write(name, columns)
+    if job.figures:
+        from workbench.stage_figures import draw_stage
+
+        job.written += draw_stage(job.folder, found)
+    return features_document(found)
+
+
+def _sweep(
+    run: Run,
+    text: str,
+    chosen: tuple[tuple[str, ...], tuple[str, ...], str | None, tuple[str, ...]],
+    scheduler: str | None,
+    folder: Path,
+    forms: tuple[str, ...],
+) -> None:
+    """Features at every value of a range; the table goes to OUT/simulate/sweep."""
+    from designcalc.checks.sweep import read_range
+    from workbench.simulation_data import write_table
+    from workbench.simulation_sweep import Wanted, sweep, sweep_columns, sweep_document
+
+    swept = read_range(text, run.design)
+    points = sweep(run, swept, Wanted(*chosen), scheduler)
+    if all(isinstance(point, str) for point in points):
+        raise InputError(f"--sweep {swept.key}: no value stands: {points[0]}")
+    folder.mkdir(parents=True, exist_ok=True)
+    columns = sweep_columns(swept, points)
+    written = write_table(folder / "sweep", columns, forms) if forms else []
+    for value, point in zip(swept.values, points):
+        if isinstance(point, str):
+            run.note(f"{swept.key} = {value:g} {swept.unit}: {point}")
+    run.say(f"{len(points)} values of {swept.key}, {len(columns) - 1} features each; {len(written)} files in {folder}")
+    run.emit({"sweep": sweep_document(swept, points)})
 
 
 def simulate_into(
@@ -85,7 +173,7 @@ def simulate_into(
     from sim.experiments.friction_models import MODELS
 
     folder.mkdir(parents=True, exist_ok=True)
-    job = _Job(run, folder, tuple(MODELS), ("csv",), figures=True)
+    job = Job(run, folder, tuple(MODELS), ("csv",), figures=True)
     mass = moving_mass(run, None)
     for name in names:
         job.run_one(name, mass)
@@ -93,138 +181,13 @@ def simulate_into(
     return job.written
 
 
-class _Job:
-    """One run of the command: where it writes, and what it has written."""
-
-    def __init__(self, run: Run, folder: Path, models: tuple[str, ...], forms: tuple[str, ...], figures: bool) -> None:
-        self.run, self.folder, self.models, self.forms, self.figures = run, folder, models, forms, figures
-        self.written: list[Path] = []
-        self.advance: Callable[[], None] = lambda: None
-
-    def run_one(self, name: str, mass: float) -> dict[str, Any]:
-        steps: dict[str, Callable[[float], dict[str, Any]]] = {
-            "tip": self.tip,
-            "presliding": self.presliding,
-            "hysteresis": self.hysteresis,
-            "stick-slip": self.stick_slip,
-            "passivity": self.passivity,
-        }
-        return steps[name](mass)
-
-    def tip(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.tip import PHASES, STROKES, tip_ellipse
-
-        spacing, height = tip_dimensions(self.run)
-        results = {
-            stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
-            for stroke, size in STROKES.items()
-        }
-        self.advance()
-        for stroke, phases in results.items():
-            for phase, path in phases.items():
-                columns = {"time [s]": path.time, "tip_x [m]": path.x, "tip_y [m]": path.y}
-                self._write(f"tip_{stroke}_{phase.replace('/', '_over_')}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_tip
-
-            self.written += draw_tip(self.folder, results)
-        return {
-            stroke: {phase: _quantities(path.features()) for phase, path in phases.items()}
-            for stroke, phases in results.items()
-        }
-
-    def presliding(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.presliding import presliding
-        from workbench.simulation_data import table_of
-
-        results = self._each(lambda model: presliding(friction_of(self.run), model, mass))
-        for model, result in results.items():
-            self._write(f"presliding_{model}", table_of(result.simulation, "drive_force"))
-        if self.figures:
-            from workbench.simulation_figures import draw_presliding
-
-            self.written += draw_presliding(self.folder, results)
-        return {model: _quantities(result.features()) for model, result in results.items()}
-
-    def hysteresis(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.hysteresis import CASES, hysteresis
-        from workbench.simulation_data import table_of
-
-        results = self._each(lambda model: {case: hysteresis(friction_of(self.run), model, case) for case in CASES})
-        for model, cases in results.items():
-            for case, result in cases.items():
-                columns = table_of(result.simulation, "acceleration", rows=2001)
-                columns["acceleration [m/s^2]"] = columns.pop("acceleration [N]")
-                del columns["kinetic [J]"]
-                self._write(f"hysteresis_{model}_{case}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_hysteresis
-
-            self.written += draw_hysteresis(self.folder, results)
-        return {
-            model: {case: _quantities(result.features()) for case, result in cases.items()}
-            for model, cases in results.items()
-        }
-
-    def stick_slip(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.stick_slip import PULL, SHOWN, stick_slip
-        from workbench.simulation_data import table_of
-
-        results = self._each(lambda model: stick_slip(friction_of(self.run), model, mass))
-        for model, result in results.items():
-            columns = table_of(result.simulation, "spring_force", SHOWN)
-            columns["pull_position [m]"] = PULL * columns["time [s]"]
-            self._write(f"stick-slip_{model}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_stick_slip
-
-            self.written += draw_stick_slip(self.folder, results)
-        return {model: _quantities(result.features()) for model, result in results.items()}
-
-    def passivity(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.passivity import MOTIONS, audit, passive_below
-        from workbench.simulation_data import table_of
-
-        friction = friction_of(self.run)
-        self.run.say(f"lugre is passive at any stretch below 4 Fc/a1 = {passive_below(friction) * 1e3:.2f} mm/s")
-        results = self._each(lambda model: {motion: audit(friction, model, motion) for motion in MOTIONS})
-        for model, motions in results.items():
-            for motion, result in motions.items():
-                columns = table_of(result.simulation, "acceleration", rows=2001)
-                del columns["acceleration [N]"], columns["kinetic [J]"]
-                self._write(f"passivity_{model}_{motion}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_passivity
-
-            self.written += draw_passivity(self.folder, results)
-        return {
-            model: {motion: _quantities(result.features()) for motion, result in motions.items()}
-            for model, motions in results.items()
-        }
-
-    def _each(self, simulated: Callable[[str], Any]) -> dict[str, Any]:
-        """What `simulated` gives for every model."""
-        results = {}
-        for model in self.models:
-            results[model] = simulated(model)
-            self.advance()
-        return results
-
-    def _write(self, name: str, columns: dict[str, Any]) -> None:
-        from workbench.simulation_data import write_table
-
-        if self.forms:
-            self.written += write_table(self.folder / name, columns, self.forms)
-
-
-def _quantities(features: Mapping[str, tuple[float, str] | None]) -> dict[str, Any]:
-    return {name: None if found is None else {"value": found[0], "unit": found[1]} for name, found in features.items()}
-
-
 def _print(run: Run, experiment: str, found: dict[str, Any]) -> None:
     from rich.table import Table
 
     if not found:
+        return
+    if experiment == "stage":
+        _print_studies(run, found)
         return
     rows: list[tuple[str, dict[str, Any]]] = []
     for model, features in found.items():
@@ -242,10 +205,26 @@ def _print(run: Run, experiment: str, found: dict[str, Any]) -> None:
     run.console.print(table)
 
 
+def _print_studies(run: Run, found: dict[str, Any]) -> None:
+    from rich.table import Table
+
+    for study, features in found.items():
+        table = Table(title=f"stage: {study.replace('_', ' ')}", title_justify="left", box=None, show_header=False)
+        table.add_column("")
+        table.add_column("", justify="right")
+        for name, feature in features.items():
+            table.add_row(name.replace("_", " "), _text(feature))
+        run.console.print(table)
+
+
 def _text(feature: dict[str, Any] | None) -> str:
     if feature is None:
         return "-"
     value, unit = feature["value"], feature["unit"]
+    if unit == "m" and abs(value) < 1e-7:
+        return f"{value * 1e9:.3f} nm"
     if unit == "m" and abs(value) < 1e-3:
         return f"{value * 1e6:.3f} um"
+    if unit == "1":
+        return f"{value:.4f}"
     return f"{value:.4f} {unit}" if abs(value) >= 1e-3 or value == 0.0 else f"{value:.3e} {unit}"
