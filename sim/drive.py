@@ -7,7 +7,7 @@ pieces; the integrator steps from knot to knot of s, so a corner or a jump in it
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -86,6 +86,20 @@ def sinusoidal_velocity(amplitude: float, frequency: float, mean: float) -> Driv
         wave=(amplitude * frequency, frequency, 0.0),
         prescribes=True,
         initial_velocity=mean,
+    )
+
+
+def delayed(drive: Drive, delay: float) -> Drive:
+    """The drive, `delay` s late; before its first knot plus the delay it holds its first value."""
+    if delay <= 0.0:
+        return drive
+    amplitude, frequency, phase = drive.wave
+    return replace(
+        drive,
+        knots=np.append(drive.knots[0], drive.knots + delay),
+        values=np.append(drive.values[0], drive.values),
+        rates=np.append(0.0, drive.rates),
+        wave=(amplitude, frequency, phase - frequency * delay),
     )
 
 

@@ -135,6 +135,9 @@ class Effect:
         signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
         memory: changes the motion that level and core see along a record (a lag in the friction, a play in the drive).
         core: for an effect that turns the level into a force, the core (`sim.cores`).
+        element: for an effect with a bristle of its own beside the core: that bristle in a simulation, in place of
+            `force` (a `sim.cores.core.Core`).
+        in_time: for an effect of drive, structure or memory: what it is in a simulation (`sim.in_time`), of its values.
         acts_on: where it acts.
         variants: other laws under the same name (`stribeck:free_exponent`).
     """
@@ -153,6 +156,8 @@ class Effect:
     signal: SignalLaw | None = None
     memory: MemoryLaw | None = None
     core: Any = None
+    element: Any = None
+    in_time: Callable[[Any], Any] | None = None
     acts_on: Literal["friction", "axis", "drive", "piezo", "sensor", "memory", "structure"] = "axis"
     needs: tuple[Literal["load", "temperature", "rotary"], ...] = ()
     variants: tuple[Effect, ...] = ()

@@ -1,11 +1,13 @@
 """Adaptive stiff integration of one axis: Rodas5P with the exact Jacobian, compiled once for every model.
 
-State y = [position, velocity, travelled, contact age | z_1 .. z_n | works of the core, other forces, drive].
-The states of a core meet the rest only through velocity and friction level, so W = I/(gamma h) - J is an arrowhead with
-a small head: one linear solve costs O(number of states), and one stage O(number of effects).
+State y = [position, velocity, (travelled, contact age) | z_1 .. z_n | x, v of each rider | lagged drive | works of
+core, other forces, drive]; the two in brackets only where a law depends on them. What follows the head meets the rest
+only through position, velocity and friction level, so W = I/(gamma h) - J is an arrowhead with a small head: one
+linear solve costs O(number of states), and one stage O(number of effects).
 
-Two things keep kinks from doing harm. A drive that is linear in pieces is stepped from knot to knot. A step across a
-reversal is cut at the moment the velocity is zero, found from the dense output, since |v| has a kink there.
+Two things keep kinks from doing harm. A drive that is linear in pieces is stepped from knot to knot. And within a step
+every law is continued smoothly past a reversal (or past the edge of a play): the direction of the motion is held, so
+that |v| stays smooth. The step is then accepted up to the moment of the reversal alone, found on its dense output.
 
 This module imports numba: import it only when something is integrated.
 """
@@ -16,158 +18,71 @@ import math
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
-from sim import rodas5p
+from sim import axis_forces as axis_forces_module
+from sim import axis_rates as axis_rates_module
+from sim import kernel_calls, rodas5p
+from sim import step_output as step_output_module
+from sim.axis_forces import BY, NAXIS, OUT, axis_forces
+from sim.axis_rates import drive_at, right_side
 from sim.compilation import compile_function
-from sim.rodas5p import GAMMA, STAGES, TIME, TIME_SLOPE, A, C, H
+from sim.rodas5p import GAMMA, STAGES, TIME, TIME_SLOPE, A, C
+from sim.step_output import HISTORY, PAST_STEPS, at_part, dense_of, holds, past_speed, weighted
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
-NHEAD, NWORK, NOUT, NAXIS = 4, 3, 6, 10
+NWORK = 3
 
 
-def _effect_call(context: Any, address: Any, axis: Any, p: Any, out: Any, slopes: Any) -> Any:
-    """Call an effect's kernel at `address`; the arrays are given by the addresses of their first elements."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        pointer = ir.DoubleType().as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [pointer, pointer, pointer, ir.IntType(64)])
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        builder.call(function, [*(builder.inttoptr(a, pointer) for a in arguments[1:4]), arguments[4]])
-        return context.get_dummy_value()
-
-    return types.void(*[types.int64] * 5), generate
-
-
-def _core_call(context: Any, address: Any, z: Any, v: Any, g: Any, p: Any, out: Any, n: Any, slopes: Any) -> Any:
-    """Call a core's kernel at `address`."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        number, integer = ir.DoubleType(), ir.IntType(64)
-        pointer = number.as_pointer()
-        kind = ir.FunctionType(ir.VoidType(), [pointer, number, number, pointer, pointer, integer, integer])
-        function = builder.inttoptr(arguments[0], kind.as_pointer())
-        z, p, out = (builder.inttoptr(arguments[i], pointer) for i in (1, 4, 5))
-        builder.call(function, [z, arguments[2], arguments[3], p, out, arguments[6], arguments[7]])
-        return context.get_dummy_value()
-
-    return types.void(*[types.int64] * 2, types.float64, types.float64, *[types.int64] * 4), generate
-
-
-_call_effect: Any = intrinsic(_effect_call)
-_call_core: Any = intrinsic(_core_call)
-
-
-def _forces(
-    t, y, z, direction, slopes, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out, out, slope
-):
-    """Level and forces at one instant.
-
-    out = [level, core force, other force]; slope rows by (position, velocity, travelled, age, time): of the level, of
-    the core force at constant states, of the other force.
-    """
-    axis[0], axis[1], axis[2], axis[3] = t, y[0], y[1], math.nan
-    axis[4], axis[5] = surroundings[0], surroundings[1]
-    axis[6], axis[7], axis[8] = y[3], math.nan, y[2]
-    axis[9] = direction
-    if y[1] > 0.0:
-        axis[9] = 1.0
-    elif y[1] < 0.0:
-        axis[9] = -1.0
-    level, factor, other = 0.0, 1.0, 0.0
-    by = NOUT - 1
-    if slopes:
-        slope[:] = 0.0
-    factor_slope = laws[3 * NOUT :]
-    factor_slope[:by] = 0.0
-    for i in range(effects.size):
-        if slopes:
-            # A kernel writes only the slopes it has.
-            laws[: 3 * NOUT] = 0.0
-        _call_effect(effects[i], axis.ctypes.data, p_at[i], laws.ctypes.data, slopes)
-        level += laws[0]
-        other += laws[2 * NOUT]
-        if slopes:
-            for j in range(by):
-                slope[0, j] += laws[1 + j]
-                slope[2, j] += laws[2 * NOUT + 1 + j]
-                factor_slope[j] = factor_slope[j] * laws[NOUT] + factor * laws[NOUT + 1 + j]
-        factor *= laws[NOUT]
-    g = level * factor
-    force = 0.0
-    if core != 0:
-        _call_core(core, z.ctypes.data, y[1], g, core_p_at, core_out.ctypes.data, n, slopes)
-        for k in range(n):
-            force += core_out[k, 1]
-    if slopes:
-        for j in range(by):
-            slope[0, j] = slope[0, j] * factor + level * factor_slope[j]
-        for k in range(n):
-            for j in range(by):
-                slope[1, j] += core_out[k, 7] * slope[0, j]
-            slope[1, 1] += core_out[k, 6]
-    out[0], out[1], out[2] = g, force, other
-
-
-def _integrate(
-    start, t0, outputs, knots, values, rates, wave, body, effects, p_at, core, core_p_at, n, surroundings,
-    relative, absolute, longest, most_steps, states, forces, report,
+def _steps(
+    start, head, outputs, knots, values, rates, wave, body, modes, effects, groups, n, base, relative, absolute,
+    longest, most_steps, states, forces, report, work, addresses, history,
 ):  # fmt: skip
-    """Integrate from `t0` to the last of `outputs`; see `sim.model` for what the arrays hold."""
-    mass, spring, feedback, memory_length = body[0], body[1], body[2], body[3]
+    """All of the integration, in arrays that are given: `work` as `_integrate` makes it. Compiled without counting of
+    references, which would cost more than the arithmetic."""
+    (
+        y, fresh, stage, z, K, dense, f, f_start, ft, axis, laws, elements, here, slope, by_head, own, into, ratio,
+        work_head, work_z, row, effective, past,
+    ) = work  # fmt: skip
+    per_mass, spring, feedback, memory_length, gap, drive_lag, delay = body
     size = start.size
-    tail = NHEAD + n
-    y = start.copy()
-    fresh = np.empty(size)
-    stage = np.empty(size)
-    z = np.zeros(max(n, 1))
-    K = np.zeros((STAGES, size))
-    f = np.zeros(size)
-    ft = np.zeros(size)
-    dense = np.zeros((3, size))
-    axis = np.zeros(NAXIS)
-    laws = np.zeros(3 * NOUT + NOUT)
-    core_out = np.zeros((max(n, 1), 8))
-    here = np.zeros(3)
-    slope = np.zeros((3, NOUT - 1))
-    by_head = np.zeros((max(n, 1), NHEAD))
-    own = np.zeros(max(n, 1))
-    into = np.zeros(max(n, 1))
-    ratio = np.zeros(max(n, 1))
-    work_head = np.zeros((NWORK, NHEAD))
-    work_z = np.zeros(max(n, 1))
-    row = np.zeros(NHEAD)
-    effective = np.zeros(NHEAD)
+    first_mode = head + n
+    lag_at = first_mode + 2 * modes.shape[0]
+    tail = lag_at + (1 if drive_lag > 0.0 else 0)
+    worked = size > tail
+    kept = states.shape[0]
+    oldest, newest = 0, 0
+    core_count = groups[0, 3]
+    counted = 0
+    for j in range(size):
+        if absolute[j] < math.inf:
+            counted += 1
 
-    t = t0
+    t = outputs[0]
     end = outputs[outputs.size - 1]
     next_output = 0
     segment = 0
     while segment + 1 < rates.size and knots[segment + 1] <= t:
         segment += 1
     direction = 1.0 if y[1] >= 0.0 else -1.0
-    h = min(longest, max((end - t0) * 1e-6, 1e-12))
+    quiet = 1e-3 * absolute[1]
+    slack = 1e-3 * absolute[0] * spring
+    if delay > 0.0:
+        longest = min(longest, delay)
+    h = min(longest, max((end - t) * 1e-6, 1e-12))
     steps, rejected, cuts = 0, 0, 0
     was_rejected = False
-    just_cut = False
-
-    while next_output < outputs.size and outputs[next_output] <= t:
-        for i in range(size):
-            states[next_output, i] = y[i]
-        next_output += 1
+    taken, error_taken = 0.0, 1.0
+    outcome = DONE
 
     while t < end:
         if steps + rejected >= most_steps:
-            report[0], report[1] = TOO_MANY_STEPS, t
-            report[2], report[3] = steps, rejected
-            report[5:] = y
-            return
+            outcome = TOO_MANY_STEPS
+            break
         # The end of this stretch of smooth drive.
         stop = end
         if segment + 1 < rates.size and knots[segment + 1] < end:
             stop = knots[segment + 1]
+        wanted = h
         lands = False
         if t + 1.0001 * h >= stop:
             h = stop - t
@@ -175,251 +90,325 @@ def _integrate(
 
         # Right side and Jacobian at the start of the step.
         for k in range(n):
-            z[k] = y[NHEAD + k]
-        drive = values[segment] + rates[segment] * (t - knots[segment]) + wave[0] * math.cos(wave[1] * t + wave[2])
-        drive_t = rates[segment] - wave[0] * wave[1] * math.sin(wave[1] * t + wave[2])
-        _forces(
-            t, y, z, direction, 1, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out, here, slope
-        )
-        acceleration = (drive - spring * y[0] - feedback * (here[1] + here[2])) / mass
+            z[k] = y[head + k]
         v = y[1]
-        if abs(v) < 1e-3 * absolute[1]:
-            # At a reversal the slopes are those of the side the motion turns to.
-            v = math.copysign(max(abs(v), 1e-30), acceleration)
-            keep = y[1]
-            y[1] = v
-            _forces(
+        s_here, s_rate = drive_at(t, knots, values, rates, wave, segment)
+        pull = y[lag_at] if drive_lag > 0.0 else s_here
+        pull_rate = (s_here - y[lag_at]) / drive_lag if drive_lag > 0.0 else s_rate
+        zone = 1.0
+        edge = 0.0
+        if gap > 0.0:
+            # Which side of the play the spring rests on; at an edge, the side the motion turns to.
+            stretched = pull - spring * y[0]
+            opening = pull_rate - spring * v
+            if stretched > gap + 2.0 * slack or (stretched > gap - 2.0 * slack and opening > 0.0):
+                zone, edge = 1.0, gap
+            elif stretched < -gap - 2.0 * slack or (stretched < -gap + 2.0 * slack and opening < 0.0):
+                zone, edge = 1.0, -gap
+            else:
+                zone, edge = 0.0, 0.0
+        if delay > 0.0:
+            past_speed(history, oldest, newest, t - delay, start[1], past)
+            oldest = int(past[2])
+        if abs(v) > 2.0 * quiet:
+            direction = 1.0 if v > 0.0 else -1.0
+        for turn in range(2):
+            axis_forces(
                 t,
                 y,
                 z,
+                head,
                 direction,
+                past[0],
+                past[1],
                 1,
+                base,
                 effects,
-                p_at,
-                core,
-                core_p_at,
-                n,
-                surroundings,
+                groups,
+                addresses,
                 axis,
                 laws,
-                core_out,
+                elements,
                 here,
                 slope,
             )
-            y[1] = keep
-        sign = 1.0 if v >= 0.0 else -1.0
-        for j in range(NHEAD):
-            row[j] = -feedback * (slope[1, j] + slope[2, j]) / mass
-        row[0] -= spring / mass
-        for i in range(size):
-            ft[i] = 0.0
-        ft[1] = (drive_t - feedback * (slope[1, 4] + slope[2, 4])) / mass
+            push, reaction = right_side(
+                t, y, direction, head, n, here, elements, modes, body, knots, values, rates, wave, segment, zone, edge,
+                worked, f_start,
+            )  # fmt: skip
+            # At a reversal the motion goes the way it is accelerated.
+            if turn == 1 or abs(v) > 2.0 * quiet or f_start[1] * direction >= 0.0:
+                break
+            direction = -direction
+        for j in range(head):
+            row[j] = -feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * per_mass
+        row[0] -= zone * spring * per_mass
+        for j in range(size):
+            ft[j] = 0.0
+        ft[1] = -feedback * (slope[1, 4] + slope[2, 4] + slope[3, 4]) * per_mass
+        if drive_lag > 0.0:
+            ft[lag_at] = s_rate / drive_lag
+        else:
+            ft[1] += zone * s_rate * per_mass
         for k in range(n):
-            own[k] = core_out[k, 2]
-            into[k] = -feedback * core_out[k, 5] / mass
-            for j in range(NHEAD):
-                by_head[k, j] = core_out[k, 4] * slope[0, j]
-            by_head[k, 1] += core_out[k, 3]
-            ft[NHEAD + k] = core_out[k, 4] * slope[0, 4]
-        worked = size > tail
+            own[k] = elements[k, 2]
+            into[k] = -feedback * elements[k, 5] * per_mass
+            for j in range(head):
+                by_head[k, j] = elements[k, 4] * slope[0, j]
+            by_head[k, 1] += elements[k, 3]
+            ft[head + k] = elements[k, 4] * slope[0, 4]
         if worked:
-            for j in range(NHEAD):
+            for j in range(head):
                 work_head[0, j] = slope[1, j] * v
-                work_head[1, j] = slope[2, j] * v
+                work_head[1, j] = (slope[2, j] + slope[3, j]) * v
                 work_head[2, j] = 0.0
             work_head[0, 1] += here[1]
-            work_head[1, 1] += here[2]
-            work_head[2, 0] = -spring * v
-            work_head[2, 1] = drive - spring * y[0]
+            work_head[1, 1] += here[2] + here[3] + reaction
+            work_head[2, 1] += push
+            work_head[2, 0] = -zone * spring * v
+            for i in range(modes.shape[0]):
+                work_head[1, 0] += modes[i, 2] * modes[i, 0] * v
             for k in range(n):
-                work_z[k] = core_out[k, 5] * v
+                work_z[k] = elements[k, 5] * v
             ft[tail] = slope[1, 4] * v
-            ft[tail + 1] = slope[2, 4] * v
-            ft[tail + 2] = drive_t * v
-        age_out = -sign * y[3] / memory_length
-        age_own = -abs(v) / memory_length
+            ft[tail + 1] = (slope[2, 4] + slope[3, 4]) * v
+            ft[tail + 2] = 0.0 if drive_lag > 0.0 else zone * s_rate * v
+        age_out, age_own = 0.0, 0.0
+        if head > 2:
+            age_out = -direction * y[3] / memory_length
+            age_own = -direction * v / memory_length
 
-        accepted = False
-        while not accepted:
+        part, shortened = 1.0, 0
+        while True:
             s = 1.0 / (GAMMA * h)
-            for j in range(NHEAD):
+            over_s, over_h = GAMMA * h, 1.0 / h
+            for j in range(head):
                 effective[j] = row[j]
             for k in range(n):
                 ratio[k] = 1.0 / (s - own[k])
-                for j in range(NHEAD):
+                for j in range(head):
                     effective[j] += into[k] * by_head[k, j] * ratio[k]
-            pivot = (
-                s - effective[1] - effective[0] / s - effective[2] * sign / s - effective[3] * age_out / (s - age_own)
-            )
+            pivot = s - effective[1]
+            for i in range(modes.shape[0]):
+                back = modes[i, 0] * over_s + modes[i, 1]
+                effective[0] -= feedback * modes[i, 2] * per_mass * modes[i, 0] * (1.0 - back / (s + back))
+            pivot -= effective[0] * over_s
+            over_age = 0.0
+            if head > 2:
+                over_age = 1.0 / (s - age_own)
+                pivot -= effective[2] * direction * over_s + effective[3] * age_out * over_age
+            over_pivot = 1.0 / pivot
+            over_lag = 1.0 / (s + 1.0 / drive_lag) if drive_lag > 0.0 else 0.0
             finite = True
             for i in range(STAGES):
-                at = t + TIME[i] * h
-                for j in range(size):
-                    total = y[j]
-                    for m in range(i):
-                        total += A[i, m] * K[m, j]
-                    stage[j] = total
+                if i == 0:
+                    for j in range(size):
+                        f[j] = f_start[j] + h * TIME_SLOPE[0] * ft[j]
+                else:
+                    at = t + TIME[i] * h
+                    for j in range(size):
+                        stage[j] = y[j] + weighted(A, i, K, j)
+                    for k in range(n):
+                        z[k] = stage[head + k]
+                    if delay > 0.0:
+                        past_speed(history, oldest, newest, at - delay, start[1], past)
+                    axis_forces(
+                        at, stage, z, head, direction, past[0], past[1], 0, base, effects, groups, addresses, axis,
+                        laws, elements, here, slope,
+                    )  # fmt: skip
+                    right_side(
+                        at, stage, direction, head, n, here, elements, modes, body, knots, values, rates, wave, segment,
+                        zone, edge, worked, f,
+                    )  # fmt: skip
+                    late = h * TIME_SLOPE[i]
+                    for j in range(size):
+                        f[j] += weighted(C, i, K, j) * over_h + late * ft[j]
+                # Solve W k = f: what is not the velocity is eliminated first.
+                right = f[1] + effective[0] * f[0] * over_s
+                if head > 2:
+                    right += effective[2] * f[2] * over_s + effective[3] * f[3] * over_age
                 for k in range(n):
-                    z[k] = stage[NHEAD + k]
-                _forces(
-                    at, stage, z, direction, 0, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out,
-                    here, slope,
-                )  # fmt: skip
-                push = (
-                    values[segment]
-                    + rates[segment] * (at - knots[segment])
-                    + wave[0] * math.cos(wave[1] * at + wave[2])
-                    - spring * stage[0]
-                )
-                f[0] = stage[1]
-                f[1] = (push - feedback * (here[1] + here[2])) / mass
-                f[2] = abs(stage[1])
-                f[3] = 1.0 - abs(stage[1]) * stage[3] / memory_length
+                    right += into[k] * f[head + k] * ratio[k]
+                for o in range(modes.shape[0]):
+                    back = modes[o, 0] * over_s + modes[o, 1]
+                    f2, g2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
+                    moved = (g2 - modes[o, 0] * over_s * f2) / (s + back)
+                    right += feedback * modes[o, 2] * per_mass * (modes[o, 0] * over_s * f2 + back * moved)
+                if drive_lag > 0.0:
+                    f[lag_at] *= over_lag
+                    right += zone * f[lag_at] * per_mass
+                kv = right * over_pivot
+                f[1] = kv
+                f[0] = (f[0] + kv) * over_s
+                if head > 2:
+                    f[2] = (f[2] + direction * kv) * over_s
+                    f[3] = (f[3] + age_out * kv) * over_age
                 for k in range(n):
-                    f[NHEAD + k] = core_out[k, 0]
-                if worked:
-                    f[tail] = here[1] * stage[1]
-                    f[tail + 1] = here[2] * stage[1]
-                    f[tail + 2] = push * stage[1]
-                for j in range(size):
-                    total = 0.0
-                    for m in range(i):
-                        total += C[i, m] * K[m, j]
-                    f[j] += total / h + h * TIME_SLOPE[i] * ft[j]
-                right = f[1] + effective[0] * f[0] / s + effective[2] * f[2] / s + effective[3] * f[3] / (s - age_own)
-                for k in range(n):
-                    right += into[k] * f[NHEAD + k] * ratio[k]
-                kv = right / pivot
-                K[i, 1] = kv
-                K[i, 0] = (f[0] + kv) / s
-                K[i, 2] = (f[2] + sign * kv) / s
-                K[i, 3] = (f[3] + age_out * kv) / (s - age_own)
-                for k in range(n):
-                    total = f[NHEAD + k]
-                    for j in range(NHEAD):
-                        total += by_head[k, j] * K[i, j]
-                    K[i, NHEAD + k] = total * ratio[k]
+                    total = f[head + k]
+                    for j in range(head):
+                        total += by_head[k, j] * f[j]
+                    f[head + k] = total * ratio[k]
+                for o in range(modes.shape[0]):
+                    back = modes[o, 0] * over_s + modes[o, 1]
+                    f2, g2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
+                    v2 = (g2 + modes[o, 0] * (f[0] - over_s * f2)) / (s + back)
+                    f[first_mode + 2 * o + 1] = v2
+                    f[first_mode + 2 * o] = (f2 + v2) * over_s
                 if worked:
                     for w in range(NWORK):
                         total = f[tail + w]
-                        for j in range(NHEAD):
-                            total += work_head[w, j] * K[i, j]
+                        for j in range(head):
+                            total += work_head[w, j] * f[j]
                         if w == 0:
-                            for k in range(n):
-                                total += work_z[k] * K[i, NHEAD + k]
-                        K[i, tail + w] = total / s
+                            for k in range(core_count):
+                                total += work_z[k] * f[head + k]
+                        elif w == 1:
+                            for k in range(core_count, n):
+                                total += work_z[k] * f[head + k]
+                            for o in range(modes.shape[0]):
+                                x2, v2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
+                                total -= v * modes[o, 2] * (modes[o, 0] * x2 + modes[o, 1] * v2)
+                        elif drive_lag > 0.0:
+                            total += zone * v * f[lag_at]
+                        f[tail + w] = total * over_s
                 if not math.isfinite(kv):
                     finite = False
                     break
+                for j in range(size):
+                    K[i, j] = f[j]
             error = math.inf
             if finite:
                 error = 0.0
-                counted = 0
                 for j in range(size):
-                    fresh[j] = stage[j] + K[STAGES - 1, j]
-                    if absolute[j] < math.inf:
-                        scale = absolute[j] + relative * max(abs(y[j]), abs(fresh[j]))
-                        error += (K[STAGES - 1, j] / scale) ** 2
-                        counted += 1
+                    fresh[j] = stage[j] + f[j]
+                    scale = absolute[j] + relative * max(abs(y[j]), abs(fresh[j]))
+                    off = f[j] / scale
+                    error += off * off
                 error = math.sqrt(error / counted)
                 if not math.isfinite(error):
                     error = math.inf
             if error <= 1.0:
-                factor = 6.0 if error < 1e-6 else min(6.0, 0.9 * error**-0.2)
-                if was_rejected:
-                    factor = min(factor, 1.0)
-                reverses = y[1] * fresh[1] < 0.0 and abs(y[1]) > 1e-3 * absolute[1]
-                for m in range(3):
-                    for j in range(size):
-                        total = 0.0
-                        for i in range(STAGES):
-                            total += H[m, i] * K[i, j]
-                        dense[m, j] = total
-                if reverses and not just_cut:
-                    # Bisect the dense output for the moment of rest, then take the step again up to it.
-                    low, high = 0.0, 1.0
-                    for _ in range(60):
-                        middle = 0.5 * (low + high)
-                        there = (1.0 - middle) * y[1] + middle * (
-                            fresh[1] + (1.0 - middle) * (dense[0, 1] + middle * (dense[1, 1] + middle * dense[2, 1]))
-                        )
-                        if there * y[1] > 0.0:
-                            low = middle
-                        else:
-                            high = middle
-                    if low > 1e-6 and abs(fresh[1]) > 1e-3 * absolute[1]:
-                        h = h * high
-                        lands = False
-                        just_cut = True
-                        cuts += 1
-                        continue
-                accepted = True
-                just_cut = False
-            else:
-                rejected += 1
-                was_rejected = True
-                just_cut = False
+                part = holds(
+                    K, dense, t, h, y, fresh, direction, 3.0 * quiet, lag_at, drive_lag, knots, values, rates, wave,
+                    segment, spring, zone, edge, gap, slack,
+                )  # fmt: skip
+                if part == 1.0:
+                    break
                 lands = False
-                h *= 0.25 if error == math.inf else max(0.2, 0.9 * error**-0.2)
-                if h < 1e-14 * max(1.0, abs(t)) or not h > 0.0:
-                    report[0], report[1] = (STEP_TOO_SMALL if finite else NOT_FINITE), t
-                    report[2], report[3] = steps, rejected
-                    report[5:] = y
-                    return
-                if steps + rejected >= most_steps:
-                    report[0], report[1] = TOO_MANY_STEPS, t
-                    report[2], report[3] = steps, rejected
-                    report[5:] = y
-                    return
+                if shortened == 4 or part > 0.9:
+                    cuts += 1
+                    break
+                # Dense output alone is not good enough within a step that was long for its stiffness.
+                h *= 1.01 * part
+                shortened += 1
+                continue
+            if not finite:
+                for j in range(size):
+                    for m in range(STAGES):
+                        K[m, j] = 0.0
+            rejected += 1
+            was_rejected = True
+            lands = False
+            h *= 0.25 if error == math.inf else max(0.2, 0.9 * error**-0.2)
+            wanted = h
+            if h < 1e-14 * max(1.0, abs(t)) or not h > 0.0:
+                outcome = STEP_TOO_SMALL if finite else NOT_FINITE
+                break
+            if steps + rejected >= most_steps:
+                outcome = TOO_MANY_STEPS
+                break
+        if outcome != DONE:
+            break
 
         steps += 1
-        was_rejected = False
-        after = stop if lands else t + h
-        while next_output < outputs.size and outputs[next_output] <= after:
-            part = 1.0 if outputs[next_output] == after else (outputs[next_output] - t) / h
-            for j in range(size):
-                states[next_output, j] = (1.0 - part) * y[j] + part * (
-                    fresh[j] + (1.0 - part) * (dense[0, j] + part * (dense[1, j] + part * dense[2, j]))
-                )
-            next_output += 1
-        t = after
-        if fresh[1] != 0.0:
-            direction = 1.0 if fresh[1] > 0.0 else -1.0
+        after = stop if lands else t + part * h
+        due = next_output
+        while due < outputs.size and outputs[due] <= after:
+            due += 1
+        if part < 1.0 or due > next_output:
+            for j in range(size if part < 1.0 else kept):
+                dense_of(K, j, dense)
+        block = outputs[next_output:due]
+        for j in range(kept):
+            found = states[j, next_output:due]
+            before, end_of, d0, d1, d2 = y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2]
+            for o in range(block.size):
+                share = (block[o] - t) * over_h
+                rest = 1.0 - share
+                found[o] = rest * before + share * (end_of + rest * (d0 + share * (d1 + share * d2)))
+        if forces.shape[0] > 0:
+            for o in range(next_output, due):
+                at = outputs[o]
+                for k in range(n):
+                    z[k] = states[head + k, o]
+                if delay > 0.0:
+                    past_speed(history, oldest, newest, at - delay, start[1], past)
+                for j in range(size):
+                    stage[j] = states[j, o]
+                axis_forces(
+                    at, stage, z, head, direction, past[0], past[1], 0, base, effects, groups, addresses, axis, laws,
+                    elements, here, slope,
+                )  # fmt: skip
+                s_here, _ = drive_at(at, knots, values, rates, wave, segment)
+                pull = states[lag_at, o] if drive_lag > 0.0 else s_here
+                forces[o, 0], forces[o, 1] = here[0], here[1]
+                forces[o, 2] = here[2] + here[3]
+                forces[o, 3] = zone * (pull - spring * states[0, o] - edge)
+        next_output = due
+        if delay > 0.0:
+            if newest - oldest == history.shape[0]:
+                outcome = TOO_MANY_STEPS
+                break
+            k = newest % history.shape[0]
+            history[k, 0], history[k, 1], history[k, 2], history[k, 3] = t, h, y[1], fresh[1]
+            history[k, 4], history[k, 5], history[k, 6] = dense[1, 0], dense[1, 1], dense[1, 2]
+            newest += 1
         for j in range(size):
-            y[j] = fresh[j]
-        h = min(longest, h * factor)
+            y[j] = at_part(part, y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2]) if part < 1.0 else fresh[j]
+        t = after
+        factor = min(6.0, 0.9 * max(error, 1e-6) ** -0.2)
+        if taken > 0.0:
+            # Gustafsson's controller: a rise of the error over the last two steps is expected to go on.
+            factor = min(factor, 0.9 * h / taken * (error_taken / max(error, 1e-6) ** 2) ** 0.2)
+        taken, error_taken = h, max(error, 1e-2)
+        if was_rejected:
+            factor = min(factor, 1.0)
+        was_rejected = False
+        h = min(longest, max(h * factor, wanted if factor >= 1.0 else 0.0))
         if lands and segment + 1 < rates.size and knots[segment + 1] <= t:
             segment += 1
 
-    # Forces at the outputs, from the states there.
-    segment = 0
-    direction = 1.0 if start[1] >= 0.0 else -1.0
-    for i in range(forces.shape[0]):
-        at = outputs[i]
-        while segment + 1 < rates.size and knots[segment + 1] <= at:
-            segment += 1
-        for j in range(size):
-            stage[j] = states[i, j]
-        for k in range(n):
-            z[k] = stage[NHEAD + k]
-        _forces(
-            at, stage, z, direction, 0, effects, p_at, core, core_p_at, n, surroundings, axis, laws, core_out, here,
-            slope,
-        )  # fmt: skip
-        if stage[1] != 0.0:
-            direction = 1.0 if stage[1] > 0.0 else -1.0
-        forces[i, 0], forces[i, 1], forces[i, 2] = here[0], here[1], here[2]
-        forces[i, 3] = (
-            values[segment]
-            + rates[segment] * (at - knots[segment])
-            + wave[0] * math.cos(wave[1] * at + wave[2])
-            - spring * stage[0]
-        )
-    report[0], report[1], report[2], report[3], report[4] = DONE, t, steps, rejected, cuts
-    report[5:] = y
+    report[0], report[1], report[2], report[3], report[4] = outcome, t, steps, rejected, cuts
+    for j in range(size):
+        report[5 + j] = y[j]
 
 
-_SOURCES = [rodas5p.__file__]
-_forces = compile_function(_forces, _SOURCES)
-integrate = compile_function(_integrate, _SOURCES)
-"""The compiled integration; `report` = [outcome, time, steps, rejected, cuts at reversals, *state]."""
+_SOURCES = [
+    str(module.__file__)
+    for module in (rodas5p, kernel_calls, axis_forces_module, axis_rates_module, step_output_module)
+]
+_compiled_steps = compile_function(_steps, _SOURCES, _nrt=False, fastmath={"contract"})
+
+
+def _integrate(
+    start, head, outputs, knots, values, rates, wave, body, modes, effects, groups, n, base, relative, absolute,
+    longest, most_steps, states, forces, report,
+):  # fmt: skip
+    """Integrate from the first to the last of `outputs`; see `sim.plan` for what the arrays hold."""
+    size, m = start.size, max(n, 1)
+    axis, laws, z, elements = np.zeros(NAXIS), np.zeros(3 * OUT + OUT), np.zeros(m), np.zeros((m, 8))
+    work = (
+        start.copy(), np.zeros(size), np.zeros(size), z, np.zeros((STAGES, size)), np.zeros((size, 3)), np.zeros(size),
+        np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)), np.zeros((m, 4)),
+        np.zeros(m), np.zeros(m), np.zeros(m), np.zeros((NWORK, 4)), np.zeros(m), np.zeros(4), np.zeros(4), np.zeros(3),
+    )  # fmt: skip
+    addresses = (axis.ctypes.data, laws.ctypes.data, z.ctypes.data, elements.ctypes.data)
+    history = np.zeros((PAST_STEPS if body[6] > 0.0 else 1, HISTORY))
+    _compiled_steps(
+        start, head, outputs, knots, values, rates, wave, body, modes, effects, groups, n, base, relative, absolute,
+        longest, most_steps, states, forces, report, work, addresses, history,
+    )  # fmt: skip
+
+
+integrate: Any = compile_function(_integrate, _SOURCES)
+"""The compiled integration; `report` = [outcome, time, steps, rejected, reversals cut to, *state]."""

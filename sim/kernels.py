@@ -5,7 +5,7 @@ arguments. A user's own law, or one that numba cannot compile, is called back in
 
     effect(axis, p, out, slopes):  for the laws level, factor, force: out[law, 0] value, out[law, 1..5] slopes by
                                    position, velocity, travelled, contact age and time
-    core(z, v, g, p, out, n, slopes): out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
+    core(z, v, direction, g, p, out, n, slopes): out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ import importlib.util
 import inspect
 import math
 import sys
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -35,10 +36,12 @@ HEAD = ("position", "velocity", "travelled", "contact_age")
 BY = (*HEAD, "time")
 OUT = 1 + len(BY)
 
+T = TypeVar("T")
+
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 _EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
 _CORE_TYPE = ctypes.CFUNCTYPE(
-    None, _DOUBLES, ctypes.c_double, ctypes.c_double, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64
+    None, _DOUBLES, *[ctypes.c_double] * 3, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64
 )
 
 # Sizes over which a quantity of the axis changes, for differences where a slope is not declared.
@@ -53,6 +56,23 @@ class Kernel:
     compiled: bool
     keep: Any
     errors: list[BaseException] = field(default_factory=list)
+
+
+class _ByIdentity(Generic[T]):
+    """What a function of an effect gave, kept as long as the effect lives: its hash would cost more than the answer."""
+
+    def __init__(self, function: Callable[[Effect], T]) -> None:
+        functools.update_wrapper(self, function)
+        self.function = function
+        self.kept: dict[int, tuple[weakref.ref[Effect], T]] = {}
+
+    def __call__(self, effect: Effect) -> T:
+        found = self.kept.get(id(effect))
+        if found is None or found[0]() is not effect:
+            key, kept = id(effect), self.kept
+            found = (weakref.ref(effect, lambda _: kept.pop(key, None)), self.function(effect))
+            kept[key] = found
+        return found[1]
 
 
 def depends_on(effect: Effect, law: str, quantity: str) -> bool:
@@ -76,7 +96,7 @@ def _tried(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozen
     found = set()
     with np.errstate(all="ignore"):
         for instant in (Axis(*map(float, row)) for row in zip(*columns)):
-            for quantity in (*BY, "acceleration", "reversal_distance"):
+            for quantity in (*BY, "direction", "acceleration", "reversal_distance"):
                 moved = instant._replace(**{quantity: getattr(instant, quantity) * 1.37 + 1e-6})
                 # A user's law may be good for some instants only: an integration that meets the others will say so.
                 with contextlib.suppress(Exception):
@@ -86,22 +106,44 @@ def _tried(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozen
     return frozenset(found)
 
 
-def carried(effect: Effect) -> set[str]:
+@_ByIdentity
+def carried(effect: Effect) -> frozenset[str]:
     """The quantities of the axis that an effect's level, factor and force depend on."""
-    return {
+    if not any(takes(effect)):
+        return frozenset()
+    return frozenset(
         quantity
         for quantity in (*BY, "acceleration", "reversal_distance")
         for law in LAWS
         if depends_on(effect, law, quantity)
-    }
+    )
 
 
+@_ByIdentity
+def takes(effect: Effect) -> tuple[bool, bool]:
+    """Whether an integration takes a level or factor, and a force, from the effect's laws at one instant."""
+    whole = effect.element is not None or effect.in_time is not None
+    return effect.level is not None or effect.factor is not None, effect.force is not None and not whole
+
+
+@_ByIdentity
+def is_constant(effect: Effect) -> bool:
+    """Whether none of a built-in effect's laws changes in the course of a simulation."""
+    moving = (*BY, "direction", "acceleration", "reversal_distance")
+    return _is_built_in(effect) and not any(depends_on(effect, law, by) for law in LAWS for by in moving)
+
+
+@_ByIdentity
 def unsupported(effect: Effect) -> str | None:
     """Why an effect cannot be integrated in time, or None."""
+    if effect.element is not None or effect.in_time is not None:
+        return None
     if effect.memory is not None:
         return "changes the motion along a whole record, and has no law at one instant"
+    if effect.signal is not None and effect.acts_on != "sensor":
+        return f"acts on the signal of a {effect.acts_on}, which this simulation of one axis does not have"
     if effect.signal is not None:
-        return "acts on a signal: apply its `signal` to the drive's input or to the simulated measurement instead"
+        return None
     instant = Axis(0.1, 1e-3, 1e-3, 0.0, 1.0, 20.0, 0.1, 1e-3, 1e-3, 1.0)
     for law in LAWS:
         function = getattr(effect, law)
@@ -162,7 +204,12 @@ def kernel(axis, p, out, slopes):
 """
 
 
-def _effect_text(effect: Effect) -> str:
+def _values_text(effect: Effect, held: bool) -> str:
+    """The parameters for a kernel: read from its table, or, of those held at their defaults, written in as numbers."""
+    return ", ".join(repr(float(p.default)) if held and p.fixed else f"q[{i}]" for i, p in enumerate(effect.parameters))
+
+
+def _effect_text(effect: Effect, held: bool) -> str:
     functions, lines, sloped = [], [], []
     fields = list(Axis._fields)
     for i, law in enumerate(LAWS):
@@ -194,7 +241,7 @@ def _effect_text(effect: Effect) -> str:
         size=max(len(effect.parameters), 1),
         out=len(LAWS) * OUT,
         here=", ".join(f"a[{i}]" for i in range(len(fields))),
-        values=", ".join(f"q[{i}]" for i in range(len(effect.parameters))),
+        values=_values_text(effect, held),
         lines="\n".join(lines),
     )
 
@@ -203,17 +250,18 @@ def _source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
     return [f.__code__.co_filename for f in functions if f is not None and inspect.isfunction(f)]
 
 
+@_ByIdentity
 def _is_built_in(effect: Effect) -> bool:
     base = effect.name.removeprefix("contact.").partition("@")[0].partition(":")[0]
     built_in = library().get(base)
     if built_in is None:
         return False
-    laws = [(e.level, e.factor, e.force, e.core) for e in (built_in, *built_in.variants)]
-    return (effect.level, effect.factor, effect.force, effect.core) in laws
+    laws = [(e.level, e.factor, e.force, e.core, e.element) for e in (built_in, *built_in.variants)]
+    return (effect.level, effect.factor, effect.force, effect.core, effect.element) in laws
 
 
 @functools.cache
-def _compiled_effect(name: str) -> Kernel | None:
+def _compiled_effect(name: str, held: bool) -> Kernel | None:
     from numba import types
 
     from sim.library import find
@@ -222,7 +270,7 @@ def _compiled_effect(name: str) -> Kernel | None:
     files = _source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
     signature = types.void(*[types.CPointer(types.double)] * 3, types.int64)
     try:
-        module = _load(_effect_text(effect), f"effect_{effect.values_type.__name__}", files)
+        module = _load(_effect_text(effect, held), f"effect_{effect.values_type.__name__}{'_held' * held}", files)
         callback = compilation.compile_callback(module.kernel, signature, files)
     except Exception as error:
         if not type(error).__module__.startswith("numba"):
@@ -231,10 +279,16 @@ def _compiled_effect(name: str) -> Kernel | None:
     return Kernel(callback.address, True, callback)
 
 
-def effect_kernel(effect: Effect) -> Kernel:
-    """The kernel of one effect; see the head of this file for its signature."""
+def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
+    """The kernel of one effect; see the head of this file for its signature.
+
+    With parameter values `p` in which every one that is held has its default, the kernel has those written into it: a
+    square is much cheaper than a power.
+    """
     if _is_built_in(effect):
-        compiled = _compiled_effect(effect.name)
+        fixed = [q for q in effect.parameters if q.fixed]
+        held = p is not None and bool(fixed) and all(getattr(p, q.name) == q.default for q in fixed)
+        compiled = _compiled_effect(effect.name, held)
         if compiled is not None:
             return compiled
     plan = _slope_plan(effect)
@@ -281,19 +335,21 @@ from sim.library import find
 
 EFFECT = find({name!r})
 Values = EFFECT.values_type
-law = njit(error_model='numpy')(EFFECT.core.law)
-element_slopes = njit(error_model='numpy')(EFFECT.core.slopes)
+law = njit(error_model='numpy')((EFFECT.core or EFFECT.element).law)
+element_slopes = njit(error_model='numpy')((EFFECT.core or EFFECT.element).slopes)
 
 
-def kernel(z, v, g, p, out, n, slopes):
+def kernel(z, v, direction, g, p, out, n, slopes):
     state = carray(z, (n,))
     q = carray(p, ({size},))
     r = carray(out, (n, 8))
     values = Values({values})
     for k in range(n):
-        r[k, 0], r[k, 1] = law(k, state[k], v, g, values)
+        r[k, 0], r[k, 1] = law(k, state[k], v, direction, g, values)
         if slopes:
-            r[k, 2], r[k, 3], r[k, 4], r[k, 5], r[k, 6], r[k, 7] = element_slopes(k, state[k], v, g, values)
+            r[k, 2], r[k, 3], r[k, 4], r[k, 5], r[k, 6], r[k, 7] = element_slopes(
+                k, state[k], v, direction, g, values
+            )
 """
 
 
@@ -304,12 +360,12 @@ def _compiled_core(name: str) -> Kernel | None:
     from sim.library import find
 
     effect = find(name)
-    core: Core = effect.core
+    core: Core = effect.core or effect.element
     size = len(effect.parameters)
     text = _CORE_TEXT.format(name=name, size=max(size, 1), values=", ".join(f"q[{i}]" for i in range(size)))
     files = _source_files([core.law, core.slopes])
     pointer = types.CPointer(types.double)
-    signature = types.void(pointer, types.double, types.double, pointer, pointer, types.int64, types.int64)
+    signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
     try:
         module = _load(text, f"core_{effect.values_type.__name__}", files)
         callback = compilation.compile_callback(module.kernel, signature, files)
@@ -321,8 +377,8 @@ def _compiled_core(name: str) -> Kernel | None:
 
 
 def core_kernel(effect: Effect) -> Kernel:
-    """The kernel of the core that `effect` brings; see the head of this file for its signature."""
-    core: Core = effect.core
+    """The kernel of the core or element that `effect` brings; see the head of this file for its signature."""
+    core: Core = effect.core or effect.element
     if core is None:
         raise InputError(f"effect '{effect.name}' has no core: it does not turn a friction level into a force")
     if _is_built_in(effect):
@@ -332,13 +388,13 @@ def core_kernel(effect: Effect) -> Kernel:
     size = len(effect.parameters)
     errors: list[BaseException] = []
 
-    def kernel(z: Any, v: float, g: float, p_at: Any, out: Any, n: int, slopes: int) -> None:
+    def kernel(z: Any, v: float, direction: float, g: float, p_at: Any, out: Any, n: int, slopes: int) -> None:
         try:
             p = effect.values_type(*p_at[:size])
             for k in range(n):
-                out[8 * k], out[8 * k + 1] = core.law(k, z[k], v, g, p)
+                out[8 * k], out[8 * k + 1] = core.law(k, z[k], v, direction, g, p)
                 if slopes:
-                    for i, slope in enumerate(core.slopes(k, z[k], v, g, p)):
+                    for i, slope in enumerate(core.slopes(k, z[k], v, direction, g, p)):
                         out[8 * k + 2 + i] = slope
         except Exception as error:
             errors.append(error)

@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.drive import Drive
 from sim.model import Model
+from sim.plan import plan_of
 from stagecad.parameters.errors import InputError
 
 
@@ -23,7 +24,8 @@ class Simulation:
 
     Args:
         time, position, velocity: s, m, m/s.
-        bristle: states of the core, shape (n, elements).
+        bristle: states of the core and of elements beside it, shape (n, elements); empty when neither forces nor energy
+            were asked for.
         level: friction level, N.
         core_force: force of the core, N.
         friction: core force and the other forces that oppose the motion, N.
@@ -31,7 +33,7 @@ class Simulation:
         core_work, other_work, drive_work: integrals of the forces over the motion since the start, J; empty when the
             energy was not asked for.
         stored: energy in the core's bristles, J; NaN where the core has no energy function.
-        kinetic: kinetic energy, J.
+        mass: that moves with the axis itself, kg: all but what rides on a resonance.
         steps, rejected: of the integrator.
     """
 
@@ -47,9 +49,14 @@ class Simulation:
     other_work: np.ndarray
     drive_work: np.ndarray
     stored: np.ndarray
-    kinetic: np.ndarray
+    mass: float
     steps: int
     rejected: int
+
+    @property
+    def kinetic(self) -> np.ndarray:
+        """Kinetic energy of `mass`, J."""
+        return 0.5 * self.mass * self.velocity**2
 
 
 def simulate(
@@ -95,68 +102,39 @@ def simulate(
         InputError: an argument out of range, or an effect that cannot be integrated.
         SimulationError: the step became too small, a law gave a number that is not finite, or too many steps.
     """
-    from sim import integrator, kernels
+    from sim import integrator
 
     t = np.ascontiguousarray(time, dtype=float)
-    if t.ndim != 1 or t.size < 2 or not np.all(np.diff(t) > 0.0):
+    if t.ndim != 1 or t.size < 2 or not np.all(t[1:] > t[:-1]):
         raise InputError("simulation: the instants of the output must be two or more, and increase strictly")
     if not (mass > 0.0 and math.isfinite(mass)):
         raise InputError(f"simulation: mass = {mass:g} kg; must be positive")
     if not 1e-13 <= tolerance <= 1e-2:
         raise InputError(f"simulation: tolerance = {tolerance:g}; must lie between 1e-13 and 1e-2")
-    acting = list(zip(model.effects, model.values))
-    for effect, _ in acting:
-        reason = kernels.unsupported(effect)
-        if reason:
-            raise InputError(f"simulation: effect '{effect.name}' {reason}")
-
-    tables = [np.array(p if len(p) else (0.0,), dtype=float) for _, p in acting]
-    parts = [kernels.effect_kernel(effect) for effect, _ in acting]
-    core_at = next((i for i, (effect, _) in enumerate(acting) if effect.core is not None), None)
-    core_kernel = None
-    elements = 0
-    scale = 1.0
-    if core_at is not None:
-        effect, p = acting[core_at]
-        core_kernel = kernels.core_kernel(effect)
-        elements = int(effect.core.elements(p))
-        scale = float(effect.core.scale(p))
+    plan = plan_of(model, drive, mass, load, temperature)
     if memory_length is None:
-        memory_length = next((p.memory_length for _, p in acting if hasattr(p, "memory_length")), math.inf)
-    feedback = 0.0 if drive.prescribes else 1.0
+        memory_length = plan.memory_length
     if velocity is None:
         velocity = drive.initial_velocity
-    works = integrator.NWORK if energy else 0
-    start = np.zeros(integrator.NHEAD + elements + works)
-    start[0], start[1] = position, velocity
-    if bristle is not None:
-        start[integrator.NHEAD : integrator.NHEAD + elements] = bristle
-    absolute = np.full(start.size, math.inf)
-    absolute[0], absolute[1] = tolerance * 1e-3, tolerance * 1e-3
-    absolute[integrator.NHEAD : integrator.NHEAD + elements] = tolerance * scale
-    absolute[integrator.NHEAD + elements :] = tolerance * 1e-3
-    if any("travelled" in kernels.carried(effect) for effect, _ in acting):
-        absolute[2] = tolerance * 1e-3
-    if any("contact_age" in kernels.carried(effect) for effect, _ in acting):
-        absolute[3] = tolerance
-    states = np.zeros((t.size, start.size))
-    found = np.zeros((t.size if forces else 0, 4))
+    start, absolute = plan.start(position, velocity, bristle, tolerance, energy)
+    # Without forces and works only the motion is asked for.
+    states = np.empty((start.size if forces or energy else 2, t.size))
+    found = np.empty((t.size if forces else 0, 4))
     report = np.zeros(5 + start.size)
     integrator.integrate(
         start,
-        t[0],
+        plan.head,
         t,
-        drive.knots,
-        drive.values,
-        drive.rates,
-        np.array(drive.wave, dtype=float),
-        np.array([1.0 if drive.prescribes else mass, drive.stiffness, feedback, memory_length]),
-        np.array([part.address for part in parts], dtype=np.int64),
-        np.array([table.ctypes.data for table in tables], dtype=np.int64),
-        core_kernel.address if core_kernel else 0,
-        tables[core_at].ctypes.data if core_at is not None else 0,
-        elements,
-        np.array([load, temperature]),
+        plan.drive.knots,
+        plan.drive.values,
+        plan.drive.rates,
+        np.array(plan.drive.wave, dtype=float),
+        plan.body(memory_length),
+        plan.modes,
+        plan.effects,
+        plan.groups,
+        plan.elements,
+        plan.base,
         tolerance,
         absolute,
         longest_step,
@@ -166,39 +144,38 @@ def simulate(
         report,
     )
     if report[0] != integrator.DONE:
-        errors = [error for part in [*parts, *([core_kernel] if core_kernel else [])] for error in part.errors]
-        _fail(int(report[0]), report, model, errors)
-    head = integrator.NHEAD
-    bristles = states[:, head : head + elements]
-    work = states[:, head + elements :]
+        _fail(int(report[0]), report, model, [error for kernel in plan.kernels for error in kernel.errors])
+    bristles = states[plan.head : plan.head + plan.elements].T
+    work = states[-integrator.NWORK :] if energy else np.empty((3, 0))
     return Simulation(
         time=t,
-        position=states[:, 0].copy(),
-        velocity=states[:, 1].copy(),
-        bristle=bristles.copy(),
-        level=found[:, 0].copy(),
-        core_force=found[:, 1].copy(),
+        position=states[0],
+        velocity=states[1],
+        bristle=bristles,
+        level=found[:, 0],
+        core_force=found[:, 1],
         friction=found[:, 1] + found[:, 2],
-        drive=found[:, 3].copy(),
-        core_work=work[:, 0].copy() if energy else np.empty(0),
-        other_work=work[:, 1].copy() if energy else np.empty(0),
-        drive_work=work[:, 2].copy() if energy else np.empty(0),
-        stored=_stored(acting, core_at, bristles, found[:, 0]) if forces else np.empty(0),
-        kinetic=0.5 * mass * states[:, 1] ** 2,
+        drive=found[:, 3],
+        core_work=work[0],
+        other_work=work[1],
+        drive_work=work[2],
+        stored=_stored(model, bristles, found[:, 0]) if forces else np.empty(0),
+        mass=plan.rigid,
         steps=int(report[2]),
         rejected=int(report[3]),
     )
 
 
-def _stored(acting: list[tuple[Any, Any]], core_at: int | None, bristles: np.ndarray, level: np.ndarray) -> np.ndarray:
-    if core_at is None:
-        return np.zeros(level.size)
-    effect, p = acting[core_at]
-    if effect.core.stored is None:
+def _stored(model: Model, bristles: np.ndarray, level: np.ndarray) -> np.ndarray:
+    stored = np.zeros(level.size)
+    if model.core is None:
+        return stored
+    p = model.values[model.effects.index(model.core)]
+    if model.core.core.stored is None:
         return np.full(level.size, math.nan)
-    return sum(
-        (effect.core.stored(k, bristles[:, k], level, p) for k in range(bristles.shape[1])), np.zeros(level.size)
-    )
+    for k in range(int(model.core.core.elements(p))):
+        stored += model.core.core.stored(k, bristles[:, k], level, p)
+    return stored
 
 
 def _fail(outcome: int, report: np.ndarray, model: Model, errors: list[BaseException]) -> None:

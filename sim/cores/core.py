@@ -5,6 +5,9 @@ velocity v and the level g alone, so the Jacobian of any model is an arrowhead:
 
     z_k' = rate(z_k, v, g),    core force = sum over k of force(z_k, v, g)
 
+A law is told the direction of the motion and takes direction * v for the speed |v|: an integrator holds the direction
+through a step, so that the law stays smooth past a reversal inside it.
+
 Along a measured motion it is an operator on the record, stepped exactly from row to row instead of integrated.
 """
 
@@ -16,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-Element = Callable[[int, float, float, float, Any], tuple[float, float]]
-"""`law(k, z, v, g, p) -> (rate, force)` of element k."""
+Element = Callable[[int, float, float, float, float, Any], tuple[float, float]]
+"""`law(k, z, v, direction, g, p) -> (rate, force)` of element k."""
 
-ElementSlopes = Callable[[int, float, float, float, Any], tuple[float, float, float, float, float, float]]
-"""`slopes(k, z, v, g, p) -> (rate_z, rate_v, rate_g, force_z, force_v, force_g)`, exact."""
+ElementSlopes = Callable[[int, float, float, float, float, Any], tuple[float, float, float, float, float, float]]
+"""`slopes(k, z, v, direction, g, p) -> (rate_z, rate_v, rate_g, force_z, force_v, force_g)`, exact."""
 
 Along = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Any], np.ndarray]
 """`along(position, velocity, time, level, p) -> force`, all of shape (n,)."""

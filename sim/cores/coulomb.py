@@ -6,7 +6,8 @@ landing from ringing, the bristle is the causal one of a0 = g/s, a1 = tau g/s:
 
     phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s = (g v - |v| f)/(s + tau |v|),   core force = phi
 
-|phi| never exceeds the level, and the core is passive at any speed.
+|phi| never exceeds the level, and the core is passive at any speed. Past a reversal (direction * v < 0, where only the
+trial stages of a step ever are) the divisor is continued so that it stays positive.
 """
 
 from __future__ import annotations
@@ -22,25 +23,31 @@ RELAXATION = 1e-4
 """tau, s: at the default stretch about critical damping for 1 kg under 1 N."""
 
 
-def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return 0.0, 0.0
     s = p.stretch
     w = RELAXATION / s
-    below = 1.0 + w * abs(v)
-    return (g * v - abs(v) * z) / (s * below), (z + w * g * v) / below
+    q = w * direction * v
+    below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
+    return (g * v - direction * v * z) / (s * below), (z + w * g * v) / below
 
 
-def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     s = p.stretch
     w = RELAXATION / s
-    sign = 1.0 if v >= 0.0 else -1.0
-    below = 1.0 + w * abs(v)
-    room = g - sign * z
-    rate_z, rate_v, rate_g = -abs(v) / (s * below), room / (s * below * below), v / (s * below)
-    return rate_z, rate_v, rate_g, 1.0 / below, w * room / (below * below), w * v / below
+    q = w * direction * v
+    below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
+    steep = 1.0 if q >= 0.0 else 1.0 + 4.0 * q**3
+    rate = (g * v - direction * v * z) / (s * below)
+    force = (z + w * g * v) / below
+    rate_v = (g - direction * z) / (s * below) - rate * steep * w * direction / below
+    force_v = (w * g - force * steep * w * direction) / below
+    return -direction * v / (s * below), rate_v, v / (s * below), 1.0 / below, force_v, w * v / below
 
 
 @compiled

@@ -16,28 +16,28 @@ def level(axis: Axis, p: Any) -> Any:
     return p.force + 0.0 * axis.velocity
 
 
-def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return v, 0.0
-    sign = 1.0 if v >= 0.0 else -1.0
-    left = 1.0 - p.stiffness * sign * z / g
+    left = 1.0 - p.stiffness * direction * z / g
     if left <= 0.0:
         # Only where the level has just fallen below the stress held: slip back onto it.
         return v * left, p.stiffness * z
     return v * left**p.exponent, p.stiffness * z
 
 
-def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
         return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
-    sign = 1.0 if v >= 0.0 else -1.0
-    left = 1.0 - p.stiffness * sign * z / g
+    left = 1.0 - p.stiffness * direction * z / g
     if left <= 0.0:
         power, steep = left, 1.0
     else:
         power, steep = left**p.exponent, p.exponent * left ** (p.exponent - 1.0)
-    rate_z = -v * steep * p.stiffness * sign / g
-    rate_g = v * steep * p.stiffness * sign * z / (g * g)
+    rate_z = -v * steep * p.stiffness * direction / g
+    rate_g = v * steep * p.stiffness * direction * z / (g * g)
     return rate_z, power, rate_g, p.stiffness, 0.0, 0.0
 
 

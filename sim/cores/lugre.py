@@ -34,20 +34,21 @@ def level(axis: Axis, p: Any) -> Any:
     return p.force + 0.0 * axis.velocity
 
 
-def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return v, 0.0
-    rate = v - p.stiffness * abs(v) * z / g
+    rate = v - p.stiffness * direction * v * z / g
     return rate, p.stiffness * z + p.damping * rate
 
 
-def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
         return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
-    sign = 1.0 if v >= 0.0 else -1.0
-    rate_z = -p.stiffness * abs(v) / g
-    rate_v = 1.0 - p.stiffness * sign * z / g
-    rate_g = p.stiffness * abs(v) * z / (g * g)
+    rate_z = -p.stiffness * direction * v / g
+    rate_v = 1.0 - p.stiffness * direction * z / g
+    rate_g = p.stiffness * direction * v * z / (g * g)
     return rate_z, rate_v, rate_g, p.stiffness + p.damping * rate_z, p.damping * rate_v, p.damping * rate_g
 
 

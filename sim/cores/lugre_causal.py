@@ -1,5 +1,7 @@
 """The thesis's "modified dynamics": the slip element carries the whole bristle force, damping included, so that the
 model has integral causality in bond-graph terms. It is passive at any speed, and its force never exceeds the level.
+Past a reversal (direction * v < 0, where only the trial stages of a step ever are) the divisor is continued so that it
+stays positive.
 """
 
 from __future__ import annotations
@@ -14,22 +16,28 @@ from sim.cores.relaxation import spring_force
 from sim.effect import Effect
 
 
-def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return v, 0.0
-    rate = (g * v - p.stiffness * abs(v) * z) / (g + p.damping * abs(v))
+    q = p.damping * direction * v / g
+    below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
+    rate = (v - p.stiffness * direction * v * z / g) / below
     return rate, p.stiffness * z + p.damping * rate
 
 
-def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
         return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
-    sign = 1.0 if v >= 0.0 else -1.0
-    below = g + p.damping * abs(v)
-    rate = (g * v - p.stiffness * abs(v) * z) / below
-    rate_z = -p.stiffness * abs(v) / below
-    rate_v = (g - p.stiffness * sign * z - p.damping * sign * rate) / below
-    rate_g = (v - rate) / below
+    q = p.damping * direction * v / g
+    below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
+    steep = (1.0 if q >= 0.0 else 1.0 + 4.0 * q**3) / below
+    stressed = p.stiffness * z / g
+    rate = v * (1.0 - direction * stressed) / below
+    rate_z = -p.stiffness * direction * v / g / below
+    rate_v = (1.0 - direction * stressed) / below - rate * steep * p.damping * direction / g
+    rate_g = (direction * v * stressed / below + rate * steep * q) / g
     return rate_z, rate_v, rate_g, p.stiffness + p.damping * rate_z, p.damping * rate_v, p.damping * rate_g
 
 

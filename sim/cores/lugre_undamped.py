@@ -12,18 +12,19 @@ from sim.cores.relaxation import spring_force
 from sim.effect import Effect
 
 
-def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return v, 0.0
-    return v - p.stiffness * abs(v) * z / g, p.stiffness * z
+    return v - p.stiffness * direction * v * z / g, p.stiffness * z
 
 
-def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
         return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
-    sign = 1.0 if v >= 0.0 else -1.0
-    rate_v = 1.0 - p.stiffness * sign * z / g
-    return -p.stiffness * abs(v) / g, rate_v, p.stiffness * abs(v) * z / (g * g), p.stiffness, 0.0, 0.0
+    rate_v = 1.0 - p.stiffness * direction * z / g
+    return -p.stiffness * direction * v / g, rate_v, p.stiffness * direction * v * z / (g * g), p.stiffness, 0.0, 0.0
 
 
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:

@@ -27,7 +27,7 @@ def level(axis: Axis, p: Any) -> Any:
     return p.force + 0.0 * axis.velocity
 
 
-def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     n = 12
     u = (k + 1) / n
     m = n * ((1.0 - k / n) ** p.curvature - (1.0 - u) ** p.curvature)
@@ -35,12 +35,14 @@ def law(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float]:
     weight = (m - after) * u
     ratio = z / (u * p.stretch)
     force = max(g, 0.0) * weight * ratio
-    if ratio * v <= 0.0:
+    if ratio * direction <= 0.0:
         return v, force
     return v * (1.0 - abs(ratio) ** 8.0), force
 
 
-def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, float, float, float, float]:
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
     n = 12
     u = (k + 1) / n
     m = n * ((1.0 - k / n) ** p.curvature - (1.0 - u) ** p.curvature)
@@ -50,11 +52,10 @@ def slopes(k: int, z: float, v: float, g: float, p: Any) -> tuple[float, float, 
     ratio = z / limit
     force_z = max(g, 0.0) * weight / limit
     force_g = weight * ratio if g > 0.0 else 0.0
-    if ratio * v <= 0.0:
+    if ratio * direction <= 0.0:
         return 0.0, 1.0, 0.0, force_z, 0.0, force_g
     size = abs(ratio)
-    sign = 1.0 if ratio >= 0.0 else -1.0
-    return -v * 8.0 * size**7.0 * sign / limit, 1.0 - size**8.0, 0.0, force_z, 0.0, force_g
+    return -v * 8.0 * size**7.0 * direction / limit, 1.0 - size**8.0, 0.0, force_z, 0.0, force_g
 
 
 @compiled

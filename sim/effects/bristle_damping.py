@@ -6,14 +6,35 @@ from typing import Any
 
 import numpy as np
 
+from sim.cores.core import Core
 from sim.effect import Axis, Effect, Parameter, Scan
 
 
 def _force(axis: Axis, p: Any) -> Any:
+    return _along(axis.position, axis.velocity, axis.time, axis.velocity, p)
+
+
+def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
+    """In time the bristle yields along a steep curve instead of all at once, as those of Maxwell-slip do."""
+    size = direction * z / p.stretch
+    rate = v * (1.0 - size**8.0) if size > 0.0 else v
+    return rate, p.damping * rate
+
+
+def _slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
+    size = direction * z / p.stretch
+    if size <= 0.0:
+        return 0.0, 1.0, 0.0, 0.0, p.damping, 0.0
+    rate_z, rate_v = -v * 8.0 * size**7.0 * direction / p.stretch, 1.0 - size**8.0
+    return rate_z, rate_v, 0.0, p.damping * rate_z, p.damping * rate_v, 0.0
+
+
+def _along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
     from sim.record_kernels import stop
 
-    stretched = stop(np.ascontiguousarray(axis.position), p.stretch)
-    return p.damping * axis.velocity * (np.abs(stretched) < 1.0)
+    return p.damping * velocity * (np.abs(stop(np.ascontiguousarray(position), p.stretch)) < 1.0)
 
 
 EFFECT = Effect(
@@ -30,4 +51,5 @@ EFFECT = Effect(
                   role="shape", scan=Scan("position", 1e-4, 0.1, 6)),
     ),
     force=_force,
+    element=Core("bristle_damping", _law, _slopes, _along, lambda p: p.stretch),
 )  # fmt: skip

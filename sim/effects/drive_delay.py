@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Effect, Parameter, Scan
+from sim.in_time import DriveDelay
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
@@ -36,4 +37,5 @@ EFFECT = Effect(
         ),
     ),
     signal=_signal,
+    in_time=lambda p: DriveDelay(p.delay),
 )

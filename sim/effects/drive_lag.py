@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from sim.effect import Effect, Parameter, Scan
+from sim.in_time import DriveLag
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
@@ -35,4 +36,5 @@ EFFECT = Effect(
         ),
     ),
     signal=_signal,
+    in_time=lambda p: DriveLag(p.time_constant),
 )

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Effect, Parameter, Scan
+from sim.in_time import Rider
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
@@ -47,4 +48,5 @@ EFFECT = Effect(
         ),
     ),
     signal=_signal,
+    in_time=lambda p: Rider(p.frequency, p.damping, p.mass_ratio),
 )

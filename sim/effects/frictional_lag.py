@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Axis, Effect, Parameter, Scan
+from sim.in_time import LaggedSpeed
 
 
 def _memory(axis: Axis, p: Any) -> Axis:
@@ -36,4 +37,5 @@ EFFECT = Effect(
         ),
     ),
     memory=_memory,
+    in_time=lambda p: LaggedSpeed(p.delay),
 )

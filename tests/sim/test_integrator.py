@@ -128,8 +128,8 @@ def test_a_load_not_given_is_no_silent_zero():
 @pytest.mark.parametrize(
     ("effect", "message"),
     [
-        ("frictional_lag", "'frictional_lag' changes the motion along a whole record"),
-        ("sensor_lag", "'sensor_lag' acts on a signal"),
+        ("piezo_creep", "'piezo_creep' acts on the signal of a piezo, which this simulation of one axis does not have"),
+        ("backlash", "'backlash' needs a drive that pulls a spring"),
     ],
 )
 def test_an_effect_that_cannot_be_integrated_says_so(effect, message):
