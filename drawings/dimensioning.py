@@ -288,7 +288,7 @@ class _Maker:
                 lines = (f"{{surface}}Ra {number(requirement.roughness, None, 0.0)} {requirement.process}".strip(),)
                 places = tuple(
                     (first[0] + t * (second[0] - first[0]), first[1] + t * (second[1] - first[1]))
-                    for t in (0.5, 0.25, 0.75, 0.1, 0.9)
+                    for t in (0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6, 0.02, 0.98)
                 )
                 name = f"texture {requirement.name}"
                 made = AskedCallout(view.name, places[0], 0.0, lines, (name,), places[1:])

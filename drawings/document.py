@@ -309,7 +309,7 @@ def label_ink(view: View) -> Iterator[Ink]:
     """The name of a section or detail, below its view."""
     box = view_box(view)
     if view.label and box:
-        yield Words(view.label, ((box[0] + box[2]) / 2, box[1] - 3.0 - LARGE), LARGE, "middle")
+        yield Words(view.label, view.label_at or ((box[0] + box[2]) / 2, box[1] - 3.0 - LARGE), LARGE, "middle")
 
 
 def view_box(view: View) -> Box2 | None:

@@ -25,9 +25,9 @@ from drawings.annotation import (
 from drawings.annotation_ink import annotation_ink, text_box
 from drawings.asked import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
 from drawings.candidates import Candidate, of_angle, of_callout, of_distance, of_frame, of_round
-from drawings.field import Field, Line, arc_points, around, curve_points, grown, pieces, reaches
+from drawings.field import Field, Line, Lines, arc_points, around, curve_points, grown, pieces, reaches
 from drawings.ink import Circle, Fill, Ink, Stroke, Words
-from drawings.lettering import LARGE, TEXT
+from drawings.lettering import LARGE
 from drawings.symbols import line_width
 from drawings.view import Box2, Curve, Point2, View
 
@@ -39,6 +39,8 @@ HIT, CROSSING, OVER_PART = 80.0, 3.0, 0.3
 """Cost of a text that touches something, of a line that crosses an annotation's, of one that crosses the part's, mm."""
 ON_PART = 12.0
 """Cost of a dimension line that runs along a line of the part, mm."""
+CROWDED = 6.0
+"""Cost of an arrow whose tip is at another one's, mm."""
 ASTRAY = 30.0
 """Cost of a leader that ends where no line of the part is drawn, mm."""
 
@@ -75,6 +77,7 @@ def dress(view: View, asked: Sequence[Asked], marks: Sequence[Annotation] = ()) 
         placer.keep(mark)
     for one in sorted(asked, key=_order):
         placer.place(one)
+    view = replace(view, label_at=placer.label())
     return Dressed(view, tuple(placer.kept), placer.room(), placer.hits, tuple(asked), tuple(marks))
 
 
@@ -108,14 +111,36 @@ class _Placer:
         self.outline = view_outline(view)
         x0, y0, x1, y1 = zip(*drawn)
         self.inked = [(min(*x0, *x1), min(*y0, *y1), max(*x0, *x1), max(*y0, *y1))]
-        if view.label:
-            box, half = self.inked[0], line_width(view.label, LARGE) / 2
-            middle = (box[0] + box[2]) / 2
-            self.field.boxes.append((middle - half, box[1] - 3.0 - LARGE, middle + half, box[1] - 3.0))
-            self.inked.append(self.field.boxes[-1])
+        self.edges = Lines(1024)
+        self.edges.add(
+            [
+                line
+                for layer, curves in view.curves.items()
+                if layer in ("VISIBLE", "HIDDEN")
+                for curve in curves
+                for line in _curve_lines(curve, view)
+            ]
+        )
+        self.tips: list[Point2] = []
 
     def room(self) -> Box2:
         return around(self.inked)
+
+    def label(self) -> Point2 | None:
+        """A free place for the view's name, below the part and what is close below it."""
+        if not self.view.label:
+            return None
+        half, middle = line_width(self.view.label, LARGE) / 2, (self.outline[0] + self.outline[2]) / 2
+        step = 0.0
+        while True:
+            low = self.outline[1] - 4.0 - LARGE - step
+            box = (middle - half, low, middle + half, low + LARGE)
+            if not self.field.text_hits(box, 1.5):
+                break
+            step += 1.0
+        self.field.boxes.append(box)
+        self.inked.append(box)
+        return (middle, low)
 
     def place(self, asked: Asked) -> None:
         """Keeps the best of the likely places."""
@@ -142,6 +167,10 @@ class _Placer:
                 return of_frame(asked, self.view)
             case AskedCallout():
                 room = self.room()
+                places = (asked.at, *asked.choices) if asked.choices else ()
+                drawn = [p for p in places if self.edges.touching(_about(self.view.to_paper(p)))]
+                if drawn:
+                    asked = replace(asked, at=drawn[0], choices=tuple(drawn[1:]))
                 return of_callout(asked, self.view, self.outline, (room[0] - 3.0, room[2] + 3.0))
 
     def _extra(self, annotation: Annotation, most: float) -> tuple[float, int]:
@@ -158,8 +187,11 @@ class _Placer:
             return cost, hits
         cost += CROSSING * self.field.crossings(lines)
         tip = _tip(annotation, self.view)
-        if tip and not self.field.part.touching(tip):
+        if tip and not self.edges.touching(_about(tip)):
             cost += ASTRAY
+        end = tip or (self.view.to_paper(annotation.at) if isinstance(annotation, Callout) else None)
+        if end:
+            cost += CROWDED * sum(math.dist(end, other) < 3.0 for other in self.tips)
         cost += OVER_PART * sum(self.field.part.crossing(line) for line in lines)
         cost += ON_PART * sum(self.field.part.beside(lane, 1.5) for lane in lanes)
         return cost, hits
@@ -167,6 +199,9 @@ class _Placer:
     def keep(self, annotation: Annotation) -> None:
         """Takes the room of an annotation."""
         boxes, lines, lanes = _parts(annotation, self.view)
+        tip = _tip(annotation, self.view)
+        tip = tip or (self.view.to_paper(annotation.at) if isinstance(annotation, Callout) else None)
+        self.tips += [tip] if tip else []
         self.field.boxes += boxes
         self.field.drawn.add(lines)
         self.field.lanes += lanes
@@ -207,7 +242,8 @@ def _parts(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line], 
     lines = [line for item in ink for line in _lines(item)]
     if isinstance(annotation, ControlFrame | DatumMark):
         # The whole frame is as good as text.
-        boxes = [grown(around(boxes), TEXT / 2)]
+        cells = [item.points for item in ink if isinstance(item, Stroke) and len(item.points) == 5]
+        boxes = [around((*points[0], *points[2]) for points in cells)]
         lines = [line for line in lines if not _within(line, grown(boxes[0], 0.1))]
     lanes: list[Line] = []
     if isinstance(annotation, Linear):
@@ -224,18 +260,21 @@ def _lane(annotation: Linear, lines: Sequence[Line]) -> Line:
     return max(lines, key=lambda line: abs((line[2] - line[0]) * u[0] + (line[3] - line[1]) * u[1]))
 
 
-def _tip(annotation: Annotation, view: View) -> Box2 | None:
-    """A small box about where an arrow or a datum's triangle must meet a line of the part."""
+def _tip(annotation: Annotation, view: View) -> Point2 | None:
+    """Where an arrow or a datum's triangle must meet a line of the part."""
     match annotation:
         case Round():
             turn = math.radians(annotation.towards)
             u, v = annotation.centre
-            at = (u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn))
+            return view.to_paper((u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn)))
         case ControlFrame() | DatumMark():
-            at = annotation.at
+            return view.to_paper(annotation.at)
         case _:
             return None
-    return grown((*view.to_paper(at), *view.to_paper(at)), 0.3)
+
+
+def _about(point: Point2) -> Box2:
+    return grown((*point, *point), 0.3)
 
 
 def _within(line: Line, box: Box2) -> bool:

@@ -75,9 +75,14 @@ def arrange(every: Sequence[Dressed], area: SheetArea) -> Arrangement:
     shift, *others = places
     by_name = {name: (x + shift[0], y + shift[1]) for name, (x, y) in group.items()}
     by_name |= {one.view.name: place for one, place in zip(alone, others, strict=True)}
-    placed = tuple(replace(one.view, place=by_name[one.view.name]) for one in every)
+    placed = tuple(_placed(one.view, by_name[one.view.name]) for one in every)
     annotations = tuple(moved(a, by_name[one.view.name]) for one in every for a in one.annotations)
     return Arrangement(placed, annotations, fits, sum(one.hits for one in every), needed)
+
+
+def _placed(view: View, place: Point2) -> View:
+    label_at = (view.label_at[0] + place[0], view.label_at[1] + place[1]) if view.label_at else None
+    return replace(view, place=place, label_at=label_at)
 
 
 def _marks(views: Sequence[View]) -> dict[str, list[Annotation]]:

@@ -21,6 +21,8 @@ from drawings.view import Arc, Box2, Point2
 
 Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
 
+PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH")
+"""Layers of the part's own lines."""
 TOUCH = 0.05
 """By how much a text must go into something to touch it, mm on paper."""
 
@@ -99,6 +101,8 @@ class _Ink:
         self.sheet_lines: list[Line] = []
         self.view_lines: list[Line] = []
         self.view_texts: list[_Text] = []
+        self.part_lines: list[Line] = []
+        self.small_frames: list[Box2] = []
         self.lost: list[str] = []
         paper = document.paperspace()
         self.windows = list(_windows(paper))
@@ -122,7 +126,12 @@ class _Ink:
             self.texts.append(text)
             self.view_texts.append(text)
         else:
-            self.view_lines += _lines(entity, window)
+            lines = _lines(entity, window)
+            self.view_lines += lines
+            if entity.dxf.layer in PART:
+                self.part_lines += lines
+            elif entity.dxftype() == "LWPOLYLINE" and len(points) == 5 and math.dist(points[0], points[4]) < 1e-9:
+                self.small_frames.append(_box(map(window.to_paper, points)))
 
 
 def lint(document: Drawing) -> list[Hit]:
@@ -132,6 +141,7 @@ def lint(document: Drawing) -> list[Hit]:
         *_lost(ink),
         *_texts_on_texts(ink),
         *_texts_on_lines(ink),
+        *_frames_on_parts(ink),
         *_off_the_sheet(document, ink),
         *_shared_lines(document, ink),
         *_values(document, ink),
@@ -178,6 +188,15 @@ def _texts_on_lines(ink: _Ink) -> Iterator[Hit]:
             if _reaches((x0, y0, x1, y1), half):
                 yield Hit("line", f"'{text.words}' is over a line", text.middle)
                 break
+
+
+def _frames_on_parts(ink: _Ink) -> Iterator[Hit]:
+    """Frames of tolerances and datum letters that stand on the part."""
+    lines = Lines()
+    lines.add(ink.part_lines)
+    for frame in ink.small_frames:
+        if lines.touching((frame[0] + TOUCH, frame[1] + TOUCH, frame[2] - TOUCH, frame[3] - TOUCH)):
+            yield Hit("line", "the frame of a tolerance or datum is over the part", frame[:2])
 
 
 def _reaches(line: Line, half: Point2) -> bool:

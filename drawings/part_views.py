@@ -150,7 +150,6 @@ def _bearing_way(design: Any) -> tuple[SheetPlan, ...]:
 def _base(design: Any) -> tuple[SheetPlan, ...]:
     base = design.base
     first, *_ = clamps(design)
-    floor = -(base.pocket_depth + base.height) / 2
     top = ViewPlan("top", "top", symmetry="uv")
     one = SheetPlan(
         "base_1",
@@ -170,7 +169,6 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
             ViewPlan("top", "top", symmetry="u"),
             ViewPlan("right", "right", "top"),
             _section("A", "top", (0.0, 0.0, -base.clamp_screw_depth), ""),
-            _section("B", "top", (0.0, 0.0, floor), ""),
             _detail("X", "top", finger, reach, 0.5),
         ),
         ("clamp",),

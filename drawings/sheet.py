@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drawings.annotation import Annotation, Note
-from drawings.frame import MARGIN, Paper, drawing_space
+from drawings.frame import CENTRING, MARGIN, PAPERS, Paper, drawing_space
 from drawings.ink import Ink
 from drawings.title_block import TitleBlock, title_box
 from drawings.view import Box2, View
@@ -58,8 +58,16 @@ class SheetArea:
 def sheet_area(paper: Paper, taken: tuple[Box2, ...] = ()) -> SheetArea:
     """The area of a sheet that is free for views, beside its title block and what else is named, mm."""
     x0, y0, x1, y1 = drawing_space(paper)
+    width, height = PAPERS[paper]
+    u, v = width / 2, height / 2
+    marks = (
+        (x0, v, x0 + CENTRING, v),
+        (x1 - CENTRING, v, x1, v),
+        (u, y0, u, y0 + CENTRING),
+        (u, y1 - CENTRING, u, y1),
+    )
     clear = MARGIN / 2
-    return SheetArea((x0 + clear, y0 + clear, x1 - clear, y1 - clear), (title_box(paper), *taken))
+    return SheetArea((x0 + clear, y0 + clear, x1 - clear, y1 - clear), (title_box(paper), *marks, *taken))
 
 
 def scale_text(scale: float) -> str:

@@ -123,6 +123,7 @@ class View:
         scale: paper over part, 0.5 for 1:2.
         place: paper coordinates of the view's origin.
         label: printed below the view (`A-A`, `X (1:2)`); empty for none.
+        label_at: middle of the label's base line, paper; just below the lines of the view when left out.
         clip: centre and radius of the circle a detail is cut to, view coordinates.
         cut: plane of a section; none for a view from outside.
         beside: name of the view it stands in line with; empty for one that stands alone.
@@ -134,6 +135,7 @@ class View:
     scale: float = 1.0
     place: Point2 = (0.0, 0.0)
     label: str = ""
+    label_at: Point2 | None = None
     clip: tuple[Point2, float] | None = None
     cut: Cut | None = None
     beside: str = ""

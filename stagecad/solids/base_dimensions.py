@@ -359,7 +359,7 @@ def _clamp_slots(d: Declarations, design: Any, clamp: Clamp) -> None:
         _at(radius, out, below),
         out,
         count=4,
-        view="section",
+        view="top",
         note="through the pocket's floor, along its wall, from gap slot to neck angle",
     )
 
