@@ -52,8 +52,10 @@ class Budget:
 
 
 def payload_point(r: Reading) -> tuple[float, float, float]:
-    """Centre of the payload over the stage's middle plane, m."""
-    return 0.0, 0.0, r("stage.thickness") / 2 + r("payload.height")
+    """Corner of the payload's pattern of holes, at the height of its centre over the stage's middle plane, m."""
+    pitch = r("stage.payload_pitch")
+    along, across = (r("stage.payload_columns") - 1) / 2 * pitch, (r("stage.payload_rows") - 1) / 2 * pitch
+    return along, across, r("stage.thickness") / 2 + r("payload.height")
 
 
 def _pads_height(r: Reading, height: float) -> float:
@@ -161,7 +163,8 @@ def worked_out(r: Reading, name: str) -> Budget:
     direction, key, requirement, parts = _KINDS[name]
     rows, total = budget(parts(r), payload_point(r))
     axis = AXES[direction]
-    rows = [row for row in rows if abs(row[1][axis]) > 0]
+    # Rotations reach across their own axis in second order: a hundred-thousandth of the whole says nothing.
+    rows = [row for row in rows if abs(row[1][axis]) > 1e-5 * total[axis]]
     rows.sort(key=lambda row: -abs(row[1][axis]))
     return Budget(name, direction, key, requirement, tuple(rows), total)
 

@@ -69,6 +69,7 @@ def coating(r: Reading) -> Check:
         "(1 - 2 nu) p0/3 x E'_coating/E'_tip <= strength",
         f"p0 = {show(peak, 'Pa')}, E' ratio {layer / body:.3g}: {show(tension, 'Pa')}",
         "a larger nose radius, or a softer coating",
+        requirement="Table 2: friction layer",
     )
 
 

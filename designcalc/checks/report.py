@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
+from designcalc.checks.budget import Budget
 from designcalc.checks.candidates import Candidate
 from designcalc.checks.check import Check
 from stagecad.parameters.quantities import format_quantity
@@ -42,13 +43,30 @@ def shown_margin(check: Check) -> str:
     return f"{percent:+.0f} %" if abs(percent) < 1e4 else f"{percent:+.1e} %"
 
 
+REQUIREMENTS: dict[str, str] = {
+    "Table 1: resolution": "0.1 to 10 nm",
+    "Table 1: travel": "200 mm",
+    "Table 1: speed": "200 mm/s",
+    "Table 1: acceleration": "0.2 to 1 G",
+    "Table 1: smoothness": "1 nm normal to the plane of motion",
+    "Table 2: actuator": "piezoelectric, as a cheap way to drive a stage",
+    "Table 2: sensor range": "that of the system, 200 mm",
+    "Table 2: sensor resolution": "that of the system or better, 10 to 0.1 nm",
+    "Table 2: sensor without contact": "desirable for two axes",
+    "Table 2: low thermal expansion": "materials for thermal stability",
+    "Table 2: friction layer": "at the interface with the actuator",
+    "Section 2.2: access to payload and adjustments": "ergonomics",
+    "Section 2.2: modular": "easy to assemble, components easy to replace",
+    "Section 2.2: open to two axes": "adaptable to motion in two axes",
+    "Section 2.3.2: straightness (Table 1 has none)": "similar bearings reach 5 to 10 um, submicron when hand finished",
+    "Section 2.3.2: repeatability (Table 1 has none)": "similar bearings reach 0.1 to 1 um",
+}
+"""What the thesis asks for, entry by entry: the name that checks give as their requirement, and its words."""
+
+
 def requirements(checks: Sequence[Check]) -> dict[str, list[Check]]:
-    """Entries of the thesis's Tables 1 and 2, each with the checks that bear on it."""
-    traced: dict[str, list[Check]] = {}
-    for check in checks:
-        if check.requirement:
-            traced.setdefault(check.requirement, []).append(check)
-    return dict(sorted(traced.items()))
+    """Every entry of the thesis's Tables 1 and 2 (and what stands beside them) with the checks that bear on it."""
+    return {name: [check for check in checks if check.requirement == name] for name in REQUIREMENTS}
 
 
 def corrections(checks: Sequence[Check]) -> list[Check]:
@@ -56,31 +74,82 @@ def corrections(checks: Sequence[Check]) -> list[Check]:
     return [check for check in checks if check.thesis]
 
 
-def markdown(checks: Sequence[Check], candidates: Sequence[Candidate] = (), title: str = "Design checks") -> str:
-    """Every check as Markdown: summary, requirements, the suspensions ranked, then each check in full, worst first."""
+def markdown(
+    checks: Sequence[Check],
+    candidates: Sequence[Candidate] = (),
+    budgets: Sequence[Budget] = (),
+    title: str = "Design checks",
+) -> str:
+    """Every check as Markdown.
+
+    Summary, requirements, what the thesis has wrong, suspensions by rank, error budgets, then each check in full with
+    its formula, numbers and inputs, worst first.
+    """
     ordered = sorted(checks, key=lambda c: VERDICTS.index(c.verdict))
     lines = [f"# {title}", "", counted(checks) + ".", ""]
-    lines += ["| check | value | limit | margin | verdict |", "| --- | --- | --- | --- | --- |"]
-    for check in checks:
-        cells = (check.name, shown(check.value, check.unit), shown_limit(check), shown_margin(check), check.verdict)
-        lines.append("| " + " | ".join(_cell(text) for text in cells) + " |")
-    lines += ["", "## Requirements", "", "| requirement | checks |", "| --- | --- |"]
-    for requirement, bearing in requirements(checks).items():
-        listed = "; ".join(f"{c.name}: {c.verdict}" for c in bearing)
-        lines.append(f"| {_cell(requirement)} | {_cell(listed)} |")
+    lines += _table(
+        ("check", "value", "limit", "margin", "verdict", "source"),
+        [
+            (c.name, shown(c.value, c.unit), shown_limit(c), shown_margin(c), c.verdict.replace("_", " "), c.source)
+            for c in checks
+        ],
+    )
+    lines += ["", "## Requirements", ""]
+    lines += _table(
+        ("requirement", "asked for", "checks that bear on it"),
+        [
+            (name, REQUIREMENTS[name], "; ".join(f"{c.name}: {c.verdict}" for c in bearing) or "none")
+            for name, bearing in requirements(checks).items()
+        ],
+    )
     lines += ["", "## Where the thesis differs", ""]
-    lines += [f"- {check.name}: {check.thesis}. {check.substituted}" for check in corrections(checks)]
+    for check in corrections(checks):
+        lines.append(f"- {check.name}: {check.thesis}. {check.substituted}")
+        if check.proposal:
+            lines.append(f"  Would pass: {check.proposal}.")
     if candidates:
-        lines += ["", "## Suspensions by rank", "", "| suspension | stiffness | smoothness | stable | why |"]
-        lines.append("| --- | --- | --- | --- | --- |")
-        for c in candidates:
-            smooth = "-" if c.smoothness == math.inf else shown(c.smoothness, "m")
-            cells = (c.name, shown(c.stiffness, "N/m"), smooth, "yes" if c.stable else "no", c.why)
-            lines.append("| " + " | ".join(_cell(text) for text in cells) + " |")
+        lines += ["", "## Suspensions by rank", "", RANKING, ""]
+        lines += _table(CANDIDATE_HEADINGS, [candidate_cells(c) for c in candidates])
+    for found in budgets:
+        lines += ["", f"## Error budget: {found.name}, {found.direction}", ""]
+        lines += _table(("contribution", "source", "at the payload", "adds"), budget_cells(found))
     lines += ["", "## Each check", ""]
     for check in ordered:
         lines += _in_full(check)
     return "\n".join(lines) + "\n"
+
+
+RANKING = (
+    "Places by stiffness, smoothness, friction (which limits the resolution), repeatability and cost, added up; what "
+    "is unstable, or does not go with the drive and its magnets, comes after what does."
+)
+CANDIDATE_HEADINGS = (
+    "suspension", "stiffness", "smoothness", "friction", "repeatability", "cost", "places", "stable", "fits", "why",
+)  # fmt: skip
+
+
+def candidate_cells(c: Candidate) -> tuple[str, ...]:
+    """A suspension as a row below `CANDIDATE_HEADINGS`."""
+    smooth, again = (
+        "-" if value == math.inf else format_quantity(value, "m", 3) for value in (c.smoothness, c.repeatability)
+    )
+    stiff, rub = format_quantity(c.stiffness, "N/m", 3), format_quantity(c.friction, "N", 3)
+    stable, fits = ("yes" if yes else "no" for yes in (c.stable, c.fits_drive))
+    return c.name, stiff, smooth, rub, again, str(c.cost), f"{c.places:g}", stable, fits, c.why
+
+
+def budget_cells(found: Budget) -> list[tuple[str, ...]]:
+    """Contributions of a budget, the largest first, and their total."""
+    rows = [
+        (cause.name, cause.source, shown(abs(float(e[found.axis])), "m"), "by squares" if cause.random else "in full")
+        for cause, e in found.rows
+    ]
+    return [*rows, ("total", "", shown(float(found.total[found.axis]), "m"), "")]
+
+
+def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    lines = ["| " + " | ".join(headings) + " |", "|" + " --- |" * len(headings)]
+    return lines + ["| " + " | ".join(_cell(text) for text in row) + " |" for row in rows]
 
 
 def _in_full(check: Check) -> list[str]:
@@ -90,6 +159,7 @@ def _in_full(check: Check) -> list[str]:
         ("formula", f"`{check.formula}`" if check.formula else ""),
         ("numbers", check.substituted),
         ("source", check.source),
+        ("requirement", check.requirement),
         ("thesis", check.thesis),
         ("proposal", check.proposal),
         ("note", check.note),

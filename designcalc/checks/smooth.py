@@ -48,6 +48,16 @@ def spot(r: Reading) -> float:
     return 2 * float(film(r, heaviest_pad(r)).radius)
 
 
+def lapped_surface(r: Reading) -> Surface:
+    """The way lapped as proposed."""
+    return Surface(
+        roughness=r("bearing.proposed_way_roughness"),
+        correlation_length=r("bearing.roughness_correlation"),
+        waviness=r("bearing.way_waviness"),
+        wavelength=r("bearing.waviness_length"),
+    )
+
+
 def smoothness(r: Reading, key: str, label: str) -> Check:
     side = spot(r)
     rough = r(f"bearing.{key}")
@@ -81,12 +91,7 @@ def _printed_rule(roughness: float) -> str:
 def ridden(r: Reading) -> Check:
     """The stage carried over profiles of roughness and waves, its bow left to the straightness."""
     side, places = spot(r), pads(r)
-    surface = Surface(
-        roughness=r("bearing.proposed_way_roughness"),
-        correlation_length=r("bearing.roughness_correlation"),
-        waviness=r("bearing.way_waviness"),
-        wavelength=r("bearing.waviness_length"),
-    )
+    surface = lapped_surface(r)
     rough, waves = (_ridden_rms(r, one, side, places) for one in (surface.without_waves(), surface.without_roughness()))
     both = float(np.hypot(rough, waves))
     limit = r("requirements.smoothness")

@@ -144,8 +144,26 @@ def test_check_sweeps_with_a_figure(capsys, tmp_path):
     assert (tmp_path / "checks" / "sweep_tip_nose_radius.png").stat().st_size > 10_000
 
 
-def test_check_draws_the_rail_and_the_map(capsys, tmp_path):
+def test_check_draws_its_figures_into_one_page(capsys, tmp_path):
     status, *_ = answer(capsys, "check", "--no-solids", "--figures", "--out", str(tmp_path))
     assert status == 1
-    for name in ("rail", "teeth"):
+    page = (tmp_path / "checks" / "checks.html").read_text("utf-8")
+    for name in ("rail", "teeth", "speed", "travel", "profile", "budget"):
         assert (tmp_path / "checks" / f"{name}.png").stat().st_size > 10_000
+    assert page.count('src="data:image/png;base64,') == 6
+    assert "http" not in page  # opens without a network
+    # each check has its formula, its numbers and the origin of its inputs; what failed has what would pass
+    for words in (
+        "2 A &lt;= free stroke",
+        "2 x 10 um against 17 um",
+        "assumed: by its name, at 150 V",
+        "about mid-voltage",
+    ):
+        assert words in page
+
+
+def test_check_without_teeth_draws_what_there_is(capsys, tmp_path):
+    words = ("check", "--no-solids", "--figures", "--out", str(tmp_path), "--set", "teeth.fitted=false")
+    answer(capsys, *words)
+    assert (tmp_path / "checks" / "rail.png").is_file()
+    assert not (tmp_path / "checks" / "teeth.png").exists()

@@ -8,12 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stagecad.parameters.atomic import atomic_path, atomic_write_text
-from workbench.options import Run, common_options, finite
+from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks import Weighed
-    from designcalc.checks.candidates import Candidate
     from designcalc.checks.check import Check
     from designcalc.checks.sweep import Point, Range
     from designcalc.checks.tolerance import ToleranceStudy
@@ -26,7 +24,7 @@ if TYPE_CHECKING:
     "--samples", type=click.IntRange(100, 1_000_000), default=10_000, show_default=True, help="Of --tolerance."
 )
 @click.option("--solids/--no-solids", default=True, help="Take mass from the solids, or from plain volumes.")
-@click.option("--figures", is_flag=True, help="Draw the rail curve and the map of the teeth.")
+@click.option("--figures", is_flag=True, help="Draw what the checks can show, into the report too.")
 @click.option(
     "--scheduler",
     metavar="ADDRESS",
@@ -44,16 +42,15 @@ def command(
 ) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks import run_checks
-    from designcalc.checks.candidates import ranking
-    from designcalc.checks.reading import Reading
     from designcalc.checks.sweep import read_range
+    from workbench.check_report import write_check_files
 
     design = run.design
     wanted = read_range(swept, design) if swept is not None else None
     weighed = weighed_solids(run) if solids else None
     checks = run_checks(design, weighed)
     folder = run.out / "checks"
-    write_files(checks, folder, ranking(Reading(design, weighed, "candidates")))
+    drawn = draw_figures(run, weighed, folder) if figures else {}
     _print(run, checks)
     document: Any = [check.as_json() for check in checks]
     if wanted is not None or tolerance:
@@ -64,19 +61,16 @@ def command(
 
         points = sweep(run, wanted, weighed is not None, scheduler)
         document["sweep"] = table(wanted, points)
-        _print_sweep(run, wanted, points, folder)
+        drawn |= _print_sweep(run, wanted, points, folder)
     if tolerance:
         from workbench.margin_runs import tolerance as tolerance_study
 
         study = tolerance_study(run, weighed, samples, scheduler)
         document["tolerance"] = study.as_json()
-        _print_tolerance(run, study)
-    if figures:
-        from workbench.check_figures import rail_figure, teeth_figure
-
-        for name, draw in (("rail", rail_figure), ("teeth", teeth_figure)):
-            if draw(design, folder / f"{name}.png"):
-                run.say(f"figure {folder / f'{name}.png'}")
+        drawn |= _print_tolerance(run, study, folder)
+    for path in drawn.values():
+        run.say(f"figure {path}")
+    write_check_files(checks, design, weighed, folder, drawn)
     run.emit(document)
     return 1 if any(check.verdict == "fails" for check in checks) else 0
 
@@ -92,15 +86,16 @@ def weighed_solids(run: Run) -> Weighed | None:
         return None
 
 
-def write_files(checks: Sequence[Check], folder: Path, candidates: Sequence[Candidate] = ()) -> None:
-    """Write the checks as `checks.md` and `checks.json`."""
-    import json
+def draw_figures(run: Run, weighed: Weighed | None, folder: Path) -> dict[str, Path]:
+    """Every figure of the checks that this design has, by title."""
+    from workbench.check_figures import FIGURES
 
-    from designcalc.checks.report import markdown
-
-    atomic_write_text(folder / "checks.md", markdown(checks, candidates))
-    document = finite([check.as_json() for check in checks])
-    atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
+    drawn: dict[str, Path] = {}
+    for title, (name, draw) in FIGURES.items():
+        path = folder / f"{name}.png"
+        if draw(run.design, weighed, path):
+            drawn[title] = path
+    return drawn
 
 
 _STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
@@ -133,10 +128,10 @@ def _print(run: Run, checks: Sequence[Check]) -> None:
         run.console.print("\n[bold]What would pass[/bold]")
     for check in failing:
         run.say(f"- {check.name}: {check.proposal or check.note or 'see the formula'}")
-    run.say(f"{counted(checks)}; every formula with its numbers: {run.out / 'checks' / 'checks.md'}")
+    run.say(f"{counted(checks)}; every formula with its numbers: {run.out / 'checks' / 'checks.html'}")
 
 
-def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path) -> None:
+def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path) -> dict[str, Path]:
     from rich.table import Table
 
     from designcalc.checks.report import shown, shown_margin
@@ -158,17 +153,18 @@ def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path)
             run.say(f"- {shown(point.value, unit)}: {point.refused}")
     if not names:
         run.say(f"no margin moves with {wanted.key}")
-        return
+        return {}
     from workbench.check_figures import sweep_figure
 
     path = folder / f"sweep_{wanted.key.replace('.', '_')}.png"
-    with atomic_path(path) as temporary:
-        sweep_figure(wanted, points, names[:8], temporary)
-    run.say(f"figure {path}")
+    sweep_figure(wanted, points, names[:8], path)
+    return {f"margins over {wanted.key}": path}
 
 
-def _print_tolerance(run: Run, study: ToleranceStudy) -> None:
+def _print_tolerance(run: Run, study: ToleranceStudy, folder: Path) -> dict[str, Path]:
     from rich.table import Table
+
+    from workbench.check_figures import tolerance_figure
 
     table = Table(title=f"margins of {study.samples} machines", pad_edge=False)
     for column in ("check", "nominal", "5 %", "95 %", "failing", "moved most by"):
@@ -181,3 +177,7 @@ def _print_tolerance(run: Run, study: ToleranceStudy) -> None:
     for title, items in (("matter most", study.matter_most), ("could be loosened", study.could_be_loosened)):
         listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
         run.say(f"{title}: {listed}")
+    run.say("(as far as the checks know: what a fit or the assembly needs may be closer)")
+    path = folder / "tolerance.png"
+    tolerance_figure(study, path)
+    return {"what the tolerances use up": path}

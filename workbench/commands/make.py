@@ -5,12 +5,15 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from stagecad.parameters.atomic import atomic_write_text
 from workbench.options import Run, common_options
+
+if TYPE_CHECKING:
+    from designcalc.checks import Weighed
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 STAMP = "made_from.json"
@@ -34,7 +37,7 @@ def command(run: Run, simulations: bool) -> None:
     from stagecad.solids.made_pictures import make_pictures
     from stagecad.solids.outputs import write_stored
     from stagecad.solids.registry import chosen
-    from workbench.commands.check import write_files
+    from workbench.check_report import write_check_files
     from workbench.commands.parts import write_parts
     from workbench.machine_report import write_report
     from workbench.procedure_values import procedure_values
@@ -55,9 +58,9 @@ def command(run: Run, simulations: bool) -> None:
     run.say(f"interference: {len(clashes(meetings))} clashes, {len(meetings)} contacts, fits and near places looked at")
     weighed = Weighed(machine.moving_body, machine.masses["tip"])
     checks = run_checks(design, weighed)
-    write_files(checks, run.out / "checks")
     run.say(f"checks: {counted(checks)}")
-    check_figures = _check_figures(run)
+    check_figures = _check_figures(run, weighed)
+    write_check_files(checks, design, weighed, run.out / "checks", check_figures)
     figures = _simulate(run) if simulations else []
     bill = machine.bill_of_materials
     steps = procedure(design, bill, procedure_values(design, weighed))
@@ -105,18 +108,19 @@ def _source_of(*packages: str) -> str:
     return digest.hexdigest()
 
 
-def _check_figures(run: Run) -> dict[str, Path]:
-    from workbench.check_figures import rail_figure, teeth_figure
+def _check_figures(run: Run, weighed: Weighed) -> dict[str, Path]:
+    from workbench.check_figures import FIGURES
 
     folder = run.out / "checks"
-    inputs = [run.design.digest, _source_of("designcalc")]
-    wanted = {"rail": folder / "rail.png"} | ({"teeth": folder / "teeth.png"} if run.design.teeth.fitted else {})
-    if not _stamped(folder, inputs, list(wanted.values())):
-        for name, draw in (("rail", rail_figure), ("teeth", teeth_figure)):
-            if name in wanted:
-                draw(run.design, wanted[name])
-        _stamp(folder, inputs, list(wanted.values()))
-    return wanted
+    inputs = [run.design.digest, _source_of("designcalc", "workbench")]
+    files = {title: folder / f"{name}.png" for title, (name, _) in FIGURES.items()}
+    if not run.design.teeth.fitted:
+        del files["map of the magnetic teeth"]
+    if not _stamped(folder, inputs, list(files.values())):
+        for title, path in files.items():
+            FIGURES[title][1](run.design, weighed, path)
+        _stamp(folder, inputs, list(files.values()))
+    return files
 
 
 def _simulate(run: Run) -> list[Path]:
