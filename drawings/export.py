@@ -24,8 +24,8 @@ from matplotlib.path import Path
 
 from drawings.frame import PAPERS, Paper
 
-DPI = 200
-"""Resolution of the PNG."""
+DPI: dict[Paper, float] = {"A4": 200, "A3": 200, "A2": 150, "A1": 110}
+"""Resolution of the PNG: some 3500 pixels wide, so that the smallest lettering is read."""
 INCH = 25.4
 POINTS = 72.0
 
@@ -44,7 +44,7 @@ def render(doc: Drawing, paper: Paper) -> Renderings:
     recorded = _recorded(doc)
     # The SVG moves what was recorded to its own coordinates, so it comes last.
     figure = _figure(recorded, paper)
-    pdf, png = _plotted(figure, "pdf"), _plotted(figure, "png")
+    pdf, png = _pdf(figure), _png(figure, DPI[paper])
     return Renderings(_svg(recorded, paper), pdf, png)
 
 
@@ -110,11 +110,14 @@ def _figure(recorded: SVGBackend, paper: Paper) -> Figure:
     return figure
 
 
-def _plotted(figure: Figure, kind: str) -> bytes:
+def _pdf(figure: Figure) -> bytes:
     stream = io.BytesIO()
-    if kind == "pdf":
-        FigureCanvasPdf(figure).print_pdf(stream, metadata={"CreationDate": None, "Creator": "stagecad"})
-    else:
-        figure.set_dpi(DPI)
-        FigureCanvasAgg(figure).print_png(stream, metadata={"Software": "stagecad"})
+    FigureCanvasPdf(figure).print_pdf(stream, metadata={"CreationDate": None, "Creator": "stagecad"})
+    return stream.getvalue()
+
+
+def _png(figure: Figure, dpi: float) -> bytes:
+    figure.set_dpi(dpi)
+    stream = io.BytesIO()
+    FigureCanvasAgg(figure).print_png(stream, metadata={"Software": "stagecad"})
     return stream.getvalue()

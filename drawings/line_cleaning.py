@@ -191,24 +191,42 @@ def _closed(spans: list[Span], gap: float) -> list[Span]:
 
 
 def _polylines(visible: list[Polyline], hidden: list[Polyline]) -> tuple[list[Polyline], list[Polyline]]:
-    seen: list[Polyline] = []
-    for line in sorted(visible, key=_order):
-        seen.extend(_uncovered(line, seen))
-    behind: list[Polyline] = []
-    for line in sorted(hidden, key=_order):
-        behind.extend(_uncovered(line, [*seen, *behind]))
-    return seen, behind
+    drawn = _Drawn()
+    return (
+        [piece for line in sorted(visible, key=_order) for piece in drawn.add(line)],
+        [piece for line in sorted(hidden, key=_order) for piece in drawn.add(line)],
+    )
 
 
-def _uncovered(line: Polyline, others: Sequence[Polyline]) -> list[Polyline]:
+class _Drawn:
+    """Polylines that are drawn already, with their boxes, which settle most questions."""
+
+    def __init__(self) -> None:
+        self._lines: list[tuple[float, float, float, float, np.ndarray]] = []
+
+    def add(self, line: Polyline) -> list[Polyline]:
+        """Take in a polyline, and give the runs of it that do not lie on one taken in before."""
+        points = np.array(line.points)
+        u0, v0, u1, v1 = _box(points)
+        near = [
+            corners
+            for a, b, c, d, corners in self._lines
+            if c > u0 - COVERED and a < u1 + COVERED and d > v0 - COVERED and b < v1 + COVERED
+        ]
+        pieces = _uncovered(line, points, near)
+        self._lines.extend((*_box(corners), corners) for corners in (np.array(piece.points) for piece in pieces))
+        return pieces
+
+
+def _box(points: np.ndarray) -> tuple[float, float, float, float]:
+    low, high = points.min(axis=0), points.max(axis=0)
+    return (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+
+
+def _uncovered(line: Polyline, points: np.ndarray, others: Sequence[np.ndarray]) -> list[Polyline]:
     """The runs of a polyline that do not lie on another."""
-    points = np.array(line.points)
-    low, high = points.min(axis=0) - COVERED, points.max(axis=0) + COVERED
     covered = np.zeros(len(points), dtype=bool)
-    for other in others:
-        corners = np.array(other.points)
-        if np.any(corners.max(axis=0) < low) or np.any(corners.min(axis=0) > high):
-            continue
+    for corners in others:
         covered |= _distances(points, corners) < COVERED
     if not covered.any():
         return [line]

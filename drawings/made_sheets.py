@@ -18,14 +18,16 @@ from typing import Any
 from drawings.workers import run_tasks
 from stagecad import __version__
 from stagecad.solids.cache import Entry, Store
+from stagecad.solids.machine import Machine, find_machine, make_machine, part_mass
+from stagecad.solids.made_assembly import MadeAssembly
 from stagecad.solids.made_part import MadePart, find_part, make_part
-from stagecad.solids.registry import module_of
+from stagecad.solids.registry import ASSEMBLY, module_of
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
 
 SLOWEST_FIRST = ("base", "stage", "holder", "tip", "tooth_bar", "bearing_way")
-"""Order in which parts are begun, so that no long one is left for the end."""
+"""Order in which parts are begun, so that no long one is left for the end; the assembly needs them all."""
 
 
 @dataclass(frozen=True)
@@ -59,12 +61,19 @@ def _modules(part: str) -> tuple[str, ...]:
     return (__name__, "drawings.part_sheets", "drawings.document", "drawings.export", module_name(part))
 
 
-def _depends(made: MadePart) -> tuple[str, ...]:
+_OF_ASSEMBLY = (__name__, "drawings.assembly_sheet", "drawings.document", "drawings.export")
+
+
+def _depends(made: MadePart | MadeAssembly) -> tuple[str, ...]:
     return (made.entry.key, *(f"{name} {version(name)}" for name in ("ezdxf", "matplotlib", "fonttools")))
 
 
 def find_sheets(store: Store, part: str, design: Any) -> tuple[MadeSheet, ...] | None:
-    """The sheets of a part from the cache, or None where they have to be made."""
+    """The sheets of a part, or of the assembly, from the cache, or None where they have to be made."""
+    if part == ASSEMBLY:
+        machine = find_machine(design, store)
+        entry = machine and store.find(f"drawing of {part}", design, _OF_ASSEMBLY, _depends(machine.assembly))
+        return _sheets(entry) if entry else None
     made = find_part(store, part, design)
     if made is None:
         return None
@@ -122,11 +131,47 @@ def make_sheets(
 
 
 def _slowness(part: str) -> int:
+    if part == ASSEMBLY:
+        return len(SLOWEST_FIRST) + 1
     return SLOWEST_FIRST.index(part) if part in SLOWEST_FIRST else len(SLOWEST_FIRST)
 
 
 def _draw_elsewhere(folder: Path, design: Any, part: str, late: bool) -> None:
-    draw_part(Store(folder), part, design, exact=not late)
+    if part == ASSEMBLY:
+        draw_assembly(Store(folder), design)
+    else:
+        draw_part(Store(folder), part, design, exact=not late)
+
+
+def draw_assembly(store: Store, design: Any) -> tuple[MadeSheet, ...]:
+    """The assembly's sheet from the cache, drawn now when it lacks it."""
+    machine = make_machine(design, store)
+
+    def make(reading: Any, folder: Path) -> None:
+        from drawings.assembly_sheet import Assembled, assembly_sheet
+        from stagecad.solids.made_assembly import shapes_of
+
+        read = Machine(reading, machine.parts, machine.assembly)
+        instances = machine.assembly.instances
+        shapes = shapes_of(instances, machine.parts, reading)
+        reads = sorted({name for part in machine.parts.values() for name in part.entry.reads})
+        assembled = Assembled(
+            instances,
+            {name: shape.wrapped for name, shape in shapes.items()},
+            read.bill_of_materials,
+            _shown_mass(read.whole.mass),
+            digest(reading, reads),
+            __version__,
+        )
+        documents = [write_sheet(assembly_sheet(assembled, reading), folder)]
+        (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
+
+    entry = store.make(f"drawing of {ASSEMBLY}", design, _OF_ASSEMBLY, make, _depends(machine.assembly))
+    return _sheets(entry)
+
+
+def _shown_mass(kilograms: float) -> str:
+    return f"{kilograms:.2f} kg" if kilograms >= 1.0 else f"{1000 * kilograms:.3g} g"
 
 
 def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tuple[MadeSheet, ...]:
@@ -150,10 +195,8 @@ def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tu
 def describe(made: MadePart, design: Any) -> Any:
     """A made part as its sheets need it."""
     from drawings.part_sheets import Described
-    from stagecad.solids.machine import part_mass
 
     module: Any = module_of(made.name)
-    mass = part_mass(made, design).mass
     return Described(
         name=made.name,
         solid=made.solid,
@@ -161,7 +204,7 @@ def describe(made: MadePart, design: Any) -> Any:
         requirements=module.requirements(design) if hasattr(module, "requirements") else (),
         notes=getattr(module, "NOTES", ()),
         material=design.materials[made.material].description,
-        mass=f"{mass:.2f} kg" if mass >= 1.0 else f"{1000 * mass:.3g} g",
+        mass=_shown_mass(part_mass(made, design).mass),
         digest=digest(design, made.entry.reads),
         revision=__version__,
     )

@@ -209,9 +209,15 @@ def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: in
         parameters=part.digest,
         kind="Part drawing",
         finish="Ra 3.2; edges broken 0.2",
-        tolerances=(
-            ("X.", f"±{drawing.tolerance_x:g}"),
-            ("X.X", f"±{drawing.tolerance_x_x:g}"),
-            ("X.XX", f"±{drawing.tolerance_x_xx:g}"),
-        ),
+        tolerances=tolerances_of(design),
+    )
+
+
+def tolerances_of(design: Any) -> tuple[tuple[str, str], ...]:
+    """What the decimals of a dimension allow, as the title block says it."""
+    drawing = design.drawing
+    return (
+        ("X.", f"±{drawing.tolerance_x:g}"),
+        ("X.X", f"±{drawing.tolerance_x_x:g}"),
+        ("X.XX", f"±{drawing.tolerance_x_xx:g}"),
     )

@@ -11,7 +11,7 @@ Edges across which the surface is smooth are left out, as a draughtsman does wit
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drawings.line_cleaning import cleaned
@@ -44,6 +44,30 @@ def project(
     seen, unseen = _exact(shape, projection) if exact else _on_mesh(shape, projection)
     visible, behind = cleaned(_curves(seen), _curves(unseen) if hidden else ())
     return {"VISIBLE": visible, "HIDDEN": behind}
+
+
+def hidden_lines(shapes: Sequence[TopoDS_Shape | None], projection: Projection) -> list[tuple[Curve, ...]]:
+    """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None.
+
+    Args:
+        shapes: placed; parts of shapes that are never seen should have been left out (`drawings.visibility`).
+        projection: direction of view.
+    """
+    from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
+
+    algorithm = HLRBRep_Algo()
+    simple = [shape and with_simple_curves(shape) for shape in shapes]
+    for shape in simple:
+        if shape is not None:
+            algorithm.Add(shape)
+    algorithm.Projector(_projector(projection))
+    algorithm.Update()
+    algorithm.Hide()
+    result = HLRBRep_HLRToShape(algorithm)
+    return [
+        () if shape is None else tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)]))
+        for shape in simple
+    ]
 
 
 def _exact(shape: TopoDS_Shape, projection: Projection) -> tuple[list[Any], list[Any]]:

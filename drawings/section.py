@@ -71,22 +71,25 @@ def _cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
         explorer.Next()
 
 
-def hatch(shape: TopoDS_Shape, cut: Cut, projection: Projection, scale: float) -> tuple[Segment, ...]:
+def hatch(
+    shape: TopoDS_Shape, cut: Cut, projection: Projection, scale: float, *, falling: bool = False
+) -> tuple[Segment, ...]:
     """Hatch lines on the cut faces, clipped to them; at the pitch that is right on paper.
 
     Args:
         shape: what `cut_shape` left.
         scale: of the view, paper over part.
+        falling: whether lines fall to the right, to tell one part from its neighbour.
     """
     loops: list[list[Point2]] = []
     for face in _cut_faces(shape, cut):
         loops.extend(_loops(face, projection))
-    return hatch_lines(loops, HATCH_PITCH / scale)
+    return hatch_lines(loops, HATCH_PITCH / scale, -HATCH_ANGLE if falling else HATCH_ANGLE)
 
 
-def hatch_lines(loops: list[list[Point2]], pitch: float) -> tuple[Segment, ...]:
-    """Lines at 45 degrees inside an odd number of closed loops; their grid runs through the origin."""
-    turn = math.radians(HATCH_ANGLE)
+def hatch_lines(loops: list[list[Point2]], pitch: float, angle: float = HATCH_ANGLE) -> tuple[Segment, ...]:
+    """Lines inside an odd number of closed loops; their grid runs through the origin."""
+    turn = math.radians(angle)
     u, v = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
     edges: list[tuple[float, float, float, float]] = []
     for loop in loops:

@@ -7,13 +7,14 @@ from typing import Any
 
 from drawings.part_views import sheet_plans
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.solids.registry import MADE, OF_TEETH, PURCHASED, part_names
+from stagecad.solids.registry import ASSEMBLY, MADE, OF_TEETH, PURCHASED, part_names
 
 
 def sheet_names(design: Any) -> dict[str, tuple[str, ...]]:
     """Names of the sheets of each thing that has a drawing."""
     made = [name for name in part_names(design) if name in MADE]
-    return {part: tuple(plan.name for plan in sheet_plans(part, design)) for part in made}
+    sheets = {part: tuple(plan.name for plan in sheet_plans(part, design)) for part in made}
+    return {**sheets, ASSEMBLY: (ASSEMBLY,)}
 
 
 def chosen_sheets(names: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:

@@ -1,0 +1,280 @@
+"""The assembly's sheet: the machine from above, cut through actuator 1, and apart with balloons; its parts list."""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from drawings.annotation import Annotation, Balloon, Note, SectionMark
+from drawings.annotation_ink import BALLOON
+from drawings.document import view_box
+from drawings.frame import Paper
+from drawings.ink import Ink, Stroke, Words
+from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
+from drawings.line_cleaning import cleaned
+from drawings.projection import hidden_lines
+from drawings.section import cut_shape, hatch
+from drawings.sheet import Sheet, scale_text, sheet_area
+from drawings.title_block import TitleBlock, title_box
+from drawings.view import PROJECTIONS, Box2, Curve, Cut, Point2, Projection, Segment, View
+from drawings.visibility import DEFLECTION, Scene
+from stagecad.solids.frame import UNMOVED, Frame
+from stagecad.solids.machine import MOVING
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
+    from stagecad.solids.assembly import Instance
+    from stagecad.solids.bill_of_materials import Row
+
+PAPER: Paper = "A1"
+SCALE = 0.5
+WHOLE = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "height_pin_1", "height_pin_2",
+         "piezo", "spring")  # fmt: skip
+"""What a section leaves whole: fasteners, pins and springs (ISO 128-3)."""
+COLUMNS = ((10.0, "item"), (10.0, "qty"), (62.0, "part"), (34.0, "number"), (44.0, "material"), (20.0, "mass"))
+"""Widths and headings of the parts list, mm."""
+ROW = 6.5
+"""Height of its rows, mm."""
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """The machine as its sheet needs it.
+
+    Args:
+        instances: everything that stands in it.
+        shapes: solid of each `Instance.shape`.
+        rows: bill of materials.
+        mass: of the whole, with its unit.
+        digest: hash of the parameters.
+        revision: of the program.
+    """
+
+    instances: tuple[Instance, ...]
+    shapes: Mapping[str, TopoDS_Shape]
+    rows: tuple[Row, ...]
+    mass: str
+    digest: str
+    revision: str
+
+
+FROM_BELOW = Projection(
+    "from below",
+    (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0),
+    (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6)),
+)
+"""The isometric direction from below, for what hangs under the stage."""
+
+
+def assembly_sheet(machine: Assembled, design: Any) -> Sheet:
+    """The sheet of the whole machine."""
+    scene = Scene(machine.shapes)
+    top, _ = _view("top", PROJECTIONS["top"], scene, [(i.shape, i.frame) for i in machine.instances])
+    views = [top, _section(machine, scene)]
+    marks: list[Annotation] = []
+    # Irons and magnets hang under the stage: a machine that has them shows it from below as well.
+    hanging = [i for i in machine.instances if i.part in MOVING]
+    groups = [("exploded", PROJECTIONS["iso"], machine.instances, SCALE)]
+    if len(hanging) > 1:
+        groups.append(("from below", FROM_BELOW, tuple(hanging), SCALE / 2))
+    pieces: dict[str, list[tuple[str, tuple[Curve, ...]]]] = {}
+    for name, projection, instances, scale in groups:
+        view, lines = _view(name, projection, scene, [(i.shape, i.exploded) for i in instances], scale)
+        views.append(view)
+        pieces[name] = [(instance.part, piece) for instance, piece in zip(instances, lines, strict=True)]
+    views = _placed(views, len(machine.rows))
+    marks.append(_mark(views[0]))
+    shown: set[int] = set()
+    for view in views[2:]:
+        rows = [row for row in machine.rows if row.item not in shown]
+        found = list(balloons(view, pieces[view.name], rows))
+        shown.update(balloon.number for balloon in found)
+        marks += found
+    return Sheet(
+        name="assembly",
+        part="assembly",
+        paper=PAPER,
+        scale=SCALE,
+        title=_title(machine, design),
+        views=tuple(views),
+        annotations=tuple(marks),
+        notes=(Note(sheet_area(PAPER).space[:2], _NOTES),),
+        tables=tuple(parts_list(machine.rows, PAPER)),
+    )
+
+
+_NOTES = (
+    "NOTES",
+    "- Shown at the middle of travel and of height adjustment.",
+    "- Order, torques and settings: see the procedure.",
+    "- Fasteners, pins, piezos and spring are not cut.",
+)
+
+
+def _view(
+    name: str, projection: Projection, scene: Scene, pieces: Sequence[tuple[str, Frame]], scale: float = SCALE
+) -> tuple[View, list[tuple[Curve, ...]]]:
+    """A view of what is visible, and the lines of each piece."""
+    lines = hidden_lines(scene.visible(pieces, projection), projection)
+    visible, _ = cleaned(curve for piece in lines for curve in piece)
+    label = "" if scale == SCALE else f"{name.upper()} ({scale_text(scale)})"
+    return View(name, projection, {"VISIBLE": visible}, scale, label=label), lines
+
+
+def _section(machine: Assembled, scene: Scene) -> View:
+    """The machine cut through the axis of actuator 1 along the travel."""
+    cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+    shapes = dict(machine.shapes)
+    hatched: list[Segment] = []
+    pieces: list[tuple[str, Frame]] = []
+    for number, instance in enumerate(machine.instances):
+        low, high = scene.reach(instance.shape, instance.frame, (0.0, 1.0, 0.0))
+        if high < DEFLECTION:
+            continue
+        if low > -DEFLECTION or instance.part in WHOLE:
+            pieces.append((instance.shape, instance.frame))
+            continue
+        name = f"{instance.name} cut"
+        shapes[name] = cut_shape(_moved(machine.shapes[instance.shape], instance.frame), cut)
+        hatched.extend(hatch(shapes[name], cut, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
+        pieces.append((name, UNMOVED))
+    view, _ = _view("section A-A", PROJECTIONS["front"], Scene({name: shapes[name] for name, _ in pieces}), pieces)
+    return replace(view, curves={**view.curves, "HATCH": tuple(hatched)}, label="A-A", cut=cut)
+
+
+def _moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
+    from OCP.TopLoc import TopLoc_Location
+
+    from stagecad.solids.export import transformation
+
+    return shape.Moved(TopLoc_Location(transformation(frame)))
+
+
+def _placed(views: Sequence[View], rows: int) -> list[View]:
+    """Views on the paper: top over section on the left, the exploded one in the middle, the one from below at right."""
+    x0, y0, x1, y1 = sheet_area(PAPER).space
+    boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
+    upper, lower = boxes[:2]
+    room = 24.0
+    column = max(upper[2], lower[2]) - min(upper[0], lower[0]) + 2 * room
+    left = x0 + room - min(upper[0], lower[0])
+    notes = y0 + (len(_NOTES) + 2) * LINE_PITCH * TEXT
+    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + room
+    gap = max(room, (y1 - notes - height) / 3)
+    top_at = (left, y1 - gap - upper[3])
+    places = [top_at, (left, top_at[1] + upper[1] - gap - room - lower[3])]
+    list_left, list_top = title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW
+    areas = [(x0 + column, y0, list_left, y1), (list_left, list_top, x1, y1)]
+    places += [_centred(box, area) for box, area in zip(boxes[2:], areas)]
+    return [replace(view, place=place) for view, place in zip(views, places, strict=True)]
+
+
+def _centred(box: Box2, area: Box2) -> Point2:
+    return ((area[0] + area[2] - box[0] - box[2]) / 2, (area[1] + area[3] - box[1] - box[3]) / 2)
+
+
+def _mark(top: View) -> SectionMark:
+    x0, _, x1, _ = view_box(top) or (0.0, 0.0, 0.0, 0.0)
+    return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
+
+
+def balloons(view: View, pieces: Sequence[tuple[str, tuple[Curve, ...]]], rows: Sequence[Row]) -> Iterator[Balloon]:
+    """A balloon for each row of the parts list, in two columns beside the view, in the order of what they point at.
+
+    Args:
+        view: placed.
+        pieces: part of each piece of the view, and its visible lines.
+        rows: of the parts list that are to have one.
+    """
+    x0, y0, x1, y1 = view_box(view) or (0.0, 0.0, 0.0, 0.0)
+    middle = (x0 + x1) / 2
+    ends: dict[int, list[Point2]] = {
+        row.item: [at for part, piece in pieces if part == row.part for at in _points(piece)] for row in rows
+    }
+    # What lies farthest to one side gets its balloon on that side.
+    chosen: list[tuple[float, int, Point2]] = []
+    for item, points in ends.items():
+        if points:
+            at = max(points, key=lambda p: (round(abs(view.to_paper(p)[0] - middle), 3), p))
+            chosen.append((view.to_paper(at)[0], item, at))
+    chosen.sort()
+    half = len(chosen) // 2
+    for column, x in ((chosen[:half], x0 - 3 * BALLOON), (chosen[half:], x1 + 3 * BALLOON)):
+        ordered = sorted(column, key=lambda entry: view.to_paper(entry[2])[1])
+        heights = spread([view.to_paper(at)[1] for _, _, at in ordered], 2.6 * BALLOON, y0, y1)
+        for (_, item, at), y in zip(ordered, heights):
+            yield Balloon(view.name, at, (x, y), item)
+
+
+def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
+    """Middles of the straight lines of a piece that are long enough to be seen, else of all its curves."""
+    from drawings.document import outermost
+
+    straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
+    if straight:
+        yield from (((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2) for c in straight)
+    else:
+        yield from (outermost(c)[0] for c in piece)
+
+
+def spread(wished: Sequence[float], apart: float, low: float, high: float) -> list[float]:
+    """Heights near the wished ones, in their order, at least `apart` from each other, within the limits if they fit."""
+    places = list(wished)
+    for i in range(1, len(places)):
+        places[i] = max(places[i], places[i - 1] + apart)
+    if places and places[-1] > high:
+        places[-1] = high
+        for i in range(len(places) - 2, -1, -1):
+            places[i] = min(places[i], places[i + 1] - apart)
+    shift = max(0.0, low - places[0]) if places else 0.0
+    return [place + shift for place in places]
+
+
+def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Ink]:
+    """The parts list on top of the title block, counted from below (ISO 7573)."""
+    x0, _, x1, y0 = title_box(paper)
+    cells = [["Item", "Qty", "Part", "Number", "Material", "Mass each"]]
+    for row in rows:
+        mass = f"{row.mass:.2f} kg" if row.mass >= 1.0 else f"{1000 * row.mass:.3g} g"
+        name = row.part.replace("_", " ")
+        cells.append([str(row.item), str(row.quantity), name, row.part_number, row.material, mass])
+    for index, texts in enumerate(cells):
+        y = y0 + index * ROW
+        yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
+        left = x0
+        for (width, _), text in zip(COLUMNS, texts):
+            height = SMALL if index == 0 else TEXT * 0.8
+            fitting = min(1.0, (width - 3.0) / max(1e-9, text_width(text, height)))
+            yield Words(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
+            left += width
+    top = y0 + len(cells) * ROW
+    left = x0
+    for width, _ in COLUMNS:
+        yield Stroke(((left, y0), (left, top)), "FRAME" if left == x0 else "BORDER")
+        left += width
+
+
+def _title(machine: Assembled, design: Any) -> TitleBlock:
+    from drawings.part_sheets import tolerances_of
+
+    return TitleBlock(
+        title="assembly",
+        supplement=design.drawing.title,
+        number="THS_STG_ASSEMBLY",
+        material="",
+        mass=machine.mass,
+        scale=scale_text(SCALE),
+        sheet=1,
+        sheets=1,
+        revision=machine.revision,
+        parameters=machine.digest,
+        kind="Assembly drawing",
+        finish="",
+        tolerances=tolerances_of(design),
+    )
