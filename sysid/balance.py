@@ -7,6 +7,7 @@ enough that mass times acceleration is no noisier than the force.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,7 +31,8 @@ class Balance:
 
     `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that
     filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`,
-    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step).
+    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step). `finer` makes the
+    axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Balance:
     acceleration_noise: float = 0.0
     position_noise: float = 0.0
     stretch: float = 0.0
+    finer: Callable[[], tuple[Axis, GaussianFilter]] | None = None
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property

@@ -10,6 +10,7 @@ import numpy as np
 from sysid.base_fit import Fitted
 from sysid.misfit import blocks
 from sysid.model import Prepared
+from sysid.systematic import systematic_changes
 
 BLOCKS_PER_RECORD = 40
 
@@ -52,7 +53,8 @@ def intervals(fitted: Fitted, records: Sequence[Prepared]) -> Intervals:
     towards itself, and a value that one block alone tells becomes uncertain (CR3: Bell and McCaffrey 2002; Cameron and
     Miller 2015). The half of the neighbour's product is Bartlett's weight (Newey and West 1987) for correlation across
     the edge of a block; it costs a third of the freedom. Correlation, filtering and uneven noise widen the interval as
-    they should; sampling faster does not narrow it. What was known before the fit enters as one more observation.
+    they should; sampling faster does not narrow it. What was known before the fit enters as one more observation. What
+    the comparison itself may be wrong by (`sysid.systematic`) is added, value by value together.
     """
     fit = fitted.fit
     count = len(fit.keys)
@@ -81,6 +83,10 @@ def intervals(fitted: Fitted, records: Sequence[Prepared]) -> Intervals:
     seen = int(np.unique(numbers).size)
     told = (pulls.T @ pulls + 0.5 * (crossed + crossed.T)) * (seen - 1) / seen
     covariance = root @ (told + root.T @ np.diag((known * deviations) ** 2) @ root) @ root.T
+
+    for change in systematic_changes(fitted, records):
+        shift = root @ (root.T @ (columns.T @ (inner * change)))
+        covariance += np.outer(shift, shift)
 
     # Never below what independent noise would give: a few lucky blocks are no knowledge.
     spread = np.maximum(np.diag(covariance), np.diag(root @ root.T))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 
+from sim.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.balance import EDGE_WIDTHS, LAW_SHARE, Balance, filled, filter_width, make_axis, spread
 from sysid.noise_floor import Noise
@@ -186,4 +188,26 @@ def driven_mass(
         direction=direction, turns=turns, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
         acceleration_noise=acceleration_noise, position_noise=sigma_position,
         stretch=12.0 * sigma_position * light.noise_gain(0, correlation),
+        finer=partial(_lightly_filtered, time, position, load, temperature, 0.5 * law_width, width,
+                      REST_SIGMAS * sigma_position, correlation),
     )  # fmt: skip
+
+
+def _lightly_filtered(
+    time: np.ndarray,
+    position: np.ndarray,
+    load: np.ndarray | None,
+    temperature: np.ndarray | None,
+    law_width: float,
+    width: float,
+    rest: float,
+    correlation: float,
+) -> tuple[Axis, GaussianFilter]:
+    """The axis from a motion filtered by `law_width` (s), and the filter that makes up the whole `width`."""
+    step = float(time[1] - time[0])
+    light = GaussianFilter(law_width, step, time.size)
+    velocity = light(position, 1)
+    axis = make_axis(
+        time, light(position), velocity, light(position, 2), load, temperature, rest * light.noise_gain(1, correlation)
+    )
+    return axis, GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, time.size)
