@@ -196,8 +196,12 @@ class _Annotated:
                 f"XCAFDimTolObjects_GeomToleranceType_{tolerance.characteristic.capitalize()}",
             )
         )
+        # The axis of a round face lies in a cylinder; everything else between two faces.
+        zone = "Diameter" if tolerance.round and tolerance.characteristic == "perpendicularity" else "None"
         content.SetTypeOfValue(
-            Objects.XCAFDimTolObjects_GeomToleranceTypeValue.XCAFDimTolObjects_GeomToleranceTypeValue_None
+            getattr(
+                Objects.XCAFDimTolObjects_GeomToleranceTypeValue, f"XCAFDimTolObjects_GeomToleranceTypeValue_{zone}"
+            )
         )
         content.SetValue(tolerance.value)
         content.SetSemanticName(_aspect_name(tolerance.name))

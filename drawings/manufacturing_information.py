@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from drawings.wording import number
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -19,9 +20,6 @@ from stagecad.parameters.dimension import (
     Kind,
     SurfaceTexture,
 )
-
-DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
-"""Decimals by tolerance class."""
 
 TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth")
 """Kinds of declaration that the solid does not show as a distance, an angle or a size: they go along as text."""
@@ -95,8 +93,8 @@ def manufacturing_information(
         if isinstance(requirement, SurfaceTexture):
             process = f"{requirement.process}, " if requirement.process else ""
             texts[f"surface texture of {requirement.name}"] = f"{process}Ra {requirement.roughness:g} um"
-    for number, note in enumerate(notes, start=1):
-        texts[f"note {number}"] = note
+    for index, note in enumerate(notes, start=1):
+        texts[f"note {index}"] = note
     return ManufacturingInformation(
         tuple(tolerated),
         tuple(r for r in requirements if isinstance(r, DatumFeature)),
@@ -113,9 +111,10 @@ def _tolerated(design: Any, dimension: Dimension) -> ToleratedDimension:
         notes.append("45 deg")
     if dimension.note:
         notes.append(dimension.note)
-    return ToleratedDimension(
-        dimension, _plus_minus(design, dimension), DECIMALS.get(dimension.tolerance or ""), tuple(notes)
-    )
+    plus_minus = _plus_minus(design, dimension)
+    printed = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]
+    decimals = len(printed.partition(".")[2]) if dimension.tolerance else None
+    return ToleratedDimension(dimension, plus_minus, decimals, tuple(notes))
 
 
 def _plus_minus(design: Any, dimension: Dimension) -> float | None:
@@ -126,8 +125,8 @@ def _plus_minus(design: Any, dimension: Dimension) -> float | None:
 
 
 def _as_text(design: Any, dimension: Dimension) -> str:
-    text = f"{dimension.value:.{DECIMALS.get(dimension.tolerance or '', 0)}f}"
     plus_minus = _plus_minus(design, dimension)
+    text = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]
     if plus_minus:
         text += f" +-{plus_minus:g}"
     return f"{text}, {dimension.note}" if dimension.note else text

@@ -19,6 +19,7 @@ from OCP.TDF import TDF_AttributeIterator, TDF_Label, TDF_LabelSequence
 from OCP.TDocStd import TDocStd_Document
 from OCP.XCAFApp import XCAFApp_Application
 from OCP.XCAFDimTolObjects import XCAFDimTolObjects_GeomToleranceModif
+from OCP.XCAFDimTolObjects import XCAFDimTolObjects_GeomToleranceTypeValue as GeomToleranceTypeValue
 from OCP.XCAFDoc import (
     XCAFDoc_Datum,
     XCAFDoc_Dimension,
@@ -50,6 +51,8 @@ class ReadTolerance:
     value: float
     letters: tuple[str, ...]
     combined: bool
+    cylinder: bool
+    """whether its zone is a cylinder"""
     faces: tuple[cq.Shape, ...]
 
 
@@ -133,7 +136,8 @@ def _tolerance(label: Any) -> ReadTolerance:
     combined = any(modifiers.Value(k) == COMMON_ZONE for k in range(1, modifiers.Length() + 1))
     kind = content.GetType().name.removeprefix("XCAFDimTolObjects_GeomToleranceType_").lower()
     letters = tuple(_letter(datum) for datum in _each(datums))
-    return ReadTolerance(kind, content.GetValue(), letters, combined, _shapes(label)[0])
+    cylinder = content.GetTypeOfValue() == GeomToleranceTypeValue.XCAFDimTolObjects_GeomToleranceTypeValue_Diameter
+    return ReadTolerance(kind, content.GetValue(), letters, combined, cylinder, _shapes(label)[0])
 
 
 def _letter(label: Any) -> str:

@@ -19,7 +19,11 @@ from OCP.BRepAdaptor import (  # pyright: ignore[reportMissingImports]
 )
 
 from drawings.ap242 import ap242_bytes, information_of, write_ap242
+from drawings.asked import AskedCallout, AskedFrame
+from drawings.dimensioning import request
 from drawings.part21 import with_properties
+from drawings.part_sheets import Views
+from drawings.part_views import sheet_of, sheet_of_requirement, sheet_plans
 from stagecad.parameters.design import Design, load_design
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -29,9 +33,10 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
+from stagecad.solids.measure import Gauge
 from stagecad.solids.registry import MADE, module_of
 
-CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2, None: None}
+CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
 TEXT_ONLY = ("count", "callout", "thread_depth")
 
 
@@ -92,8 +97,14 @@ def test_every_dimension_has_its_value_limits_and_decimals(name: str, read) -> N
             assert there.limits is None, dimension.name
         else:
             assert there.limits == pytest.approx((limits[dimension.tolerance],) * 2, abs=1e-12), dimension.name
-        expected_places = None if dimension.kind == "angle" else CLASS_DECIMALS[dimension.tolerance]
-        assert places[dimension.name] == expected_places, dimension.name
+        told = places[dimension.name]
+        if dimension.kind == "angle" or dimension.tolerance is None:
+            assert told is None
+        else:
+            # As many as its class has, and never so few that the value would be rounded by more than a micrometre.
+            assert told is not None and told >= CLASS_DECIMALS[dimension.tolerance], dimension.name
+            assert round(dimension.value, told) == pytest.approx(dimension.value, abs=5e-4)
+            assert told == CLASS_DECIMALS[dimension.tolerance] or round(dimension.value, told - 1) != dimension.value
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -140,6 +151,7 @@ def test_datums_and_tolerances(name: str, read) -> None:
             tolerance.combined,
         )
         assert there.value == pytest.approx(tolerance.value, abs=1e-12)
+        assert there.cylinder == (tolerance.round and tolerance.characteristic == "perpendicularity")
         assert_on(tolerance.points, there.faces)
 
 
@@ -298,6 +310,48 @@ def off_axis(shape: cq.Shape, point: Point) -> float:
 
 def dot(direction, along: Point) -> float:
     return direction.X() * along[0] + direction.Y() * along[1] + direction.Z() * along[2]
+
+
+QUICK = ("bearing_way", "height_pin_1", "height_pin_2", "magnet", "tooth_iron")
+"""Parts whose views cost little to project."""
+
+
+@pytest.mark.parametrize(
+    "name", [part if part in QUICK else pytest.param(part, marks=pytest.mark.slow) for part in MADE]
+)
+def test_the_sheet_says_the_same(name: str, read) -> None:
+    """Every number that the part's sheets print is in the file, with its decimals; every letter and frame too."""
+    file, places = read(name), decimals(bytes_of(name).decode())
+    texts: dict[str, str] = {}
+    frames, letters = [], set()
+    for asked in asked_of(name):
+        if isinstance(asked, AskedFrame):
+            letters |= {asked.letter} - {""}
+            if asked.characteristic:
+                frames.append((asked.characteristic, asked.tolerance, asked.datums))
+        else:
+            printed = " ".join(asked.lines) if isinstance(asked, AskedCallout) else asked.text
+            texts |= dict.fromkeys(asked.names, printed)
+    for said, dimension in by_name(file).items():
+        declaration = next(d for d in declared(name) if d.name == said)
+        if declaration.kind not in ("slope", "angle") and places[said] is not None:
+            assert re.search(rf"(?<![\d.]){dimension.value:.{places[said]}f}(?!\d)", texts[said]), said
+    assert letters == set(file.datums)
+    assert sorted(frames) == sorted(
+        (t.kind, f"{'⌀' if t.cylinder else ''}{t.value:g}{' CZ' if t.combined else ''}", t.letters)
+        for t in file.tolerances
+    )
+
+
+def asked_of(name: str):
+    """What the sheets of a part are asked to show."""
+    plans, views, gauge = sheet_plans(name, thesis()), Views(solid_of(name).wrapped), Gauge(solid_of(name))
+    for plan in plans:
+        dimensions = [d for d in declared(name) if sheet_of(plans, d.name) is plan]
+        requirements = [r for r in required(name) if sheet_of_requirement(plans, r) is plan]
+        made = request(dimensions, requirements, thesis(), gauge, views.of(plan))
+        assert not made.missing
+        yield from made.asked
 
 
 def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
