@@ -23,15 +23,38 @@ def open_words(fitted: Fitted, known: Intervals) -> list[str]:
         + "."
         for text in known.unidentified
     ]
-    names = [public_key(key) for key in known.keys]
-    for i in range(len(names)):
-        for j in range(i):
-            r = float(known.correlation[i, j])
-            if abs(r) > STRONG_CORRELATION:
-                words.append(f"{names[j]} and {names[i]} hang together (correlation {r:+.2f}).")
+    words += [_together(group, known) for group in _groups(known)]
     if not fitted.fit.converged:
         words.append("The fit stopped before its last step was small.")
     return words
+
+
+def _groups(known: Intervals) -> list[list[int]]:
+    """Values that are strongly correlated, each with some other of its group, by their place."""
+    strong = np.abs(np.nan_to_num(known.correlation)) > STRONG_CORRELATION
+    left = set(range(len(known.keys)))
+    groups = []
+    while left:
+        group, edge = set(), {min(left)}
+        while edge:
+            group |= edge
+            edge = {int(j) for i in edge for j in np.flatnonzero(strong[i])} - group
+        left -= group
+        if len(group) > 1:
+            groups.append(sorted(group))
+    return groups
+
+
+def _together(group: list[int], known: Intervals) -> str:
+    names = [public_key(known.keys[k]) for k in group]
+    if len(group) == 2:
+        r = float(known.correlation[group[0], group[1]])
+        return f"{names[0]} and {names[1]} hang together (correlation {r:+.2f})."
+    largest = float(np.max(np.abs(known.correlation[np.ix_(group, group)][np.triu_indices(len(group), 1)])))
+    return (
+        f"{', '.join(names[:-1])} and {names[-1]} hang together (correlations up to {min(largest, 0.999):.3g}): "
+        "what one of them takes, the others give."
+    )
 
 
 def correlation_json(known: Intervals) -> dict[str, Any]:

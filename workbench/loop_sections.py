@@ -23,7 +23,7 @@ from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
-from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, noise_line, plain, shape_words
+from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, near_noise, noise_line, plain, shape_words
 
 Section = dict[str, Any]
 
@@ -72,8 +72,8 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     """What `diagnose` found."""
     case, base = found.case, found.base.fitted
     best = found.best if found.best is not None else (found.trials[0] if found.trials else None)
-    models, inks = {"before": base.model}, (BEFORE,)
-    if best is not None:
+    models, inks = {"model": base.model}, (MODEL,)
+    if best is not None and found.verdict != "adequate":
         label = f"with {best.family}" + ("" if found.best is not None else " (best tried)")
         models, inks = {"before": base.model, label: best.candidate.fitted.model}, (BEFORE, AFTER)
     before = _excess(found.before_fit, found.before_validate)
@@ -90,7 +90,7 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
         "overlays": _overlays(case, models, found.before_validate, inks),
         "ranking": ranking_rows(document["ranking"], before),
         "ranking_channel": worst_channel(case, found.before_validate).replace("_", " "),
-        "detectable": detectable_rows(document["detectable"]) if found.unexplained_share <= NOTHING_LEFT else [],
+        "detectable": detectable_rows(document["detectable"]) if near_noise(found) else [],
         "maps": _maps(case, found.maps),
         "told_apart": rivals_sentence(found),
         "effect": _effect_words(best) if found.best is not None else None,

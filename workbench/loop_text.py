@@ -11,7 +11,7 @@ from rich.table import Table
 from stagecad.parameters.quantities import format_quantity
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis
+from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, excess
 from sysid.document import channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
@@ -35,8 +35,10 @@ COORDINATE_WORDS = {
 
 
 NOTHING_LEFT = 0.05
-"""Share of the misfit up to which what an effect leaves is not worth a word. While more is left, what is still missing
-hides smaller effects, and what would have been found of them is not said."""
+"""Share of the misfit up to which what an effect leaves is not worth a word."""
+
+NEAR_NOISE = 1.5
+"""Error over noise up to which it can be said what would have been found: what is still missing hides the rest."""
 
 
 def plain(value: float, unit: str) -> str:
@@ -91,6 +93,13 @@ def where_table(maps: Sequence[Any]) -> Table:
         chance = "< 0.001" if m.p_value <= 0.002 else f"{m.p_value:.3f}"
         table.add_row(m.coordinate, f"{100 * m.share:.0f} %", chance)
     return table
+
+
+def near_noise(diagnosis: Diagnosis) -> bool:
+    """Whether the model, with the effect found in it, leaves little more than the noise."""
+    best = diagnosis.best
+    over = excess(diagnosis.before_fit, diagnosis.before_validate)
+    return (over if best is None else excess(best.after_fit, best.after_validate)) <= NEAR_NOISE
 
 
 def detectable_table(rows: Sequence[Mapping[str, Any]]) -> Table:
@@ -170,7 +179,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
             row.get("law", ""),
         )
     run.console.print(table)
-    if document["detectable"] and diagnosis.unexplained_share <= NOTHING_LEFT:
+    if document["detectable"] and near_noise(diagnosis):
         run.console.print(detectable_table(document["detectable"]))
     if diagnosis.verdict == "missing-effect":
         assert diagnosis.best is not None
