@@ -127,6 +127,7 @@ def _holder(design: Any) -> tuple[SheetPlan, ...]:
 def _stage(design: Any) -> tuple[SheetPlan, ...]:
     views = (
         ViewPlan("top", "top", symmetry="uv"),
+        _section("A", "right", (0.0, 0.0, 0.0), "front"),
         _FRONT,
         _RIGHT,
         ViewPlan("bottom", "bottom", "front", symmetry="uv"),
