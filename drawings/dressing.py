@@ -8,7 +8,7 @@ order of a set: the same view gives the same places.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotation import (
@@ -74,9 +74,14 @@ def dress(view: View, asked: Sequence[Asked], marks: Sequence[Annotation] = ()) 
     view = replace(view, place=(0.0, 0.0))
     placer = _Placer(view)
     for mark in marks:
-        placer.keep(mark)
+        if not isinstance(mark, SectionMark):
+            placer.keep(mark)
+    cuts = [mark for mark in marks if isinstance(mark, SectionMark)]
     for one in sorted(asked, key=_order):
+        if not isinstance(one, AskedDistance):
+            placer.mark(cuts)
         placer.place(one)
+    placer.mark(cuts)
     view = replace(view, label_at=placer.label())
     return Dressed(view, tuple(placer.kept), placer.room(), placer.hits, tuple(asked), tuple(marks))
 
@@ -142,10 +147,33 @@ class _Placer:
         self.inked.append(box)
         return (middle, low)
 
+    def mark(self, cuts: list[SectionMark]) -> None:
+        """Ends of cutting lines outside what dimensions stand there; each once."""
+        while cuts:
+            cut = cuts.pop(0)
+            size = math.dist(cut.start, cut.end)
+            u = ((cut.end[0] - cut.start[0]) / size, (cut.end[1] - cut.start[1]) / size)
+            tried = [
+                (
+                    3.0 * (i + j),
+                    replace(
+                        cut,
+                        start=(cut.start[0] - 3.0 * i * u[0], cut.start[1] - 3.0 * i * u[1]),
+                        end=(cut.end[0] + 3.0 * j * u[0], cut.end[1] + 3.0 * j * u[1]),
+                    ),
+                )
+                for i in range(16)
+                for j in range(16)
+            ]
+            self._keep_best(tried)
+
     def place(self, asked: Asked) -> None:
         """Keeps the best of the likely places."""
+        self._keep_best(self._candidates(asked))
+
+    def _keep_best(self, candidates: Iterable[Candidate]) -> None:
         best, least, touched = None, math.inf, 0
-        for cost, annotation in sorted(self._candidates(asked), key=lambda item: item[0]):
+        for cost, annotation in sorted(candidates, key=lambda item: item[0]):
             if cost >= least:
                 break
             extra, hits = self._extra(annotation, least - cost)
