@@ -46,7 +46,7 @@ HOLDS = {
     "ellipse_slow": Hold("whole ellipse, slow integral", "ellipse", 2e4, 2e6),
     "ellipse_fast": Hold("whole ellipse, fast integral", "ellipse", 2e4, 3e6),
     "travel_slow": Hold("travel only, slow integral", "travel", 2e4, 1e6),
-    "lean_fast": Hold("pressed tip, integral of 200 /s", "lean", 0.0, 200.0, target=1e-6),
+    "lean_fast": Hold("pressed tip, integral of 300 /s", "lean", 0.0, 300.0, target=1e-6),
 }
 
 
@@ -70,7 +70,7 @@ class Held:
         return self.run.position[:, 0] - self.target
 
     def cycle(self) -> tuple[float, float | None]:
-        """Peak-to-peak motion in the second half (m) and the period of its strongest wave (s; none when it is still)."""
+        """Peak-to-peak motion in the second half (m), and the period of its strongest wave (s; none when still)."""
         late = self.error[self.run.time > 0.5 * self.run.time[-1]]
         size = float(np.ptp(late))
         if size < STILL:

@@ -1,10 +1,11 @@
 """A stack's hysteresis and creep as operators that go along with a simulation step by step.
 
 Prandtl-Ishlinskii:  u = V + s sum_i w_i (play_i(V) - V),  half-widths r_i even over the voltage's half-range.
-On the whole sweep 0 to V_max the loop at mid-voltage is 2 s <r> wide in V, <r> = sum w_i r_i, and u sweeps over
-V_max - 2 s <r>, since a play loses 2 r_i. So the catalogue's two numbers, stroke and hysteresis H, fix
+On the whole sweep 0 to V_max = 2 A a play loses 2 r_i, so u sweeps over V_max - 2 s <r>. At mid-voltage a play stands
+r_i behind, or A - r_i where it has not been taken along yet, so the loop there is 2 s <min(r, A - r)> wide. With <.> the
+mean by w_i, the catalogue's two numbers, stroke and hysteresis H, fix
 
-    s = H A / ((1 + H) <r>),  A = V_max/2,        gain = stroke/(V_max - 2 s <r>).
+    s = H A / (<min(r, A - r)> + H <r>),        gain = stroke/(V_max - 2 s <r>).
 
 Small signals see no play move: their gain is gain (1 - s), the known loss of a stack's small-signal stretch.
 Creep: the logarithm of time by a ladder of lags, as the effect `piezo_creep` has it.
@@ -57,7 +58,8 @@ def piezo_response(piezo: Piezo) -> PiezoResponse:
     thresholds = half * np.linspace(0.1, 1.0, PLAYS)
     weights = np.full(PLAYS, 1.0 / PLAYS)
     mean = float(weights @ thresholds)
-    strength = piezo.hysteresis * half / ((1.0 + piezo.hysteresis) * mean)
+    behind = float(weights @ np.minimum(thresholds, half - thresholds))
+    strength = piezo.hysteresis * half / (behind + piezo.hysteresis * mean)
     gain = piezo.stroke / (piezo.highest_voltage - 2.0 * strength * mean)
     times = CREEP_START * 10.0 ** (CREEP_DECADES * np.arange(LAGS) / (LAGS - 1))
     creep = np.full(LAGS, piezo.creep * CREEP_DECADES / (LAGS - 1))

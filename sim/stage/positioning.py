@@ -37,7 +37,7 @@ STOPPED = 0.2e-3
 COARSE_LONGEST = 0.4
 PRESS_TIME = 0.02
 LEAN_HIGHEST = 4e-6
-FINE_TIME = 0.4
+FINE_TIME = 0.5
 SETTLED = 1e-9
 
 
@@ -59,9 +59,9 @@ class Loop:
 
 
 LOOPS = {
-    "interferometer": Loop("interferometer throughout", "interferometer", "interferometer", 40.0),
-    "interferometer_and_probe": Loop("interferometer, then filtered probe", "interferometer", "probe", 30.0),
-    "lvdt_and_probe": Loop("LVDT, then filtered probe", "lvdt", "probe", 30.0),
+    "interferometer": Loop("interferometer throughout", "interferometer", "interferometer", 60.0),
+    "interferometer_and_probe": Loop("interferometer, then filtered probe", "interferometer", "probe", 45.0),
+    "lvdt_and_probe": Loop("LVDT, then filtered probe", "lvdt", "probe", 45.0),
 }
 
 
