@@ -33,7 +33,7 @@ class Calculator:
     options: dict[str, Option]
     results: Callable[[Run, Values], dict[str, Any]]
     words: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    """options that take a word: the words allowed"""
+    """options that take a word: the words allowed, none for any text"""
 
 
 def from_key(key: str) -> Callable[[Reading, Values], float]:
@@ -50,6 +50,11 @@ def same_as(name: str) -> Callable[[Reading, Values], float]:
 
 def constant(value: float | None) -> Callable[[Reading, Values], float | None]:
     return lambda r, given: value
+
+
+def quantities(**named: tuple[Any, str]) -> dict[str, Any]:
+    """Results as JSON quantities, from (value, SI unit)."""
+    return {name: as_json(float(value), unit) for name, (value, unit) in named.items()}
 
 
 def _tip_load(r: Reading, given: Values) -> float:
@@ -75,11 +80,17 @@ def _hertz(run: Run, v: Values) -> dict[str, Any]:
         peak = max(peaks, key=lambda p: float(p.shear))
         major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
         approach, stiffness = as_json(float(contact.approach), "m"), as_json(float(contact.stiffness), "N/m")
+        secant = as_json(float(contact.secant_stiffness), "N/m")
+        tension = max(float(hertz_stress.edge_tension(pressure, v[name])) for name in ("poisson_1", "poisson_2"))
     else:
         line = hertz.line_contact(v["load"], v["length"], v["radius_1"], v["radius_2"], modulus)
         peak = hertz_stress.line_shear_peak(line)
         major, minor, pressure = v["length"] / 2, line.half_width, line.peak_pressure
-        approach = stiffness = None  # in two dimensions both depend on how far away the approach is measured
+        approach = stiffness = secant = None  # in two dimensions they depend on how far away the approach is measured
+        tension = 0.0  # a line contact without friction has none at its edge
+    # A line is an ellipse without end.
+    ratio = 1e-4 if v["length"] is not None else float(minor / major)
+    first = min(v[f"strength_{body}"] / float(hertz_stress.peak_mises(ratio, v[f"poisson_{body}"])) for body in (1, 2))
     return {
         "semi_axis_major": as_json(float(major), "m"),
         "semi_axis_minor": as_json(float(minor), "m"),
@@ -88,6 +99,10 @@ def _hertz(run: Run, v: Values) -> dict[str, Any]:
         "stiffness": stiffness,
         "peak_shear": as_json(float(peak.shear), "Pa"),
         "peak_shear_depth": as_json(float(peak.depth), "m"),
+        "secant_stiffness": secant,
+        "first_yield_pressure": as_json(first, "Pa"),
+        "yield_margin": as_json(1 - float(pressure) / first, ""),
+        "edge_tension": as_json(tension, "Pa"),
     }
 
 
@@ -162,6 +177,8 @@ CALCULATORS: dict[str, Calculator] = {
             "modulus_2": Option("Pa", "Young's modulus of body 2", from_material("stage", "youngs_modulus")),
             "poisson_1": Option("", "Poisson's ratio of body 1", from_material("tip", "poisson_ratio")),
             "poisson_2": Option("", "Poisson's ratio of body 2", from_material("stage", "poisson_ratio")),
+            "strength_1": Option("Pa", "yield strength of body 1", from_material("tip", "strength")),
+            "strength_2": Option("Pa", "yield strength of body 2", from_material("stage", "strength")),
             "length": Option("m", "of a line contact; a point contact without it", constant(None)),
         },
         _hertz,

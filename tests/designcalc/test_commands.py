@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 
 from workbench.cli import run
@@ -31,8 +32,13 @@ def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(capsys):
     assert found["results"]["semi_axis_major"] == found["results"]["semi_axis_minor"]
     assert set(found["results"]) == {
         "semi_axis_major", "semi_axis_minor", "peak_pressure", "approach", "stiffness",
-        "peak_shear", "peak_shear_depth",
+        "peak_shear", "peak_shear_depth", "secant_stiffness", "first_yield_pressure", "yield_margin", "edge_tension",
     }  # fmt: skip
+    # F ~ delta^1.5, and a sphere with nu = 0.3 yields first at 1.61 times its yield strength (Johnson, section 6.1)
+    results = found["results"]
+    assert results["secant_stiffness"]["value"] == pytest.approx(results["stiffness"]["value"] / 1.5)
+    assert results["first_yield_pressure"]["value"] == pytest.approx(1.61 * 276e6, rel=5e-3)
+    assert results["edge_tension"]["value"] == pytest.approx((1 - 2 * 0.3) / 3 * results["peak_pressure"]["value"])
 
 
 def test_calc_hertz_with_a_length_is_a_line_without_approach(capsys):
@@ -77,16 +83,73 @@ def test_calc_teeth_alone_and_with_the_magnet(capsys):
         ("drive", "travel_along", 12.3e-6),
         ("drive", "preload_ratio_for_1g", 2.333),
         # a film of next to nothing leaves Hertz's spot: (3 F R/(4 E*))^(1/3)
-        ("pads --film-thickness 1nm", "contact_radius", (3 * 10 * 2 / (4 * 65.2e9)) ** (1 / 3)),
+        ("pads --load 10N --film-thickness 1nm", "contact_radius", (3 * 10 * 2 / (4 * 65.2e9)) ** (1 / 3)),
         ("wedge", "lift_per_turn", 158.75e-6),
         ("screw", "stress_area", 50e-6),
         ("probe", "noise", 1.732e-9),
+        ("stack --side-force 10N", "pull_by_drive", 10 * 20 / 46),
+        ("stack", "peak_current", np.pi * 5e3 * 1.4e-6 * 150),
+        # s/(s + x) with a half-span of 12.5 mm on the tip's line, and the rest of the load rubbing on the pads
+        ("tip-over", "share_of_load", 12.5 / 112.5),
+        ("tip-over --position 0mm", "acceleration", 0.3 * 1.1 * 9.80665),
+        ("clamp --torque 0N*m", "drop", 62e-3 * (1 - np.cos(0.05 / 36.6))),
+        ("wear --load 16N --crown-radius 2m", "distance", np.pi * 2 * 1e-12 / 1e-15 / 16),
+        ("smoothness --waviness 0m --pads 1", "roughness_by_formula", 20e-9 * np.pi / np.sqrt(2) * 20e-6 / 1.4999e-3),
+        ("air-bearing", "load", 90.0),
+        ("levitation", "stiffest", 24 * 1e-7 / 0.03**5),
+        ("bow --expansion-1 1.3ppm/K", "bow", 0.0),
+        ("vibration --stiffness 12MN/m --mass 3kg", "resonance", 2000 / (2 * np.pi)),
+        ("alignment", "cosine_error", 0.2 * 0.5e-8),
     ],
 )
 def test_calc_runs_the_small_calculators(capsys, name, result, value):
     status, found = document(capsys, "calc", *name.split())
     assert status == 0
-    assert found["results"][result]["value"] == pytest.approx(value, rel=5e-3)
+    assert found["results"][result]["value"] == pytest.approx(value, rel=5e-3, abs=1e-15)
+
+
+def test_calc_rides_a_measured_profile(capsys, tmp_path):
+    place = np.arange(0, 40, 0.05)
+    wave = 8 * np.sin(2 * np.pi * place / 10)
+    rows = "\n".join(f"{x:.4f},{h:.6f}" for x, h in zip(place, wave))
+    file = tmp_path / "way.csv"
+    file.write_text("position [mm],height [nm]\n" + rows + "\n", "utf-8")
+    status, found = document(capsys, "calc", "smoothness", "--profile", str(file), "--contact-length", "1 mm")
+    assert status == 0
+    half = np.pi * 0.1
+    transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
+    assert found["results"]["peak_to_valley"]["value"] == pytest.approx(16e-9 * transfer, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("", "is empty"),
+        ("place [mm],height [nm]\n", "no column 'place' is known"),
+        ("position [mm]\n", "column 'height [m]' is missing"),
+        ("position [mm],height [N]\n", "wrong dimension"),
+        ("position [mm],height [nm]\n0,0\n1,x\n", "row 3: height 'x' is no number"),
+        ("position [mm],height [nm]\n0,0\n1,0\n", "at least three heights"),
+        ("position [mm],height [nm]\n0,0\n1,0\n2,0\n4,0\n", "even steps"),
+    ],
+)
+def test_calc_says_what_is_wrong_with_a_profile(capsys, tmp_path, text, message):
+    file = tmp_path / "way.csv"
+    file.write_text(text, "utf-8")
+    status, out, err = answer(capsys, "calc", "smoothness", "--profile", str(file))
+    assert status == 2
+    assert message in err and "way.csv" in err
+    assert err.count("\n") == 1 and not out
+
+
+def test_calc_lists_suspensions_and_budgets(capsys):
+    _, ranked = document(capsys, "calc", "suspensions")
+    assert ranked["results"]["table"][0]["suspension"] == "sliding pads"
+    _, found = document(capsys, "calc", "budget")
+    rows = found["results"]["repeatability"]
+    # the aluminium stage grows by 23.6 ppm/K over half of its 230 mm
+    assert rows[0]["contribution"] == "growth of the stage"
+    assert rows[0]["error"]["value"] == pytest.approx(23.6e-6 * 0.115)
 
 
 def test_calc_takes_its_defaults_from_the_design(capsys):

@@ -9,14 +9,16 @@ import click
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.quantities import as_json, format_quantity, parse_quantity
+from workbench.bearing_calculators import BEARING_CALCULATORS
 from workbench.calculators import CALCULATORS, Calculator, Values
 from workbench.drive_calculators import DRIVE_CALCULATORS
+from workbench.error_calculators import ERROR_CALCULATORS
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from designcalc.checks.reading import Reading
 
-ALL = {**CALCULATORS, **DRIVE_CALCULATORS}
+ALL = {**CALCULATORS, **DRIVE_CALCULATORS, **BEARING_CALCULATORS, **ERROR_CALCULATORS}
 """By the name they are called with."""
 
 
@@ -86,7 +88,7 @@ def _values(run: Run, name: str, calculator: Calculator, written: Mapping[str, s
         values[key] = option.default(reading, values)
     for key, allowed in calculator.words.items():
         word = written.get(key)
-        if word is not None and word not in allowed:
+        if word is not None and allowed and word not in allowed:
             raise InputError(f"calc {name}: --{key} {word}: not a choice{nearest(word, allowed)}")
         values[key] = word
     return values
@@ -95,6 +97,8 @@ def _values(run: Run, name: str, calculator: Calculator, written: Mapping[str, s
 def _shown(item: Any) -> str:
     if isinstance(item, dict) and "value" in item:
         return format_quantity(item["value"], item["unit"], 5)
+    if isinstance(item, bool):
+        return "yes" if item else "no"
     return "none" if item is None else f"{item:g}" if isinstance(item, int | float) else str(item)
 
 
