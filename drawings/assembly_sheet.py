@@ -78,35 +78,49 @@ def assembly_sheet(machine: Assembled, design: Any) -> Sheet:
     top, _ = _view("top", PROJECTIONS["top"], scene, [(i.shape, i.frame) for i in machine.instances])
     views = [top, _section(machine, scene)]
     marks: list[Annotation] = []
-    # Irons and magnets hang under the stage: a machine that has them shows it from below as well.
-    hanging = [i for i in machine.instances if i.part in MOVING]
-    groups = [("exploded", PROJECTIONS["iso"], machine.instances, SCALE)]
-    if len(hanging) > 1:
-        groups.append(("from below", FROM_BELOW, tuple(hanging), SCALE / 2))
-    pieces: dict[str, list[tuple[str, tuple[Curve, ...]]]] = {}
-    for name, projection, instances, scale in groups:
-        view, lines = _view(name, projection, scene, [(i.shape, i.exploded) for i in instances], scale)
-        views.append(view)
-        pieces[name] = [(instance.part, piece) for instance, piece in zip(instances, lines, strict=True)]
+    taken_apart = apart(machine, scene)
+    views += [view for view, _ in taken_apart]
+    pieces = {view.name: found for view, found in taken_apart}
     views = _placed(views, len(machine.rows))
     marks.append(_mark(views[0]))
-    shown: set[int] = set()
-    for view in views[2:]:
-        rows = [row for row in machine.rows if row.item not in shown]
-        found = list(balloons(view, pieces[view.name], rows))
-        shown.update(balloon.number for balloon in found)
-        marks += found
+    marks += all_balloons([(view, pieces[view.name]) for view in views[2:]], machine.rows)
     return Sheet(
         name="assembly",
         part="assembly",
         paper=PAPER,
         scale=SCALE,
-        title=_title(machine, design),
+        title=title_of(machine, design, "assembly"),
         views=tuple(views),
         annotations=tuple(marks),
         notes=(Note(sheet_area(PAPER).space[:2], _NOTES),),
         tables=tuple(parts_list(machine.rows, PAPER)),
     )
+
+
+Pieces = Sequence[tuple[str, tuple[Curve, ...]]]
+"""Part of each piece of a view, and its visible lines."""
+
+
+def apart(machine: Assembled, scene: Scene) -> list[tuple[View, Pieces]]:
+    """The machine taken apart, seen from above; from below as well where irons and magnets hang under the stage."""
+    hanging = [i for i in machine.instances if i.part in MOVING]
+    groups = [("exploded", PROJECTIONS["iso"], machine.instances, SCALE)]
+    if len(hanging) > 1:
+        groups.append(("from below", FROM_BELOW, tuple(hanging), SCALE / 2))
+    views: list[tuple[View, Pieces]] = []
+    for name, projection, instances, scale in groups:
+        view, lines = _view(name, projection, scene, [(i.shape, i.exploded) for i in instances], scale)
+        views.append((view, [(instance.part, piece) for instance, piece in zip(instances, lines, strict=True)]))
+    return views
+
+
+def all_balloons(views: Sequence[tuple[View, Pieces]], rows: Sequence[Row]) -> list[Balloon]:
+    """A balloon for each row of the parts list, in the first of the placed views that shows its part."""
+    found: list[Balloon] = []
+    for view, pieces in views:
+        shown = {balloon.number for balloon in found}
+        found += balloons(view, pieces, [row for row in rows if row.item not in shown])
+    return found
 
 
 _NOTES = (
@@ -184,7 +198,7 @@ def _mark(top: View) -> SectionMark:
     return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
 
 
-def balloons(view: View, pieces: Sequence[tuple[str, tuple[Curve, ...]]], rows: Sequence[Row]) -> Iterator[Balloon]:
+def balloons(view: View, pieces: Pieces, rows: Sequence[Row]) -> Iterator[Balloon]:
     """A balloon for each row of the parts list, in two columns beside the view, in the order of what they point at.
 
     Args:
@@ -260,21 +274,23 @@ def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Ink]:
         left += width
 
 
-def _title(machine: Assembled, design: Any) -> TitleBlock:
+def title_of(machine: Assembled, design: Any, sheet: str) -> TitleBlock:
+    """Title block of a sheet of the whole machine: `assembly`, or its `procedure`."""
     from drawings.part_sheets import tolerances_of
 
+    drawn = sheet == "assembly"
     return TitleBlock(
-        title="assembly",
+        title=sheet if drawn else f"assembly {sheet}",
         supplement=design.drawing.title,
-        number="THS_STG_ASSEMBLY",
+        number=f"THS_STG_{sheet.upper()}",
         material="",
-        mass=machine.mass,
+        mass=machine.mass if drawn else "",
         scale=scale_text(SCALE),
         sheet=1,
         sheets=1,
         revision=machine.revision,
         parameters=machine.digest,
-        kind="Assembly drawing",
+        kind="Assembly drawing" if drawn else "Procedure",
         finish="",
-        tolerances=tolerances_of(design),
+        tolerances=tolerances_of(design) if drawn else (),
     )

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from drawings.workers import run_tasks
 from stagecad import __version__
@@ -21,10 +21,17 @@ from stagecad.solids.cache import Entry, Store
 from stagecad.solids.machine import Machine, find_machine, make_machine, part_mass
 from stagecad.solids.made_assembly import MadeAssembly
 from stagecad.solids.made_part import MadePart, find_part, make_part
-from stagecad.solids.registry import ASSEMBLY, module_of
+from stagecad.solids.registry import ASSEMBLY, module_of, part_names
+
+if TYPE_CHECKING:
+    from drawings.assembly_sheet import Assembled
+    from drawings.procedure_figures import ProcedureValues
+    from drawings.sheet import Sheet
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
+PROCEDURE = "procedure"
+"""The sheet that tells how the machine is put together."""
 
 SLOWEST_FIRST = ("base", "stage", "holder", "tip", "tooth_bar", "bearing_way")
 """Order in which parts are begun, so that no long one is left for the end; the assembly needs them all."""
@@ -62,23 +69,40 @@ def _modules(part: str) -> tuple[str, ...]:
 
 
 _OF_ASSEMBLY = (__name__, "drawings.assembly_sheet", "drawings.document", "drawings.export")
+_OF_PROCEDURE = (*_OF_ASSEMBLY, "drawings.procedure", "drawings.procedure_sheet")
 
 
 def _depends(made: MadePart | MadeAssembly) -> tuple[str, ...]:
     return (made.entry.key, *(f"{name} {version(name)}" for name in ("ezdxf", "matplotlib", "fonttools")))
 
 
-def find_sheets(store: Store, part: str, design: Any) -> tuple[MadeSheet, ...] | None:
-    """The sheets of a part, or of the assembly, from the cache, or None where they have to be made."""
-    if part == ASSEMBLY:
+def find_sheets(
+    store: Store, part: str, design: Any, values: ProcedureValues | None = None
+) -> tuple[MadeSheet, ...] | None:
+    """The sheets of a part, of the assembly, or of its procedure, from the cache, or None where they have to be made.
+
+    Args:
+        values: for the procedure.
+    """
+    if part in (ASSEMBLY, PROCEDURE):
         machine = find_machine(design, store)
-        entry = machine and store.find(f"drawing of {part}", design, _OF_ASSEMBLY, _depends(machine.assembly))
+        if machine is None:
+            return None
+        modules, depends = _whole(machine, part, values)
+        entry = store.find(f"drawing of {part}", design, modules, depends)
         return _sheets(entry) if entry else None
     made = find_part(store, part, design)
     if made is None:
         return None
     entry = store.find(f"drawing of {part}", design, _modules(part), _depends(made))
     return _sheets(entry) if entry is not None else None
+
+
+def _whole(machine: Machine, part: str, values: ProcedureValues | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Modules and results that a sheet of the whole machine is made from."""
+    if part == ASSEMBLY:
+        return _OF_ASSEMBLY, _depends(machine.assembly)
+    return _OF_PROCEDURE, (*_depends(machine.assembly), repr(values))
 
 
 def _sheets(entry: Entry) -> tuple[MadeSheet, ...]:
@@ -102,6 +126,7 @@ def make_sheets(
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
+    values: ProcedureValues | None = None,
 ) -> dict[str, tuple[MadeSheet, ...]]:
     """The sheets of some parts, those that the cache lacks drawn side by side in processes of their own.
 
@@ -111,19 +136,20 @@ def make_sheets(
         design: it must pickle.
         advance: called with each part as it is done.
         workers: processes; the number of processors when left out.
+        values: the calculated numbers of the procedure, where its sheet is among them.
     """
     wanted = tuple(parts)
     found: dict[str, tuple[MadeSheet, ...]] = {}
     for part in wanted:
-        sheets = find_sheets(store, part, design)
+        sheets = find_sheets(store, part, design, values)
         if sheets is not None:
             found[part] = sheets
             advance(part)
     missing = sorted((part for part in wanted if part not in found), key=_slowness)
     if missing:
-        run_tasks(missing, partial(_draw_elsewhere, store.folder, design), advance, workers=workers)
+        run_tasks(missing, partial(_draw_elsewhere, store.folder, design, values), advance, workers=workers)
     for part in missing:
-        sheets = find_sheets(store, part, design)
+        sheets = find_sheets(store, part, design, values)
         if sheets is None:
             raise OSError(f"the cache in {store.folder} lost the sheets of '{part}' just drawn")
         found[part] = sheets
@@ -131,43 +157,74 @@ def make_sheets(
 
 
 def _slowness(part: str) -> int:
-    if part == ASSEMBLY:
+    if part in (ASSEMBLY, PROCEDURE):
         return len(SLOWEST_FIRST) + 1
     return SLOWEST_FIRST.index(part) if part in SLOWEST_FIRST else len(SLOWEST_FIRST)
 
 
-def _draw_elsewhere(folder: Path, design: Any, part: str, late: bool) -> None:
-    if part == ASSEMBLY:
-        draw_assembly(Store(folder), design)
+def _draw_elsewhere(folder: Path, design: Any, values: ProcedureValues | None, part: str, late: bool) -> None:
+    if part in (ASSEMBLY, PROCEDURE):
+        draw_whole(Store(folder), part, design, values)
     else:
         draw_part(Store(folder), part, design, exact=not late)
 
 
-def draw_assembly(store: Store, design: Any) -> tuple[MadeSheet, ...]:
-    """The assembly's sheet from the cache, drawn now when it lacks it."""
+def draw_whole(store: Store, part: str, design: Any, values: ProcedureValues | None = None) -> tuple[MadeSheet, ...]:
+    """A sheet of the whole machine from the cache, drawn now when it lacks it.
+
+    Args:
+        part: `assembly` or `procedure`.
+        values: for the procedure.
+    """
+    # A process that draws may start no others: what the cache still lacks is made here, one by one.
+    for name in part_names(design):
+        make_part(store, name, design)
     machine = make_machine(design, store)
+    modules, depends = _whole(machine, part, values)
 
     def make(reading: Any, folder: Path) -> None:
-        from drawings.assembly_sheet import Assembled, assembly_sheet
-        from stagecad.solids.made_assembly import shapes_of
+        from drawings.assembly_sheet import assembly_sheet
 
-        read = Machine(reading, machine.parts, machine.assembly)
-        instances = machine.assembly.instances
-        shapes = shapes_of(instances, machine.parts, reading)
-        reads = sorted({name for part in machine.parts.values() for name in part.entry.reads})
-        assembled = Assembled(
-            instances,
-            {name: shape.wrapped for name, shape in shapes.items()},
-            read.bill_of_materials,
-            _shown_mass(read.whole.mass),
-            digest(reading, reads),
-            __version__,
-        )
-        documents = [write_sheet(assembly_sheet(assembled, reading), folder)]
-        (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
+        assembled = _assembled(machine, reading)
+        if part == ASSEMBLY:
+            sheet = assembly_sheet(assembled, reading)
+        else:
+            sheet = _procedure_sheet(assembled, reading, values)
+        (folder / SHEETS).write_text(json.dumps([write_sheet(sheet, folder)], indent=1), "utf-8")
 
-    entry = store.make(f"drawing of {ASSEMBLY}", design, _OF_ASSEMBLY, make, _depends(machine.assembly))
-    return _sheets(entry)
+    return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
+
+
+def _assembled(machine: Machine, design: Any) -> Assembled:
+    """The machine as its sheets need it."""
+    from drawings.assembly_sheet import Assembled
+    from stagecad.solids.made_assembly import shapes_of
+
+    read = Machine(design, machine.parts, machine.assembly)
+    instances = machine.assembly.instances
+    shapes = shapes_of(instances, machine.parts, design)
+    reads = sorted({name for part in machine.parts.values() for name in part.entry.reads})
+    return Assembled(
+        instances,
+        {name: shape.wrapped for name, shape in shapes.items()},
+        read.bill_of_materials,
+        _shown_mass(read.whole.mass),
+        digest(design, reads),
+        __version__,
+    )
+
+
+def _procedure_sheet(assembled: Assembled, design: Any, values: ProcedureValues | None) -> Sheet:
+    from drawings.assembly_sheet import apart, title_of
+    from drawings.procedure import procedure
+    from drawings.procedure_sheet import procedure_sheet
+    from drawings.visibility import Scene
+
+    if values is None:
+        raise ValueError("the procedure needs its calculated values")
+    steps = procedure(design, assembled.rows, values)
+    title = title_of(assembled, design, PROCEDURE)
+    return procedure_sheet(steps, title, apart(assembled, Scene(assembled.shapes)), assembled.rows)
 
 
 def _shown_mass(kilograms: float) -> str:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from drawings.frame import CENTRING, Paper, drawing_space
+from drawings.annotation_ink import BALLOON
+from drawings.assembly_sheet import Pieces, all_balloons
+from drawings.document import view_box
+from drawings.frame import CENTRING, PAPERS, Paper, drawing_space
 from drawings.ink import Ink, Stroke, Words, rectangle
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
 from drawings.procedure import PartUse, Procedure, Step
-from drawings.sheet import Sheet
+from drawings.sheet import Sheet, scale_text
 from drawings.title_block import HEIGHT, TitleBlock
-from drawings.view import Box2
+from drawings.view import Box2, View
+from stagecad.solids.bill_of_materials import Row
 
 NAME = "procedure"
 
-PAPERS: tuple[Paper, ...] = ("A2", "A1")
+SCALES = (0.5, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05)
+SIZES: tuple[Paper, ...] = ("A2", "A1")
 SIDE, MARGIN, GUTTER = CENTRING + 2.0, 6.0, 8.0
 """From the frame's sides to the table, clear of the centring marks; from its top; between two columns, mm."""
 PAD = 2.0
@@ -38,44 +43,93 @@ class _Line:
         return LINE_PITCH * self.height
 
 
-def procedure_sheet(procedure: Procedure, title: TitleBlock) -> Sheet:
+Picture = Sequence[tuple[View, Pieces]]
+"""Views of the machine taken apart, and their pieces."""
+
+
+def procedure_sheet(procedure: Procedure, title: TitleBlock, picture: Picture = (), rows: Sequence[Row] = ()) -> Sheet:
     """The sheet, on the smallest paper that holds the table.
 
     Args:
         procedure: the steps.
-        title: its title block.
+        title: its title block; the scale is that of the picture.
+        picture: shown beside the table, at a scale that fits, where the table leaves a column for it.
+        rows: of the parts list, to be pointed at in the picture.
 
     Raises:
         ValueError: the table is too long for the largest paper.
     """
-    for paper in PAPERS:
-        table = _table(procedure.steps, paper)
-        if table is not None:
-            return Sheet(NAME, NAME, paper, 1.0, title, (), (), (), tuple(table))
-    raise ValueError(f"the procedure has {len(procedure.steps)} steps, more than a sheet of {PAPERS[-1]} holds")
+    for paper in SIZES:
+        table = _Table(procedure.steps, paper)
+        if table.complete:
+            views = _placed(picture, table.free) if table.free else []
+            scale = views[0][0].scale if views else 1.0
+            return Sheet(
+                NAME,
+                NAME,
+                paper,
+                scale,
+                replace(title, scale=scale_text(scale) if views else "-"),
+                tuple(view for view, _ in views),
+                tuple(all_balloons(views, rows)),
+                (),
+                tuple(table.inks),
+            )
+    raise ValueError(f"the procedure has {len(procedure.steps)} steps, more than a sheet of {SIZES[-1]} holds")
 
 
-def _table(steps: Sequence[Step], paper: Paper) -> list[Ink] | None:
-    """The steps in two columns, the second one above the title block; None where they do not fit."""
-    x0, y0, x1, y1 = drawing_space(paper)
-    width = (x1 - x0 - 2 * SIDE - GUTTER) / 2
-    columns = ((x0 + SIDE, y0 + MARGIN), (x0 + SIDE + width + GUTTER, y0 + HEIGHT + MARGIN))
-    inks: list[Ink] = []
-    left = list(steps)
-    for start, floor in columns:
-        if not left:
-            break
-        top = y1 - MARGIN
-        inks += _headings((start, top - HEAD, start + width, top))
-        top -= HEAD
-        while left:
-            row = _Row(left[0], width)
-            if top - row.height < floor:
+class _Table:
+    """The steps in two columns, the second one above the title block.
+
+    Attributes:
+        inks: lines and texts.
+        complete: whether all steps found room.
+        free: box of the second column where no step stands in it.
+    """
+
+    def __init__(self, steps: Sequence[Step], paper: Paper) -> None:
+        x0, y0, x1, y1 = drawing_space(paper)
+        # The gutter lies under the centring mark, in the middle of the paper.
+        middle, top = PAPERS[paper][0] / 2, y1 - MARGIN
+        second, width = middle + GUTTER / 2, middle - GUTTER / 2 - x0 - SIDE
+        left = list(steps)
+        self.inks: list[Ink] = []
+        self.free: Box2 | None = (second, y0 + HEIGHT + MARGIN, x1 - SIDE, y1 - SIDE)
+        for start, floor in ((x0 + SIDE, y0 + MARGIN), (second, y0 + HEIGHT + MARGIN)):
+            if not left:
                 break
-            inks += row.ink(start, top)
-            top -= row.height
-            left.pop(0)
-    return None if left else inks
+            if start == second:
+                self.free = None
+            self.inks += _headings((start, top - HEAD, start + width, top))
+            height = top - HEAD
+            while left:
+                row = _Row(left[0], width)
+                if height - row.height < floor:
+                    break
+                self.inks += row.ink(start, height)
+                height -= row.height
+                left.pop(0)
+        self.complete = not left
+
+
+def _placed(picture: Picture, area: Box2) -> list[tuple[View, Pieces]]:
+    """The views one above the other in an area, the first above, all at the largest scale at which they fit."""
+    x0, y0, x1, y1 = area
+    room = 8 * BALLOON
+    for scale in SCALES:
+        views = [(replace(view, scale=scale, place=(0.0, 0.0), label=""), pieces) for view, pieces in picture]
+        boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view, _ in views]
+        gap = (y1 - y0 - sum(box[3] - box[1] for box in boxes)) / (len(boxes) + 1)
+        if gap < BALLOON or any(box[2] - box[0] + room > x1 - x0 for box in boxes):
+            continue
+        placed, top = [], y1
+        for (view, pieces), box in zip(views, boxes, strict=True):
+            top -= gap
+            at = ((x0 + x1 - box[0] - box[2]) / 2, top - box[3])
+            placed.append((replace(view, place=at), pieces))
+            top -= box[3] - box[1]
+        return placed
+    return []
 
 
 def _headings(box: Box2) -> Iterator[Ink]:

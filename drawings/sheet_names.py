@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from drawings.made_sheets import PROCEDURE
 from drawings.part_views import sheet_plans
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.solids.registry import ASSEMBLY, MADE, OF_TEETH, PURCHASED, part_names
@@ -14,7 +15,7 @@ def sheet_names(design: Any) -> dict[str, tuple[str, ...]]:
     """Names of the sheets of each thing that has a drawing."""
     made = [name for name in part_names(design) if name in MADE]
     sheets = {part: tuple(plan.name for plan in sheet_plans(part, design)) for part in made}
-    return {**sheets, ASSEMBLY: (ASSEMBLY,)}
+    return {**sheets, ASSEMBLY: (ASSEMBLY,), PROCEDURE: (PROCEDURE,)}
 
 
 def chosen_sheets(names: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:

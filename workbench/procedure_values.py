@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import math
-from typing import TYPE_CHECKING
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from designcalc.checks.reading import Reading, Weighed
     from drawings.procedure_figures import ProcedureValues
     from stagecad.parameters.design import Design
+    from stagecad.solids.cache import Store
+
+VALUES = "procedure_values.json"
 
 
 def procedure_values(design: Design, weighed: Weighed | None = None) -> ProcedureValues:
@@ -58,6 +64,17 @@ def procedure_values(design: Design, weighed: Weighed | None = None) -> Procedur
         run_in_wear=float(crown_wear_depth(distance, crown, rate, load)),
         film_strokes=half_worn / (2 * r("stage.travel")),
     )
+
+
+def stored_values(store: Store, design: Design, weighed: Weighed) -> ProcedureValues:
+    """The same from the cache; the field between the teeth takes a second to work out."""
+    from drawings.procedure_figures import ProcedureValues
+
+    def make(reading: Any, folder: Path) -> None:
+        (folder / VALUES).write_text(json.dumps(asdict(procedure_values(reading, weighed))), "utf-8")
+
+    entry = store.make("procedure values", design, (__name__,), make, (repr(weighed),))
+    return ProcedureValues(**entry.document(VALUES))
 
 
 def _preload(r: Reading, screw: str) -> float:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-_OURS = r"((?:stagecad|drawings)[\w.]*)"
+_OURS = r"((?:stagecad|drawings|designcalc|workbench)[\w.]*)"
 _IMPORT = re.compile(rf"^[ \t]*(?:from[ \t]+{_OURS}[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+{_OURS})", re.M)
 
 

@@ -6,9 +6,10 @@ import re
 from itertools import pairwise
 
 import pytest
-from test_procedure import made
+from test_procedure import made, rows, thesis
 
-from drawings.document import document_of
+from drawings.annotation import Balloon
+from drawings.document import document_of, view_box
 from drawings.frame import drawing_space
 from drawings.ink import Stroke, Words
 from drawings.lettering import SMALL, text_width
@@ -16,6 +17,7 @@ from drawings.procedure import Procedure, Step
 from drawings.procedure_sheet import broken, procedure_sheet
 from drawings.sheet import Sheet
 from drawings.title_block import TitleBlock, title_box
+from drawings.view import PROJECTIONS, Segment, View
 
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())
 
@@ -99,3 +101,34 @@ def test_a_step_without_needs_is_a_row_all_the_same() -> None:
     shown = [words.text for words in texts(sheet_of(Procedure((step,))))]
     assert shown[-3:] == ["1", "Look", "See."]
     assert not any(re.match("Torque", text) for text in shown)
+
+
+def test_the_picture_stands_beside_the_table_and_points_at_every_part() -> None:
+    """A tall and a wide view, ten times too large: scaled to the free column, one above the other, balloons and all."""
+    views = []
+    for name, (width, height), part in (("tall", (900.0, 2000.0), "base"), ("wide", (1500.0, 300.0), "stage")):
+        box = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)]
+        lines = tuple(Segment(a, b) for a, b in pairwise(box))
+        views.append((View(name, PROJECTIONS["iso"], {"VISIBLE": lines}), [(part, lines)]))
+    listed = [row for row in rows(thesis()) if row.part in ("base", "stage")]
+    sheet = procedure_sheet(made(), TITLE, views, listed)
+    _, _, x1, y1 = drawing_space(sheet.paper)
+    right_of = max(x for ink in sheet.tables if isinstance(ink, Stroke) for x, _ in ink.points)
+    boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in sheet.views]
+    for box in boxes:
+        assert right_of < box[0] < box[2] < x1
+        assert title_box(sheet.paper)[3] < box[1] < box[3] < y1
+    assert boxes[0][1] > boxes[1][3]
+    assert {mark.number for mark in sheet.annotations if isinstance(mark, Balloon)} == {row.item for row in listed}
+    # 2300 mm in all are to go into some 320: 1:10 it is, since 0.15 is too large.
+    assert sheet.title.scale == "1:10"
+    assert {view.scale for view in sheet.views} == {0.1}
+
+
+def test_a_table_of_two_columns_leaves_no_room_for_a_picture() -> None:
+    lines = (Segment((0.0, 0.0), (100.0, 100.0)),)
+    views = [(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), [("base", lines)])]
+    sheet = procedure_sheet(Procedure(made().steps * 2), TITLE, views, rows(thesis()))
+    assert sheet.views == ()
+    assert sheet.annotations == ()
+    assert sheet.title.scale == "-"

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 
-from designcalc.checks import run_checks
+from designcalc.checks import Weighed, run_checks
 from stagecad.parameters.design import load_design
-from workbench.procedure_values import procedure_values
+from stagecad.parameters.mass_properties import MassProperties
+from stagecad.solids.cache import Store
+from workbench.procedure_values import procedure_values, stored_values
 
 
 def test_numbers_of_the_thesis_design() -> None:
@@ -41,3 +44,22 @@ def test_the_same_numbers_as_the_checks() -> None:
 
 def test_without_teeth_nothing_pulls() -> None:
     assert procedure_values(load_design(overrides=["teeth.fitted=false"])).magnet_pull is None
+
+
+def test_kept_in_the_cache_until_what_they_were_worked_out_from_changes(tmp_path: Path) -> None:
+    store, weighed = Store(tmp_path), estimate()
+    first = stored_values(store, load_design(), weighed)
+    assert first == procedure_values(load_design(), weighed)
+    entries = sorted((tmp_path / "entries").iterdir())
+    assert stored_values(store, load_design(overrides=["holder.well_diameter=19 mm"]), weighed) == first
+    assert sorted((tmp_path / "entries").iterdir()) == entries
+    other = stored_values(store, load_design(overrides=["screws.way.torque=16 N*m"]), weighed)
+    assert other.way_preload == pytest.approx(16 / 15 * first.way_preload)
+
+
+def estimate() -> Weighed:
+    cube = ((-0.1, -0.1, 0.0), (0.1, 0.1, 0.1))
+    still = ((0.01, 0.0, 0.0), (0.0, 0.01, 0.0), (0.0, 0.0, 0.01))
+    return Weighed(
+        MassProperties(8e-4, 2.0, (0, 0, 0.03), still, cube), MassProperties(1e-5, 0.03, (0, 0, 0), still, cube)
+    )

@@ -10,6 +10,9 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from drawings.made_sheets import MadeSheet
+    from drawings.procedure_figures import ProcedureValues
+    from stagecad.parameters.design import Design
+    from stagecad.solids.cache import Store
 
 MANIFEST = "drawings_manifest.json"
 
@@ -39,7 +42,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     Raises:
         InputError: a name that is neither a part with a drawing nor one of its sheets.
     """
-    from drawings.made_sheets import make_sheets
+    from drawings.made_sheets import PROCEDURE, make_sheets
     from drawings.sheet_names import chosen_sheets
     from stagecad.solids.cache import Store
     from stagecad.solids.outputs import DamagedError, write_manifest, write_stored
@@ -50,8 +53,13 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     def draw() -> tuple[list[MadeSheet], list[str]]:
         with run.progress() as progress:
             task = progress.add_task("drawings", total=len(wanted))
+            values = _procedure_values(store, run.design) if PROCEDURE in wanted else None
             made = make_sheets(
-                store, wanted, run.design, lambda name: progress.update(task, advance=1, description=name)
+                store,
+                wanted,
+                run.design,
+                lambda name: progress.update(task, advance=1, description=name),
+                values=values,
             )
         sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
         files = {file: sheet.entry for sheet in sheets for file in sheet.files}
@@ -81,6 +89,13 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         "changed": changed,
         "files": len(hashes),
     }
+
+
+def _procedure_values(store: Store, design: Design) -> ProcedureValues:
+    from workbench.procedure_values import stored_values
+    from workbench.weighing import weigh
+
+    return stored_values(store, design, weigh(design))
 
 
 def _tell(run: Run, document: dict[str, Any]) -> None:
