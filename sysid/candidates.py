@@ -19,6 +19,9 @@ from sysid.fit import robust_scale
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales, shape_grid, size_of, with_effect
 
+KEPT_SCORES = 6
+"""Grid points of an effect that are remembered: starts for its refit."""
+
 WINSOR = 8.0
 """Robust deviations beyond which a residual counts no more in the linear score."""
 
@@ -30,10 +33,16 @@ class Score:
     Args:
         drop: expected share of the squared residual that goes, base parameters free.
         start: values to start a refit from.
+        shape: the grid point.
+        moves: parameter values of each move, amplitudes away from zero.
+        columns: what each move does to the residual beyond what the base parameters can do, (n, k).
     """
 
     drop: float
     start: dict[str, float]
+    shape: dict[str, float]
+    moves: list[dict[str, float]]
+    columns: np.ndarray
 
 
 def _project_out(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
@@ -97,12 +106,20 @@ def linear_scores(
         scaled = free / np.maximum(norms, 1e-300)
         coefficients, *_ = np.linalg.lstsq(scaled, target, rcond=1e-8)
         drop = 1.0 - float(np.sum((target - scaled @ coefficients) ** 2)) / total
-        start = dict(shape)
-        weights = coefficients / np.maximum(norms, 1e-300)
-        if amplitudes and effect.core is None:
-            start.update(_amplitude_start(effect, moves, weights))
-        scores.append(Score(drop, start))
+        start = start_for(effect, shape, moves, coefficients / np.maximum(norms, 1e-300))
+        scores.append(Score(drop, start, shape, moves, free))
+        if len(scores) > KEPT_SCORES:
+            scores.remove(min(scores, key=lambda s: s.drop))
     return sorted(scores, key=lambda s: -s.drop)
+
+
+def start_for(
+    effect: Effect, shape: dict[str, float], moves: list[dict[str, float]], weights: np.ndarray
+) -> dict[str, float]:
+    """Values to start a refit from: a grid point, and the amplitudes that the moves' linear weights (k,) amount to."""
+    if effect.core is not None or not any(moves):
+        return dict(shape)
+    return {**shape, **_amplitude_start(effect, moves, weights)}
 
 
 def _amplitude_start(effect: Effect, moves: list[dict[str, float]], weights: np.ndarray) -> dict[str, float]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -11,127 +11,24 @@ import numpy as np
 
 from sim.library import find
 from sysid.base_fit import ranking_error
-from sysid.candidate_list import candidates_of
-from sysid.candidates import Candidate, as_it_looks, look_at, refined, target_of
+from sysid.candidates import Candidate
 from sysid.case import BaseFit, Case, fit_case, load_case, make_case
 from sysid.experiment import DesignValues
-from sysid.misfit import ChannelMisfit, blocks, huber_square, misfit, weighted_residual
-from sysid.model import base_name
+from sysid.misfit import ChannelMisfit, blocks, misfit
+from sysid.model import Model
+from sysid.pairs import Pair, best_pairs, searched_again
 from sysid.residual_maps import ResidualMap, residual_maps
-
-Progress = Callable[[str, int, int], None]
-
-
-@dataclass
-class Trial:
-    """One effect tried: its refit, and what it does on the held-out records.
-
-    Args:
-        name: of the effect, with variant and channel.
-        candidate: score and refit on the records of the fit.
-        error: ranking error on the held-out records, in deviations.
-        gain: drop of the mean squared loss on the held-out records.
-        significance: of that gain, were what the effect leaves all noise, in standard errors.
-        p_value: chance of so large a gain, by turning the sign of whole blocks' gains.
-        steadiness: mean gain of a block over its standard error.
-        fit_gain: drop of the mean squared loss on the records of the fit.
-        after_fit, after_validate: misfit by channel.
-    """
-
-    name: str
-    candidate: Candidate
-    error: float
-    gain: float
-    significance: float
-    fit_gain: float
-    residual: np.ndarray
-    after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
-    after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
-
-    p_value: float = 1.0
-    steadiness: float = 0.0
-
-    @property
-    def family(self) -> str:
-        """The name everyone uses."""
-        return base_name(self.name)
-
-
-REFITTED = 10
-"""Effects refitted in full: those that looked best. The others keep what their first look found."""
-
-
-def try_all(
-    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
-) -> list[Trial]:
-    """Try every candidate on top of a fitted model; best on the held-out records first."""
-    basis, target = target_of(base.fitted)
-    numbers = blocks(case.validate_records, base.weights)
-    count = int(numbers.max()) + 1 if numbers.size else 0
-    before = np.bincount(numbers, huber_square(base.residual), minlength=count)
-    before_fit = ranking_error(base.fitted.fit.residual)
-    effects = candidates_of(case, present, all_effects)
-    looks = []
-    for k, effect in enumerate(effects):
-        if progress is not None:
-            progress(effect.name, k, len(effects))
-        look = look_at(base.fitted, effect, case.fit_records, case.scales, basis, target)
-        if look is not None and np.isfinite(look.error):
-            looks.append(look)
-    looks.sort(key=lambda look: look.error)
-    trials = []
-    for k, look in enumerate(looks):
-        effect = look.effect
-        if k < REFITTED:
-            candidate = refined(base.fitted, look, case.fit_records, case.scales)
-        else:
-            candidate = as_it_looks(look)
-        residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
-        if not np.isfinite(residual).all():
-            continue
-        loss = np.bincount(numbers, huber_square(residual), minlength=count)
-        trials.append(
-            Trial(
-                name=effect.name,
-                candidate=candidate,
-                error=ranking_error(residual),
-                gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
-                significance=_significance(base.residual, residual, numbers),
-                fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
-                residual=residual,
-                p_value=_chance(before - loss),
-                steadiness=_steadiness(before - loss),
-            )
-        )
-    return sorted(trials, key=lambda t: t.error)
-
-
-def _chance(drops: np.ndarray, flips: int = 2000) -> float:
-    """Chance of so large a total drop, were each block's drop as likely a rise (sign-flip test, (m,) blocks)."""
-    rng = np.random.default_rng(0)
-    signs = rng.choice([-1.0, 1.0], size=(flips, drops.size))
-    return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + flips))
-
-
-def _steadiness(drops: np.ndarray) -> float:
-    """Mean drop per block of time over its standard error, (m,) blocks: is it one lucky stretch, or throughout?"""
-    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
-    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0 else 0.0
-
-
-def _significance(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) -> float:
-    """Drop of the squared residual over its standard error, were the better model's residual all noise.
-
-    The drop of r^2 to (r - d)^2 is 2 r d - d^2; its noise is that of 2 r d, summed within blocks of time so that
-    correlated samples count once, and with the residual's own size where d is large, so that a rough spot weighs less.
-    """
-    d = worse - better
-    drop = float(huber_square(worse).sum() - huber_square(better).sum())
-    sums = np.bincount(numbers, d * np.clip(better, -8.0, 8.0))
-    # Within a block noise may cancel by luck: no less than independent samples would give.
-    floor = float(np.sum((d * np.clip(better, -8.0, 8.0)) ** 2))
-    spread = 2.0 * float(np.sqrt(max(float(np.sum(sums**2)), floor)))
-    return drop / spread if spread > 0 else 0.0
+from sysid.trials import (
+    Progress,
+    Search,
+    Trial,
+    explained_share,
+    one_per_family,
+    parameter_count,
+    share_of_error,
+    significance_of,
+    try_all,
+)
 
 
 @dataclass(frozen=True)
@@ -190,21 +87,19 @@ def diagnose(
     case = source if isinstance(source, Case) else load_case(source, design)
     base = fit_case(case)
     present = [e.name for e in case.start.effects]
-    trials = try_all(case, base, present, all_effects, progress)
-    quantised = _quantisation(case, base)
-    return judge(case, base, trials, quantised, all_effects, began)
+    search = try_all(case, base, present, all_effects, progress)
+    return judge(case, base, search, _quantisation(case, base), began, all_effects)
 
 
 def judge(
-    case: Case, base: BaseFit, trials: list[Trial], quantised: Trial | None, all_effects: bool, began: float
+    case: Case, base: BaseFit, search: Search, quantised: Trial | None, began: float, all_effects: bool = False
 ) -> Diagnosis:
     """The verdict on a base model and the effects tried on it."""
     before_fit = misfit(base.fitted.model, case.fit_records)
     before_validate = misfit(base.fitted.model, case.validate_records)
-    best_of_family = one_per_family(trials)
+    best_of_family = _ranked(case, base, search, all_effects)
     for trial in best_of_family[:6]:
-        trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
-        trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
+        _misfits(case, trial)
     over = excess(before_fit, before_validate)
     maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
 
@@ -248,21 +143,35 @@ def judge(
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
     if case.form == "force_balance" and best.family in AT_REVERSALS and not patterned:
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
-    if share >= SHARE_ENOUGH or 1.0 - left >= VARIANCE_ENOUGH or after <= 1.5:
+    if after <= NEARLY_NOISE:
         return done("missing-effect", best, ties, left, "explains what can be explained")
-    remaining = _pattern_after(case, base, best)
+    pair, first = _beside(case, base, search, best, best_of_family)
+    if first is not best:
+        best, ties = first, ()
+        share = explained_share(base, best)
+        left = _left(over, excess(*_misfits(case, best)))
+    elif share >= SHARE_ENOUGH or 1.0 - left >= VARIANCE_ENOUGH:
+        return done("missing-effect", best, ties, left, "explains what can be explained")
+    if pair is not None:
+        other = next(name for name in pair.names if name != best.family)
+        rest_left = _left(over, excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records)))
+        rest = share_of_error(base, pair.error)
+        quiet = rest >= SHARE_ENOUGH and _pattern_of(case, base, pair.model) < LEAST_PATTERN_LEFT
+        if quiet or rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
+            return done("missing-effect", best, ties, left, f"explains its share; {other} explains the rest")
+    remaining = _pattern_of(case, base, best.candidate.fitted.model)
     if max(share, 1.0 - left) >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT:
         return done(
             "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
         )
-    rest, rest_left = _second_share(case, base, best, all_effects, over)
-    if rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
-        return done("missing-effect", best, ties, left, "explains its share; another effect explains the rest")
     return done(
         "unexplained", None, (), 1.0 - max(share, 0.0),
         f"the best effect, {best.family}, takes only {100 * share:.0f} % of the misfit, and no second one the rest",
     )  # fmt: skip
 
+
+NEARLY_NOISE = 1.5
+"""Error over noise that an effect may leave without anything else being looked for beside it."""
 
 ADEQUATE_OVER_NOISE = {"output": 1.15, "force_balance": 1.35}
 """Robust error over noise up to which a model is adequate, by form: the noise itself is known to no better, and a force
@@ -335,33 +244,12 @@ def persistence(case: Case, base: BaseFit) -> float:
     return best
 
 
-def one_per_family(trials: Sequence[Trial]) -> list[Trial]:
-    """The best law of each effect; between laws that differ by chance only, the one with fewer parameters."""
-    kept: dict[str, Trial] = {}
-    for trial in trials:
-        other = kept.get(trial.family)
-        if other is None or (_count(trial) < _count(other) and trial.error <= 1.01 * other.error):
-            kept[trial.family] = trial
-    return sorted(kept.values(), key=lambda t: t.error)
-
-
-def _count(trial: Trial) -> int:
-    return len(trial.candidate.fitted.model.unknowns)
-
-
 def is_worthwhile(base: BaseFit, trial: Trial) -> bool:
     """Whether an effect lowers the held-out loss by more than chance, and by enough to matter."""
     before = ranking_error(base.residual) ** 2
     before_fit = ranking_error(base.fitted.fit.residual) ** 2
     certain = trial.significance >= LEAST_SIGNIFICANCE or trial.steadiness >= LEAST_STEADINESS
     return certain and trial.gain >= LEAST_GAIN * before and trial.fit_gain >= LEAST_GAIN * before_fit
-
-
-def explained_share(base: BaseFit, trial: Trial) -> float:
-    """Share of the held-out loss above the noise that the effect takes away."""
-    before = ranking_error(base.residual) ** 2
-    floor = min(1.0, trial.error**2)
-    return float((before - trial.error**2) / max(before - floor, 1e-9))
 
 
 def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
@@ -377,37 +265,68 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
     group = [first]
     for other in ranked[1:]:
         behind = other.error**2 - first.error**2
-        if behind <= 0.03 * gained and _significance(other.residual, first.residual, numbers) < 2.5:
+        if behind <= 0.03 * gained and significance_of(other.residual, first.residual, numbers) < 2.5:
             group.append(other)
-    best = min(group, key=lambda t: (_count(t), t.error))
+    best = min(group, key=lambda t: (parameter_count(t), t.error))
     least = excess(best.after_fit, best.after_validate)
     for other in ranked[1:]:
-        simpler = _count(other) < _count(best) and other.after_fit
+        simpler = parameter_count(other) < parameter_count(best) and other.after_fit
         as_good = simpler and excess(other.after_fit, other.after_validate) <= 1.03 * least
         if as_good and before - other.error**2 >= 0.97 * gained:
             best = other
-    names = [t.family for t in group if t is not best and _count(t) <= _count(best)][:2]
+    names = [t.family for t in group if t is not best and parameter_count(t) <= parameter_count(best)][:2]
     return tuple(names), best
 
 
-def _pattern_after(case: Case, base: BaseFit, best: Trial) -> float:
-    """Largest share of the residual that one coordinate explains once the effect is in."""
-    fitted = best.candidate.fitted
-    maps = residual_maps(fitted.model, case.fit_records, fitted.weights, case.validate_records, base.weights)
+def _pattern_of(case: Case, base: BaseFit, model: Model) -> float:
+    """Largest share of a model's residual that one coordinate explains."""
+    weights = base.fitted.weights
+    maps = residual_maps(model, case.fit_records, weights, case.validate_records, base.weights)
     return max((m.share for m in maps), default=0.0)
 
 
-def _second_share(case: Case, base: BaseFit, best: Trial, all_effects: bool, over: float) -> tuple[float, float]:
-    """Share of the loss above the noise that the best pair with `best` takes away, and of the variance it leaves."""
-    fitted = best.candidate.fitted
-    on_top = BaseFit(fitted, base.weights, best.residual)
-    present = [*(e.name for e in case.start.effects), best.name]
-    trials = try_all(case, on_top, present, all_effects)
-    if not trials:
-        return explained_share(base, best), 1.0
-    model = trials[0].candidate.fitted.model
-    after = excess(misfit(model, case.fit_records), misfit(model, case.validate_records))
-    return explained_share(base, trials[0]), _left(over, after)
+def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> list[Trial]:
+    """The best law of each effect, best first; where none does much, effects of the model are searched for anew too."""
+    ranked = one_per_family(search.trials)
+    before = ranking_error(base.residual)
+    nothing = not ranked or not is_worthwhile(base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
+    if nothing and before > NEARLY_NOISE:
+        present = [e.name for e in case.start.effects]
+        again = searched_again(case, base, present, all_effects)
+        return one_per_family([*again, *search.trials])
+    return ranked
+
+
+def _misfits(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:
+    """Misfits with an effect in, kept with its trial."""
+    if not trial.after_fit:
+        trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
+        trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
+    return trial.after_fit, trial.after_validate
+
+
+def _beside(
+    case: Case, base: BaseFit, search: Search, best: Trial, ranked: Sequence[Trial]
+) -> tuple[Pair | None, Trial]:
+    """The pair of effects that explains most, and the one of the two to name first.
+
+    A pair without the best single effect is taken where it leaves far less than any pair with it: then that effect
+    only leans on the two.
+    """
+    pairs = best_pairs(case, base, search.looks, search.target)
+    if not pairs:
+        return None, best
+    with_best = [pair for pair in pairs if best.family in pair.names]
+    least = min([best.error, *(pair.error for pair in with_best)])
+    if max(pairs[0].error ** 2 - 1.0, 0.0) < LEANS * (least**2 - 1.0):
+        members = [trial for trial in ranked if trial.family in pairs[0].names]
+        if members and best not in members:
+            return pairs[0], members[0]
+    return (with_best[0] if with_best else None), best
+
+
+LEANS = 0.5
+"""Part of the loss above the noise, left beside the best effect, that another pair must fall below to unseat it."""
 
 
 def _quantisation(case: Case, base: BaseFit) -> Trial | None:

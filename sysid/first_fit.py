@@ -38,7 +38,7 @@ def first_fit(model: Model, records: Sequence[Prepared], scales: Scales, given: 
 
 def _searched(model: Model, records: Sequence[Prepared], scales: Scales, given: Collection[str]) -> Model | None:
     """The model with shape parameters from a search, one effect on top of the other; none where nothing is sought."""
-    sought = [e for e in model.effects if _has_shape(e) and not any(key.startswith(f"{e.name}.") for key in given)]
+    sought = [e for e in model.effects if has_shape(e) and not any(key.startswith(f"{e.name}.") for key in given)]
     if not sought:
         return None
     gone = tuple(f"{e.name}." for e in sought)
@@ -56,7 +56,8 @@ def _searched(model: Model, records: Sequence[Prepared], scales: Scales, given: 
     return model.at({key: value for key, value in fitted.model.values.items() if key in model.values})
 
 
-def _has_shape(effect: Effect) -> bool:
+def has_shape(effect: Effect) -> bool:
+    """Whether an effect has parameters that are searched on a grid before they are fitted."""
     return effect.core is None and any(
         p.role == "shape" and p.scan is not None and not p.fixed for p in effect.parameters
     )

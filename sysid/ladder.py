@@ -20,6 +20,7 @@ from sysid.intervals import intervals
 from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
 from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
 from sysid.model import Model, base_name
+from sysid.pairs import added_anew
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,14 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     plain = next((c for c in good if c.effect.name == name), None)
     if plain is not None and not clearly_better(best.fitted, plain.fitted):
         best = plain
-    return case, fit_model(best.fitted.model, case.fit_records, iterations=40)
+    grown = best.fitted
+    weights = weighting(fitted.model, case.validate_records)
+    base = BaseFit(fitted, weights, weighted_residual(fitted.model, case.validate_records, weights))
+    for other in added_anew(case, base, [best.effect]):
+        # What the model had may have been fitted to the wrong place while this effect was missing.
+        if clearly_better(other, grown):
+            grown = other
+    return case, fit_model(grown.model, case.fit_records, iterations=40)
 
 
 def _free_laws(case: Case, added: Sequence[str]) -> tuple[str, ...]:

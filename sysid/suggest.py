@@ -20,7 +20,7 @@ import numpy as np
 
 from sysid.balance import Balance, make_axis, spread
 from sysid.case import Case, load_case, make_case
-from sysid.diagnose import Diagnosis, Progress, Trial, diagnose
+from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment import DesignValues
 from sysid.fit import least_squares
 from sysid.ladder_files import read_ladder
@@ -29,6 +29,7 @@ from sysid.model import Model, Prepared, predict
 from sysid.motions import Envelope, Motion, axis_motions, tip_motions
 from sysid.smoothing import GaussianFilter
 from sysid.tip import TipRecord
+from sysid.trials import Progress, Trial
 
 MOST_RIVALS = 4
 NEAR = 2.0

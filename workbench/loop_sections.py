@@ -16,12 +16,13 @@ from sim.effect import Effect
 from sysid.base_fit import Fitted
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, Trial
+from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis
 from sysid.document import channel_unit, parameters_json, worst_channel
 from sysid.identifiability import open_words, public_key
 from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
+from sysid.trials import Trial
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
 from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, near_noise, noise_line, plain, shape_words
 

@@ -1,0 +1,187 @@
+"""Two effects missing at once: which pair explains what no single one does.
+
+The best single effect need not be one of the two: an effect that leans on both may beat each alone. In the linear score
+a pair costs no more than its parts: the columns of every effect, at its best few grid points, are there already, so the
+drop for each of some thousand pairs is a small solution of normal equations. The best pairs are then refitted in full,
+and judged on the held-out records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from sim.effect import Effect
+from sysid.base_fit import Fitted, fit_model, ranking_error
+from sysid.candidates import Candidate, Look, Score, look_at, start_for, target_of
+from sysid.case import BaseFit, Case
+from sysid.first_fit import has_shape
+from sysid.misfit import weighted_residual
+from sysid.model import Model, base_name, with_effect
+from sysid.starts import without_effect
+from sysid.trials import Trial, looks_on, trial_of
+
+GRID_POINTS = 2
+"""Grid points of each effect that enter pairs."""
+
+PAIRS_REFITTED = 6
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two effects on top of the base model, refitted.
+
+    Args:
+        effects: the two.
+        fitted: model with both, and its fit.
+        error: ranking error on the held-out records, in deviations.
+    """
+
+    effects: tuple[Effect, Effect]
+    fitted: Fitted
+    error: float
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The two, as everyone calls them."""
+        return (base_name(self.effects[0].name), base_name(self.effects[1].name))
+
+    @property
+    def model(self) -> Model:
+        """With both."""
+        return self.fitted.model
+
+    def other(self, family: str) -> Effect:
+        """The one of the two that is not of this family."""
+        return self.effects[1] if base_name(self.effects[0].name) == family else self.effects[0]
+
+
+@dataclass(frozen=True)
+class _Part:
+    look: Look
+    score: Score
+    columns: slice
+
+
+def best_pairs(
+    case: Case, base: BaseFit, looks: Sequence[Look], target: np.ndarray, wanted: str | None = None
+) -> list[Pair]:
+    """The pairs of effects that looked best together, refitted, best on the held-out records first.
+
+    Args:
+        case: records and scales.
+        base: the fitted model that the looks were taken on.
+        looks: of every effect.
+        target: residual of the base model as the looks scored it, (n,).
+        wanted: family that must be one of the two.
+    """
+    parts, blocks = [], []
+    start = 0
+    alone = ranking_error(base.fitted.fit.residual)
+    for look in looks:
+        # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
+        if look.error >= alone and not any(p.role == "amplitude" for p in look.effect.parameters):
+            continue
+        for score in look.scores[:GRID_POINTS]:
+            norms = np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
+            blocks.append(score.columns / norms)
+            parts.append(_Part(look, score, slice(start, start + norms.size)))
+            start += norms.size
+    if len(parts) < 2:
+        return []
+    columns = np.hstack(blocks)
+    gram, right = columns.T @ columns, columns.T @ target
+    together = sorted(_pair_drops(parts, gram, right), key=lambda found: -found[0])
+    pairs: list[Pair] = []
+    seen: set[frozenset[str]] = set()
+    for _, first, second in together:
+        families = frozenset((base_name(first.look.effect.name), base_name(second.look.effect.name)))
+        if families in seen or (wanted is not None and wanted not in families):
+            continue
+        seen.add(families)
+        pair = _refitted(case, base, (first, second), gram, right)
+        if pair is not None:
+            pairs.append(pair)
+        if len(seen) >= PAIRS_REFITTED:
+            break
+    return sorted(pairs, key=lambda pair: pair.error)
+
+
+def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> list[tuple[float, _Part, _Part]]:
+    """What each two effects of different families take of the squared target together."""
+    found = []
+    for first, second in combinations(parts, 2):
+        a, b = first.look.effect, second.look.effect
+        if base_name(a.name) == base_name(b.name) or (a.core is not None and b.core is not None):
+            continue
+        index = np.r_[first.columns, second.columns]
+        found.append((float(right[index] @ _weights(gram, right, index)), first, second))
+    return found
+
+
+def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarray:
+    block = gram[np.ix_(index, index)] + 1e-6 * np.eye(index.size)
+    return np.linalg.solve(block, right[index])
+
+
+def _refitted(case: Case, base: BaseFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray) -> Pair | None:
+    weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
+    model = base.fitted.model
+    # A core replaces the one before it and starts from its level: it comes first.
+    for part in sorted(two, key=lambda part: part.look.effect.core is None):
+        effect, score = part.look.effect, part.score
+        own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
+        own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
+        model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.moves, own))
+    fitted = fit_model(model, case.fit_records, base.fitted.weights)
+    residual = weighted_residual(fitted.model, case.validate_records, base.weights)
+    if not np.isfinite(residual).all():
+        return None
+    return Pair((two[0].look.effect, two[1].look.effect), fitted, ranking_error(residual))
+
+
+def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False) -> list[Trial]:
+    """Effects tried while one that the model has is searched for anew, best first.
+
+    A pitch fitted while another effect was missing may sit in a wrong place that no step leads out of; every effect
+    tried on top of it then seems to do little.
+    """
+    trials = []
+    for family in _shaped(base.fitted.model):
+        below = _less(case, base, family)
+        others = [name for name in present if base_name(name) != family]
+        looks, target = looks_on(case, below, others, all_effects)
+        for pair in best_pairs(case, below, looks, target, wanted=family)[:2]:
+            trial = trial_of(case, base, Candidate(pair.other(family), 0.0, pair.fitted))
+            if trial is not None:
+                trials.append(trial)
+    return sorted(trials, key=lambda trial: trial.error)
+
+
+def added_anew(case: Case, base: BaseFit, options: Sequence[Effect]) -> list[Fitted]:
+    """Fits of the model with one of `options` added, while one effect that it has is searched for anew."""
+    fits = []
+    for family in _shaped(base.fitted.model):
+        below = _less(case, base, family)
+        basis, target = target_of(below.fitted)
+        own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
+        found = [look_at(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)]
+        pairs = best_pairs(case, below, [look for look in found if look is not None], target, wanted=family)
+        fits += [pair.fitted for pair in pairs[:1]]
+    return fits
+
+
+def _shaped(model: Model) -> list[str]:
+    """Families of the model's effects that have a shape which the fit may move."""
+    free = {u.key.partition(".")[0] for u in model.unknowns}
+    return [base_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
+
+
+def _less(case: Case, base: BaseFit, family: str) -> BaseFit:
+    """The fit of the model without one family of effects, on the same weights."""
+    rest = fit_model(without_effect(base.fitted.model, family), case.fit_records, base.fitted.weights)
+    residual = weighted_residual(rest.model, case.validate_records, base.weights)
+    return BaseFit(rest, base.weights, residual)

@@ -1,0 +1,181 @@
+"""Effects tried on top of a fitted model: refitted, and measured on the held-out records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sysid.base_fit import ranking_error
+from sysid.candidate_list import candidates_of
+from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, target_of
+from sysid.case import BaseFit, Case
+from sysid.misfit import ChannelMisfit, blocks, huber_square, weighted_residual
+from sysid.model import base_name
+
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass
+class Trial:
+    """One effect tried: its refit, and what it does on the held-out records.
+
+    Args:
+        name: of the effect, with variant and channel.
+        candidate: score and refit on the records of the fit.
+        error: ranking error on the held-out records, in deviations.
+        gain: drop of the mean squared loss on the held-out records.
+        significance: of that gain, were what the effect leaves all noise, in standard errors.
+        p_value: chance of so large a gain, by turning the sign of whole blocks' gains.
+        steadiness: mean gain of a block over its standard error.
+        fit_gain: drop of the mean squared loss on the records of the fit.
+        after_fit, after_validate: misfit by channel.
+    """
+
+    name: str
+    candidate: Candidate
+    error: float
+    gain: float
+    significance: float
+    fit_gain: float
+    residual: np.ndarray
+    after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
+    after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
+
+    p_value: float = 1.0
+    steadiness: float = 0.0
+
+    @property
+    def family(self) -> str:
+        """The name everyone uses."""
+        return base_name(self.name)
+
+
+REFITTED = 10
+"""Effects refitted in full: those that looked best. The others keep what their first look found."""
+
+
+@dataclass(frozen=True)
+class Search:
+    """Every candidate tried on top of a fitted model.
+
+    Args:
+        trials: best on the held-out records first.
+        looks: the first looks they began with, best first.
+        target: residual of the base model as the looks scored it, (n,).
+    """
+
+    trials: list[Trial]
+    looks: list[Look]
+    target: np.ndarray
+
+
+def looks_on(
+    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
+) -> tuple[list[Look], np.ndarray]:
+    """A first look at every candidate on top of a fitted model, best first, and the residual they were scored on."""
+    basis, target = target_of(base.fitted)
+    effects = candidates_of(case, present, all_effects)
+    looks = []
+    for k, effect in enumerate(effects):
+        if progress is not None:
+            progress(effect.name, k, len(effects))
+        look = look_at(base.fitted, effect, case.fit_records, case.scales, basis, target)
+        if look is not None and np.isfinite(look.error):
+            looks.append(look)
+    return sorted(looks, key=lambda look: look.error), target
+
+
+def try_all(
+    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
+) -> Search:
+    """Try every candidate on top of a fitted model."""
+    looks, target = looks_on(case, base, present, all_effects, progress)
+    trials = []
+    for k, look in enumerate(looks):
+        if k < REFITTED:
+            candidate = refined(base.fitted, look, case.fit_records, case.scales)
+        else:
+            candidate = as_it_looks(look)
+        trial = trial_of(case, base, candidate)
+        if trial is not None:
+            trials.append(trial)
+    return Search(sorted(trials, key=lambda t: t.error), looks, target)
+
+
+def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
+    """What a fitted candidate does on the held-out records; none where it predicts no number."""
+    residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
+    if not np.isfinite(residual).all():
+        return None
+    numbers = blocks(case.validate_records, base.weights)
+    count = int(numbers.max()) + 1 if numbers.size else 0
+    before = np.bincount(numbers, huber_square(base.residual), minlength=count)
+    loss = np.bincount(numbers, huber_square(residual), minlength=count)
+    before_fit = ranking_error(base.fitted.fit.residual)
+    return Trial(
+        name=candidate.effect.name,
+        candidate=candidate,
+        error=ranking_error(residual),
+        gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
+        significance=significance_of(base.residual, residual, numbers),
+        fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
+        residual=residual,
+        p_value=_chance(before - loss),
+        steadiness=_steadiness(before - loss),
+    )
+
+
+def _chance(drops: np.ndarray, flips: int = 2000) -> float:
+    """Chance of so large a total drop, were each block's drop as likely a rise (sign-flip test, (m,) blocks)."""
+    rng = np.random.default_rng(0)
+    signs = rng.choice([-1.0, 1.0], size=(flips, drops.size))
+    return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + flips))
+
+
+def _steadiness(drops: np.ndarray) -> float:
+    """Mean drop per block of time over its standard error, (m,) blocks: is it one lucky stretch, or throughout?"""
+    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
+    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0 else 0.0
+
+
+def significance_of(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) -> float:
+    """Drop of the squared residual over its standard error, were the better model's residual all noise.
+
+    The drop of r^2 to (r - d)^2 is 2 r d - d^2; its noise is that of 2 r d, summed within blocks of time so that
+    correlated samples count once, and with the residual's own size where d is large, so that a rough spot weighs less.
+    """
+    d = worse - better
+    drop = float(huber_square(worse).sum() - huber_square(better).sum())
+    sums = np.bincount(numbers, d * np.clip(better, -8.0, 8.0))
+    # Within a block noise may cancel by luck: no less than independent samples would give.
+    floor = float(np.sum((d * np.clip(better, -8.0, 8.0)) ** 2))
+    spread = 2.0 * float(np.sqrt(max(float(np.sum(sums**2)), floor)))
+    return drop / spread if spread > 0 else 0.0
+
+
+def one_per_family(trials: Sequence[Trial]) -> list[Trial]:
+    """The best law of each effect; between laws that differ by chance only, the one with fewer parameters."""
+    kept: dict[str, Trial] = {}
+    for trial in trials:
+        other = kept.get(trial.family)
+        if other is None or (parameter_count(trial) < parameter_count(other) and trial.error <= 1.01 * other.error):
+            kept[trial.family] = trial
+    return sorted(kept.values(), key=lambda t: t.error)
+
+
+def parameter_count(trial: Trial) -> int:
+    return len(trial.candidate.fitted.model.unknowns)
+
+
+def explained_share(base: BaseFit, trial: Trial) -> float:
+    """Share of the held-out loss above the noise that the effect takes away."""
+    return share_of_error(base, trial.error)
+
+
+def share_of_error(base: BaseFit, error: float) -> float:
+    """Share of the held-out loss above the noise that is gone where a model's ranking error is `error`."""
+    before = ranking_error(base.residual) ** 2
+    floor = min(1.0, error**2)
+    return float((before - error**2) / max(before - floor, 1e-9))
