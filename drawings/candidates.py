@@ -23,15 +23,38 @@ FIRST, PITCH = 10.0, 8.0
 LEADERS = (8.0, 12.0, 17.0, 23.0, 30.0, 38.0, 48.0, 60.0, 75.0, 95.0, 120.0)
 """Lengths of leaders, mm."""
 
+FAN = (45, 135, -45, -135, 60, 120, -60, -120, 30, 150, -30, -150, 75, 105, -75, -105, 15, 165, -15, -165)
+"""Directions of leaders, degrees."""
+
+ARCS = (
+    (0.5, 4.0),
+    (0.7, 3.0),
+    (0.85, 3.0),
+    (0.3, 6.0),
+    (1.0, 5.0),
+    (1.15, 6.0),
+    (1.3, 7.0),
+    (1.6, 9.0),
+    (2.0, 12.0),
+    (2.5, 15.0),
+    (3.0, 18.0),
+)
+"""Radii of the arcs of angles over the distance of what they measure, and what each costs, mm."""
+
+FINE_ARCS = tuple((0.2 + 0.1 * k, 6.0 + k) for k in range(40))
+
 Candidate = tuple[float, Annotation]
 
 
-def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, tiers: int = 9) -> Iterator[Candidate]:
+def of_distance(
+    asked: AskedDistance, view: View, outline: Box2, part: Lines, *, harder: bool = False
+) -> Iterator[Candidate]:
     """A dimension line outside the part, tier by tier on both sides; else close to what it measures.
 
     Where a measured face is seen as a line, the extension line starts from that line's end nearest to the dimension
-    line.
+    line. Where the likely places will not do, `harder` gives finer and farther ones.
     """
+    tiers = [0.5 * tier for tier in range(30)] if harder else [float(tier) for tier in range(9)]
     turn = math.radians(asked.angle)
     u, n = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
     points = (view.to_paper(asked.first), view.to_paper(asked.second))
@@ -44,7 +67,7 @@ def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, ti
     for side in (-1, 1):
         own = max(side * level + max(side * end for end in run) for level, run in zip(levels, runs, strict=True))
         edge = max(side * _dot(corner, n) for corner in corners) if upright else own
-        for tier in range(tiers):
+        for tier in tiers:
             level = edge + FIRST + PITCH * tier
             reach = level - own
             places.append((5.0 * tier + 0.3 * reach, side * level))
@@ -59,7 +82,7 @@ def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, ti
         for own, run, point in zip(levels, runs, (asked.first, asked.second), strict=True):
             step = min(max(level - own, run[0]), run[1]) / view.scale
             starts.append((point[0] + step * n[0], point[1] + step * n[1]))
-        for extra, middle in _text_places(asked.text, ends[0], ends[1]):
+        for extra, middle in _text_places(asked.text, ends[0], ends[1], harder):
             at = (u[0] * ends[0] + n[0] * level, u[1] * ends[0] + n[1] * level)
             angle = math.radians(readable(asked.angle))
             rise = TEXT / 2 + GAP
@@ -83,7 +106,7 @@ def of_distance(asked: AskedDistance, view: View, outline: Box2, part: Lines, ti
             )
 
 
-def _text_places(text: str, low: float, high: float) -> Iterator[tuple[float, float]]:
+def _text_places(text: str, low: float, high: float, harder: bool) -> Iterator[tuple[float, float]]:
     """Middles of the text along the dimension line: between the arrows where it fits, else beside."""
     width, span = line_width(text), high - low
     middle = (low + high) / 2
@@ -93,14 +116,15 @@ def _text_places(text: str, low: float, high: float) -> Iterator[tuple[float, fl
         for share in (0.35, -0.35, 0.7, -0.7, 1.0, -1.0):
             if room > 3.0:
                 yield 1.5 * abs(share) + 0.02 * abs(room * share), middle + room * share
-    else:
-        for away in (1.5, 8.0):
+    if harder or width + 2 * GAP >= span:
+        for away in (1.5, 8.0, 15.0, 22.0, 29.0, 36.0) if harder else (1.5, 8.0):
             yield 0.5 + away / 4, high + away + width / 2
             yield 0.6 + away / 4, low - away - width / 2
 
 
-def of_round(asked: AskedRound, view: View, outline: Box2) -> Iterator[Candidate]:
+def of_round(asked: AskedRound, view: View, outline: Box2, *, harder: bool = False) -> Iterator[Candidate]:
     """A leader that runs about square to the arc, from outside or from the side of the centre."""
+    leans = (0.0, 20.0, -20.0, 40.0, -40.0, *((10.0, -10.0, 30.0, -30.0, 60.0, -60.0) if harder else ()))
     width, scale = line_width(asked.text), view.scale
     centre, radius = view.to_paper(asked.centre), asked.radius * scale
     if asked.kind == "diameter":
@@ -113,7 +137,7 @@ def of_round(asked: AskedRound, view: View, outline: Box2) -> Iterator[Candidate
         turn = math.radians(towards)
         on = (centre[0] + radius * math.cos(turn), centre[1] + radius * math.sin(turn))
         for way in inwards:
-            for lean in (0.0, 20.0, -20.0, 40.0, -40.0):
+            for lean in leans:
                 lean_turn = math.radians(towards + lean) if way > 0 else math.radians(towards + 180 + lean)
                 for length in LEADERS:
                     elbow = (on[0] + length * math.cos(lean_turn), on[1] + length * math.sin(lean_turn))
@@ -136,7 +160,9 @@ def of_round(asked: AskedRound, view: View, outline: Box2) -> Iterator[Candidate
                     )
 
 
-def of_callout(asked: AskedCallout, view: View, outline: Box2, columns: tuple[float, float]) -> Iterator[Candidate]:
+def of_callout(
+    asked: AskedCallout, view: View, outline: Box2, columns: tuple[float, float], *, harder: bool = False
+) -> Iterator[Candidate]:
     """Elbows in a fan round the feature, and in a column at either side.
 
     Args:
@@ -145,33 +171,12 @@ def of_callout(asked: AskedCallout, view: View, outline: Box2, columns: tuple[fl
     for rank, choice in enumerate((asked.at, *asked.choices)):
         at, radius = view.to_paper(choice), asked.radius * view.scale
         elbows: list[tuple[float, Point2]] = []
-        for turn in (
-            45,
-            135,
-            -45,
-            -135,
-            60,
-            120,
-            -60,
-            -120,
-            30,
-            150,
-            -30,
-            -150,
-            75,
-            105,
-            -75,
-            -105,
-            15,
-            165,
-            -15,
-            -165,
-        ):
+        for turn in range(-175, 180, 5) if harder else FAN:
             c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
             elbows += [(0.0, (at[0] + (radius + length) * c, at[1] + (radius + length) * s)) for length in LEADERS]
         for x in columns:
-            for step in range(-9, 10):
-                elbows.append((-2.0, (x, at[1] + 7.0 * step)))
+            for step in range(-60, 61) if harder else range(-9, 10):
+                elbows.append((-2.0, (x, at[1] + (3.0 if harder else 7.0) * step)))
         for extra, elbow in elbows:
             away = math.dist(at, elbow)
             if away < radius + 4.0:
@@ -192,8 +197,9 @@ def of_callout(asked: AskedCallout, view: View, outline: Box2, columns: tuple[fl
             )
 
 
-def of_angle(asked: AskedAngle, view: View) -> Iterator[Candidate]:
+def of_angle(asked: AskedAngle, view: View, *, harder: bool = False) -> Iterator[Candidate]:
     """Arcs about the vertex, from inside what is measured outwards."""
+    parts = [0.05 * k for k in range(1, 20)] if harder else (0.5, 0.35, 0.65, 0.2, 0.8)
     vertex = view.to_paper(asked.vertex)
     ends = [view.to_paper(asked.first), view.to_paper(asked.second)]
     turns = [math.atan2(y - vertex[1], x - vertex[0]) for x, y in ends]
@@ -203,21 +209,9 @@ def of_angle(asked: AskedAngle, view: View) -> Iterator[Candidate]:
         turns.reverse()
         first, second, sweep = second, first, math.tau - sweep
     reach = math.dist(vertex, ends[1])
-    for share, cost in (
-        (0.5, 4.0),
-        (0.7, 3.0),
-        (0.85, 3.0),
-        (0.3, 6.0),
-        (1.0, 5.0),
-        (1.15, 6.0),
-        (1.3, 7.0),
-        (1.6, 9.0),
-        (2.0, 12.0),
-        (2.5, 15.0),
-        (3.0, 18.0),
-    ):
+    for share, cost in ARCS + (FINE_ARCS if harder else ()):
         radius = max(reach * share, 8.0)
-        for part in (0.5, 0.35, 0.65, 0.2, 0.8):
+        for part in parts:
             at = turns[0] + sweep * part
             yield (
                 cost + 4 * abs(part - 0.5),
@@ -234,22 +228,24 @@ def of_angle(asked: AskedAngle, view: View) -> Iterator[Candidate]:
             )
 
 
-def of_frame(asked: AskedFrame, view: View) -> Iterator[Candidate]:
+def of_frame(asked: AskedFrame, view: View, *, harder: bool = False) -> Iterator[Candidate]:
     """Square to the face, at several places along it; a control frame may lean."""
+    lengths = [9.0 + 4.0 * k for k in range(25)] if harder else (9.0, 14.0, 20.0, 27.0, 35.0, 44.0, 54.0)
+    leans = [4.0 * k for k in range(-15, 16)] if harder else (0.0, 6.0, -6.0, 14.0, -14.0, 26.0, -26.0)
     first, second = view.to_paper(asked.first), view.to_paper(asked.second)
     turn = math.radians(asked.outward)
     out, side = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
     for share in (0.5, 0.3, 0.7, 0.15, 0.85, 0.4, 0.6, 0.05, 0.95):
         on = _between(asked.first, asked.second, share)
         at = _between(first, second, share)
-        for length in (9.0, 14.0, 20.0, 27.0, 35.0, 44.0, 54.0):
+        for length in lengths:
             cost = 0.5 * length + 2 * abs(share - 0.5)
             place = (at[0] + length * out[0], at[1] + length * out[1])
             if asked.letter:
                 yield cost, DatumMark(asked.view, on, place, asked.letter)
                 continue
             assert asked.characteristic is not None
-            for lean in (0.0, 6.0, -6.0, 14.0, -14.0, 26.0, -26.0):
+            for lean in leans:
                 elbow = (place[0] + lean * side[0], place[1] + lean * side[1])
                 yield (
                     cost + 0.3 * abs(lean),

@@ -39,6 +39,10 @@ HIT, CROSSING, OVER_PART = 80.0, 3.0, 0.3
 """Cost of a text that touches something, of a line that crosses an annotation's, of one that crosses the part's, mm."""
 ON_PART = 12.0
 """Cost of a dimension line that runs along a line of the part, mm."""
+IN_THE_WAY = 1.5
+"""Cost of a text where an extension line may have to pass later, mm."""
+RUNS = 6
+"""How often a view is dressed anew when something found no free place."""
 CROWDED = 6.0
 """Cost of an arrow whose tip is at another one's, mm."""
 ASTRAY = 30.0
@@ -72,17 +76,20 @@ def dress(view: View, asked: Sequence[Asked], marks: Sequence[Annotation] = ()) 
         marks: annotations with a place already (cutting lines, circles of details), view at the origin.
     """
     view = replace(view, place=(0.0, 0.0))
-    placer = _Placer(view)
-    for mark in marks:
-        if not isinstance(mark, SectionMark):
-            placer.keep(mark)
-    cuts = [mark for mark in marks if isinstance(mark, SectionMark)]
-    for one in sorted(asked, key=_order):
-        if not isinstance(one, AskedDistance):
-            placer.mark(cuts)
-        placer.place(one)
-    placer.mark(cuts)
-    view = replace(view, label_at=placer.label())
+    order = sorted(asked, key=_order)
+    best: tuple[_Placer, Point2 | None] | None = None
+    for _ in range(RUNS):
+        placer = _Placer(view)
+        label_at = placer.dress(order, marks)
+        if best is None or placer.hits < best[0].hits:
+            best = (placer, label_at)
+        if not placer.troubled:
+            break
+        # What found no free place comes first the next time.
+        order = placer.troubled + [one for one in order if one not in placer.troubled]
+    assert best is not None
+    placer, label_at = best
+    view = replace(view, label_at=label_at)
     return Dressed(view, tuple(placer.kept), placer.room(), placer.hits, tuple(asked), tuple(marks))
 
 
@@ -127,6 +134,38 @@ class _Placer:
             ]
         )
         self.tips: list[Point2] = []
+        self.corridors: list[Line] = []
+        self.troubled: list[Asked] = []
+
+    def dress(self, order: Sequence[Asked], marks: Sequence[Annotation]) -> Point2 | None:
+        """Places everything, and the view's name; where that stands."""
+        for mark in marks:
+            if not isinstance(mark, SectionMark):
+                self.keep(mark)
+        cuts = [mark for mark in marks if isinstance(mark, SectionMark)]
+        waiting = list(order)
+        while waiting:
+            one = waiting.pop(0)
+            if not any(isinstance(other, AskedDistance) for other in (one, *waiting)):
+                self.mark(cuts)
+            self.corridors = [line for other in waiting for line in self._corridors(other)]
+            self.place(one)
+        self.mark(cuts)
+        return self.label()
+
+    def _corridors(self, asked: Asked) -> list[Line]:
+        """Where extension lines of a distance may have to run later."""
+        if not isinstance(asked, AskedDistance) or asked.angle not in (0.0, 90.0):
+            return []
+        reach, lines = 60.0, []
+        for x, y in map(self.view.to_paper, (asked.first, asked.second)):
+            if asked.angle == 0.0:
+                ends = (self.outline[1] - reach, self.outline[3] + reach)
+                lines += [(x, ends[0], x, y), (x, y, x, ends[1])]
+            else:
+                ends = (self.outline[0] - reach, self.outline[2] + reach)
+                lines += [(ends[0], y, x, y), (x, y, ends[1], y)]
+        return lines
 
     def room(self) -> Box2:
         return around(self.inked)
@@ -168,10 +207,16 @@ class _Placer:
             self._keep_best(tried)
 
     def place(self, asked: Asked) -> None:
-        """Keeps the best of the likely places."""
-        self._keep_best(self._candidates(asked))
+        """Keeps the best of the likely places, or else of all."""
+        if self._keep_best(self._candidates(asked, harder=False), only_free=True):
+            return
+        before = self.hits
+        self._keep_best(self._candidates(asked, harder=True))
+        if self.hits > before:
+            self.troubled.append(asked)
 
-    def _keep_best(self, candidates: Iterable[Candidate]) -> None:
+    def _keep_best(self, candidates: Iterable[Candidate], *, only_free: bool = False) -> bool:
+        """Keeps the cheapest; with `only_free`, nothing where even that touches a text. Whether it kept one."""
         best, least, touched = None, math.inf, 0
         for cost, annotation in sorted(candidates, key=lambda item: item[0]):
             if cost >= least:
@@ -179,27 +224,30 @@ class _Placer:
             extra, hits = self._extra(annotation, least - cost)
             if cost + extra < least:
                 best, least, touched = annotation, cost + extra, hits
-        assert best is not None
+        if best is None or (only_free and touched):
+            return False
         self.hits += touched
         self.keep(best)
+        return True
 
-    def _candidates(self, asked: Asked) -> Iterator[Candidate]:
+    def _candidates(self, asked: Asked, *, harder: bool) -> Iterator[Candidate]:
         match asked:
             case AskedDistance():
-                return of_distance(asked, self.view, self.outline, self.field.part)
+                return of_distance(asked, self.view, self.outline, self.field.part, harder=harder)
             case AskedRound():
-                return of_round(asked, self.view, self.outline)
+                return of_round(asked, self.view, self.outline, harder=harder)
             case AskedAngle():
-                return of_angle(asked, self.view)
+                return of_angle(asked, self.view, harder=harder)
             case AskedFrame():
-                return of_frame(asked, self.view)
+                return of_frame(asked, self.view, harder=harder)
             case AskedCallout():
                 room = self.room()
                 places = (asked.at, *asked.choices) if asked.choices else ()
                 drawn = [p for p in places if self.edges.touching(_about(self.view.to_paper(p)))]
                 if drawn:
                     asked = replace(asked, at=drawn[0], choices=tuple(drawn[1:]))
-                return of_callout(asked, self.view, self.outline, (room[0] - 3.0, room[2] + 3.0))
+                columns = (room[0] - 3.0, room[2] + 3.0)
+                return of_callout(asked, self.view, self.outline, columns, harder=harder)
 
     def _extra(self, annotation: Annotation, most: float) -> tuple[float, int]:
         """What a place costs for what is there already, and how many texts are touched; stops beyond `most`."""
@@ -214,6 +262,7 @@ class _Placer:
         if cost >= most:
             return cost, hits
         cost += CROSSING * self.field.crossings(lines)
+        cost += IN_THE_WAY * sum(reaches(line, box) for box in boxes for line in self.corridors)
         tip = _tip(annotation, self.view)
         if tip and not self.edges.touching(_about(tip)):
             cost += ASTRAY
