@@ -10,8 +10,10 @@ The document is the same, byte for byte, for the same sheet.
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from ezdxf._options import options
@@ -63,7 +65,8 @@ def dxf_text(text: str) -> str:
 def document_of(sheet: Sheet) -> Drawing:
     """The `ezdxf` drawing of a sheet."""
     prepare()
-    doc = new("R2010", units=MILLIMETRES)
+    with _without_the_time():
+        doc = new("R2010", units=MILLIMETRES)
     _tables(doc)
     paper = doc.paperspace()
     width, height = PAPERS[sheet.paper]
@@ -362,13 +365,18 @@ def _viewport(paper: Any, box: Box2, place: _Place) -> None:
 
 def dxf_bytes(doc: Drawing) -> bytes:
     """The document as a file, the same bytes for the same document."""
-    import io
-
     stream = io.StringIO()
-    fixed = options.write_fixed_meta_data_for_testing
+    with _without_the_time():
+        doc.write(stream)
+    return stream.getvalue().encode("utf-8")
+
+
+@contextmanager
+def _without_the_time() -> Iterator[None]:
+    """ezdxf notes the time, and a random name, when a document is made and when it is written; here it does not."""
+    before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:
-        doc.write(stream)
+        yield
     finally:
-        options.write_fixed_meta_data_for_testing = fixed
-    return stream.getvalue().encode("utf-8")
+        options.write_fixed_meta_data_for_testing = before

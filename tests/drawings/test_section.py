@@ -1,0 +1,100 @@
+"""Sections and details: what is cut, how it is hatched, what a circle keeps."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import cadquery as cq
+import pytest
+
+from drawings.detail import clipped
+from drawings.section import HATCH_PITCH, cut_shape, hatch, hatch_lines
+from drawings.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment
+
+FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+
+
+def tube() -> cq.Shape:
+    shape = cq.Workplane().circle(20).circle(12).extrude(30).val()
+    assert isinstance(shape, cq.Shape)
+    return shape
+
+
+def test_half_is_left_behind_the_plane() -> None:
+    left = cq.Shape.cast(cut_shape(tube().wrapped, FRONT))
+    assert left.Volume() == pytest.approx(tube().Volume() / 2)
+    assert left.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_plane_that_misses_is_an_error() -> None:
+    with pytest.raises(ValueError, match="does not cut"):
+        cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.2])
+def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
+    left = cut_shape(tube().wrapped, FRONT)
+    lines = hatch(left, FRONT, PROJECTIONS["front"], scale)
+    # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
+    length = sum(math.dist(line.start, line.end) for line in lines)
+    assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
+    for line in lines:
+        for t in (0.02, 0.5, 0.98):
+            x = line.start[0] + t * (line.end[0] - line.start[0])
+            z = line.start[1] + t * (line.end[1] - line.start[1])
+            assert 12.0 <= abs(x) <= 20.0 and 0.0 <= z <= 30.0
+
+
+def test_hatch_leaves_out_holes_and_may_fall() -> None:
+    square = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
+    hole = [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]
+    lines = hatch_lines([square, hole], 0.5)
+    assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
+    falling = hatch_lines([square], 3.0, -45.0)
+    assert all(line.end[1] < line.start[1] for line in falling)
+    assert hatch_lines([], 1.0) == ()
+
+
+def lengths(curves: tuple[Curve, ...]) -> float:
+    total = 0.0
+    for curve in curves:
+        if isinstance(curve, Segment):
+            total += math.dist(curve.start, curve.end)
+        elif isinstance(curve, Arc):
+            total += curve.radius * math.radians(curve.end_angle - curve.start_angle)
+        else:
+            total += sum(math.dist(a, b) for a, b in pairwise(curve.points))
+    return total
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        Segment((-10.0, 1.0), (10.0, 2.0)),
+        Segment((-1.0, 0.0), (1.0, 0.5)),
+        Segment((-10.0, 8.0), (10.0, 8.0)),
+        Arc((3.0, 0.0), 4.0),
+        Arc((0.0, 0.0), 2.0, 10.0, 100.0),
+        Arc((4.0, 0.0), 3.0, 200.0, 500.0),
+        Arc((0.0, 0.0), 9.0),
+    ],
+)
+def test_a_circle_keeps_what_lies_inside(curve: Curve) -> None:
+    centre, radius = (0.5, 0.3), 5.0
+    if isinstance(curve, Segment):
+        points = [
+            tuple(a + t / 20000 * (b - a) for a, b in zip(curve.start, curve.end, strict=True)) for t in range(20001)
+        ]
+    else:
+        assert isinstance(curve, Arc)
+        turns = [
+            math.radians(curve.start_angle + t / 20000 * (curve.end_angle - curve.start_angle)) for t in range(20001)
+        ]
+        points = [
+            (curve.centre[0] + curve.radius * math.cos(a), curve.centre[1] + curve.radius * math.sin(a)) for a in turns
+        ]
+    inside = sum(math.dist(a, b) for a, b in pairwise(points) if math.dist(a, centre) < radius)
+    assert lengths(clipped([curve], centre, radius)) == pytest.approx(inside, abs=5e-3)
+    as_line = Polyline(tuple(points))  # type: ignore[arg-type]
+    assert lengths(clipped([as_line], centre, radius)) == pytest.approx(inside, abs=5e-3)

@@ -1,0 +1,59 @@
+"""Tasks in other processes: results, errors as they were raised, and a task that hangs."""
+
+from __future__ import annotations
+
+import os
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from drawings.workers import run_tasks
+from stagecad.parameters.errors import InputError
+
+
+def double(name: str, late: bool) -> str:
+    return name * 2
+
+
+def fail(name: str, late: bool) -> str:
+    if name == "b":
+        raise InputError("no such thing")
+    return name
+
+
+def hang(folder: Path, name: str, late: bool) -> str:
+    (folder / f"{name}_{late}").touch()
+    if name == "slow" and not late:
+        time.sleep(60)
+    return "late" if late else "in time"
+
+
+def die(name: str, late: bool) -> str:
+    os._exit(3)
+
+
+def test_results_come_back_by_name_and_are_told_as_they_come() -> None:
+    told: list[str] = []
+    assert run_tasks(["a", "b", "c"], double, told.append, workers=2) == {"a": "aa", "b": "bb", "c": "cc"}
+    assert sorted(told) == ["a", "b", "c"]
+    assert run_tasks([], double) == {}
+
+
+def test_an_error_is_the_task_s_own() -> None:
+    with pytest.raises(InputError, match="no such thing"):
+        run_tasks(["a", "b"], fail, workers=1)
+
+
+def test_a_task_that_hangs_is_given_once_more_as_late(tmp_path: Path) -> None:
+    start = time.monotonic()
+    results = run_tasks(["slow", "quick"], partial(hang, tmp_path), workers=1, limit=4.0)
+    assert results == {"slow": "late", "quick": "in time"}
+    assert time.monotonic() - start < 40
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["quick_False", "slow_False", "slow_True"]
+
+
+def test_a_process_that_ends_is_an_error() -> None:
+    with pytest.raises(RuntimeError, match="ended without a result"):
+        run_tasks(["a"], die)
