@@ -37,7 +37,8 @@ class ResidualMap:
     Args:
         coordinate: its name.
         share: of the residual's variance that the map explains where it was not learned, in [0, 1].
-        p_value: chance of such a share were residual and coordinate unrelated (blocks of time permuted).
+        p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
+            unrelated.
         centres: of the bins, (k,), in the coordinate's SI unit.
         forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
     """
@@ -202,7 +203,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     table = _means(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
     share = _share(r, predicted)
-    p_value = _p_value(share, r, predicted, block[~half], rng)
+    p_value = _p_value(residual, _foretold(cells, residual, block), block, rng)
     if name not in ("time", "distance_travelled") and all(_runs_with_time(s[0], name) for s in together):
         share *= 0.5
     # Drawn finer than it is judged, from every sample.
@@ -230,18 +231,30 @@ def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
     return 0.5 * (full[1:] + full[:-1])
 
 
-def _p_value(
-    share: float, residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator
-) -> float:
-    """Chance of the share, by turning the sign of the residual in whole blocks: correlation within a block stays."""
-    if share <= 0.0:
-        return 1.0
+def _foretold(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """The map's prediction (n,) of each sample, learned on all blocks of time but its own and the two beside it:
+    neighbours share their noise, and would foretell each other."""
+    _, place = np.unique(block, return_inverse=True)
+    shape = (int(place.max()) + 1, int(cells.max()) + 1)
+    flat = place * shape[1] + cells
+    number = np.bincount(flat, minlength=shape[0] * shape[1]).reshape(shape).astype(float)
+    total = np.bincount(flat, residual, minlength=shape[0] * shape[1]).reshape(shape)
+    for table in (number, total):
+        near = table.copy()
+        near[1:] += table[:-1]
+        near[:-1] += table[1:]
+        table[:] = table.sum(axis=0) - near
+    return (total / (number + 3.0))[place, cells]
+
+
+def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator) -> float:
+    """Chance of so good a prediction, by turning the sign of the residual in whole blocks."""
     inner = np.bincount(block, residual * predicted)
-    own = float(np.sum(predicted**2))
-    total = float(residual @ residual)
+    inner = inner[np.bincount(block) > 0]
+    if inner.sum() <= 0.0:
+        return 1.0
     signs = rng.choice([-1.0, 1.0], size=(PERMUTATIONS, inner.size))
-    shares = np.maximum(signs @ inner, 0.0) ** 2 / (total * own)
-    return float((1 + np.sum(shares >= share)) / (1 + PERMUTATIONS))
+    return float((1 + np.sum(signs @ inner >= inner.sum())) / (1 + PERMUTATIONS))
 
 
 def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.random.Generator) -> ResidualMap:

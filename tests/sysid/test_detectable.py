@@ -6,32 +6,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
+from slide import NOISE, SIGN, STEP, VELOCITY, slide
 
 from sim.library import find
-from sysid.case import Case, fit_case, load_case
+from sysid.case import Case, fit_case
 from sysid.detectable import Smallest, smallest_shown, smallest_sizes
 from sysid.diagnose import LEAST_GAIN, diagnose
 
-NOISE = 0.01
-TIME = np.arange(2500) * 1e-3
-VELOCITY = 0.02 * np.sin(2 * np.pi * TIME) + 0.01 * np.sin(2 * np.pi * 3.1 * TIME)
-POSITION = np.cumsum(VELOCITY) * 1e-3
 
-
-def slide(folder: Path, extra: np.ndarray | float = 0.0, effects: str = '"coulomb"') -> Case:
-    folder.mkdir(exist_ok=True)
-    rng = np.random.default_rng(3)
-    for name in ("fit", "validate"):
-        force = 1.5 * np.sign(VELOCITY) + extra + rng.normal(0, NOISE, TIME.size)
-        rows = zip(TIME, POSITION, VELOCITY, force, strict=True)
-        text = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.6g}" for a, b, c, d in rows)
-        (folder / f"{name}.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{text}\n")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = [{effects}]\n'
-        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
-        f'[noise]\nfriction_force = "{NOISE} N"\n'
-    )
-    return load_case(folder)
+def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Case:
+    """Coulomb friction and something else, the model knowing the first."""
+    return slide(folder, 1.5 * SIGN + extra, '"coulomb"', held_out=True, noise=noise)
 
 
 def sizes(case: Case, *names: str) -> dict[str, Smallest]:
@@ -40,9 +26,9 @@ def sizes(case: Case, *names: str) -> dict[str, Smallest]:
 
 
 def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
-    case = slide(tmp_path)
+    case = bare(tmp_path)
     found = sizes(case, "constant_bias", "viscous")
-    sign = np.sign(VELOCITY)[1:]
+    sign = SIGN[1:]
     for effect, column in (("constant_bias", np.ones(sign.size)), ("viscous", VELOCITY[1:])):
         free = column - sign * (sign @ column) / (sign @ sign)
         wanted = NOISE * np.sqrt(LEAST_GAIN * sign.size / (free @ free))
@@ -54,31 +40,27 @@ def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
 def test_a_diagnosis_finds_what_is_well_above_that_size_and_not_what_is_below(
     tmp_path: Path, times: float, verdict: str
 ) -> None:
-    smallest = sizes(slide(tmp_path / "without"), "viscous")["viscous"].value
+    smallest = sizes(bare(tmp_path / "without"), "viscous")["viscous"].value
     assert smallest is not None
-    found = diagnose(slide(tmp_path / "with", times * smallest * VELOCITY))
+    found = diagnose(bare(tmp_path / "with", times * smallest * VELOCITY))
     assert found.verdict == verdict
     assert found.effect == ("viscous" if verdict == "missing-effect" else None)
 
 
 def test_a_size_without_an_amplitude_is_searched(tmp_path: Path) -> None:
-    smallest = sizes(slide(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
+    smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
     assert smallest is not None
     assert 1e-5 < smallest < 5e-3
-    lagged = np.empty(TIME.size)
-    lagged[0] = 0.0
-    for k in range(1, TIME.size):
-        lagged[k] = lagged[k - 1] + (1.0 - np.exp(-1e-3 / (3.0 * smallest))) * (
-            1.5 * np.sign(VELOCITY[k]) - lagged[k - 1]
-        )
-    found = diagnose(slide(tmp_path / "with", lagged - 1.5 * np.sign(VELOCITY)))
+    decay = np.exp(-STEP / (3.0 * smallest))
+    lagged = np.asarray(lfilter([1.0 - decay], [1.0, -decay], 1.5 * SIGN))
+    found = diagnose(bare(tmp_path / "with", lagged - 1.5 * SIGN))
     assert found.effect in ("sensor_lag", "sensor_delay")
 
 
 def test_the_loudest_noise_hides_most(tmp_path: Path) -> None:
-    quiet = sizes(slide(tmp_path / "a"), "cable_spring", "magnetic_cogging", "presliding")
+    quiet = sizes(bare(tmp_path / "a"), "cable_spring", "magnetic_cogging", "presliding")
     loud = sizes(
-        slide(tmp_path / "b", np.random.default_rng(5).normal(0, 10 * NOISE, TIME.size)),
+        bare(tmp_path / "b", noise=10.0 * NOISE),
         "cable_spring", "magnetic_cogging", "presliding",
     )  # fmt: skip
     for name, one in quiet.items():
@@ -88,12 +70,12 @@ def test_the_loudest_noise_hides_most(tmp_path: Path) -> None:
 
 
 def test_a_relative_size_beyond_its_bound_is_no_size(tmp_path: Path) -> None:
-    case = slide(tmp_path, np.random.default_rng(5).normal(0, 300 * NOISE, TIME.size))
+    case = bare(tmp_path, noise=300.0 * NOISE)
     assert sizes(case, "position_dependent_friction")["position_dependent_friction"].value is None
 
 
 def test_a_diagnosis_tells_it_of_every_effect_but_the_one_it_found(tmp_path: Path) -> None:
-    found = diagnose(slide(tmp_path, 3.0 * VELOCITY))
+    found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
     assert found.effect == "viscous"
     told = {one.effect for one in smallest_shown(found)}
     assert "viscous" not in told

@@ -6,28 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from slide import POSITION, VELOCITY, slide
 
 from sim.library import find
 from sysid.base_fit import fit_model
-from sysid.case import Case, best_laws, clearly_better, load_case, open_laws
+from sysid.case import Case, best_laws, clearly_better, open_laws
 from sysid.starts import searched, without_effect
-
-NOISE = 0.01
-TIME = np.arange(4000) * 1e-3
-VELOCITY = 0.02 * np.sin(2 * np.pi * TIME) + 0.01 * np.sin(2 * np.pi * 3.1 * TIME)
-POSITION = np.cumsum(VELOCITY) * 1e-3
-
-
-def slide(folder: Path, force: np.ndarray, effects: str, parameters: str = "") -> Case:
-    noisy = force + np.random.default_rng(3).normal(0, NOISE, TIME.size)
-    rows = zip(TIME, POSITION, VELOCITY, noisy, strict=True)
-    text = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.6g}" for a, b, c, d in rows)
-    (folder / "log.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{text}\n")
-    (folder / "experiment.toml").write_text(
-        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = [{effects}]\n{parameters}\n'
-        f'[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "{NOISE} N"\n'
-    )
-    return load_case(folder)
 
 
 @pytest.fixture

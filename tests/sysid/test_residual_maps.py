@@ -1,0 +1,104 @@
+"""Where a model fails: the coordinate that a residual was made from comes first, and noise has no coordinate."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+from slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
+
+from sysid.base_fit import fit_model
+from sysid.case import Case
+from sysid.misfit import weighting
+from sysid.residual_maps import ResidualMap, coordinates_of, order_maps, residual_maps
+
+WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
+
+
+def maps(case: Case) -> dict[str, ResidualMap]:
+    base = fit_model(case.start, case.fit_records)
+    weights = weighting(base.model, case.validate_records)
+    found = residual_maps(base.model, case.fit_records, base.weights, case.validate_records, weights)
+    return {m.coordinate: m for m in found}
+
+
+def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | None = None) -> dict[str, ResidualMap]:
+    return maps(slide(tmp_path, 1.5 * SIGN + missing, '"coulomb"', held_out=True, extra=channels))
+
+
+@pytest.mark.parametrize(
+    "coordinate,extra",
+    [
+        ("position", 0.05 * np.sin(2 * np.pi * POSITION / 4e-3)),
+        ("velocity", 0.05 * np.cos(120.0 * VELOCITY)),
+        ("time", 0.05 * np.sin(2 * np.pi * TIME / 2.5)),
+        ("frequency", 0.05 * np.sin(2 * np.pi * 140.0 * TIME)),
+    ],
+)
+def test_the_coordinate_it_was_made_from_comes_first(tmp_path: Path, coordinate: str, extra: np.ndarray) -> None:
+    found = made(tmp_path, extra)
+    first = next(iter(found.values()))
+    assert first.coordinate == coordinate
+    assert first.share > 0.4
+    assert first.p_value < 0.01
+
+
+def test_what_hangs_on_the_direction_alone_is_no_less_told_by_it_than_by_any_other(tmp_path: Path) -> None:
+    found = made(tmp_path, 0.05 * np.ones(TIME.size))
+    assert found["direction"].share > 0.97 * max(m.share for m in found.values()) > 0.4
+    assert found["direction"].forward[1] * found["direction"].backward[0] > 0.0
+
+
+def test_a_temperature_is_told_from_time(tmp_path: Path) -> None:
+    found = made(tmp_path, 0.03 * (WARMTH - 21.0), {"temperature [degC]": WARMTH})
+    assert next(iter(found)) == "temperature"
+
+
+def test_a_warming_up_says_no_more_than_time(tmp_path: Path) -> None:
+    drift = 21.0 + 5.0 * (1.0 - np.exp(-TIME))
+    found = made(tmp_path, 0.05 * (drift - 21.0), {"temperature [degC]": drift})
+    assert found["temperature"].share < 0.6 * found["time"].share
+
+
+def test_noise_follows_nothing(tmp_path: Path) -> None:
+    found = made(tmp_path, np.zeros(TIME.size))
+    assert max(m.share for m in found.values()) < 0.05
+
+
+def test_coloured_noise_is_no_pattern_of_position(tmp_path: Path) -> None:
+    rng = np.random.default_rng(8)
+    coloured = NOISE * np.asarray(lfilter([1.0], [1.0, -0.95], rng.standard_normal(TIME.size)))
+    # One record: what is written into both alike is no noise.
+    found = maps(slide(tmp_path, 1.5 * SIGN + coloured, '"coulomb"'))
+    chance = [m.p_value for m in found.values() if m.coordinate in ("velocity", "acceleration", "direction")]
+    assert min(chance) > 0.01
+
+
+def test_the_curve_drawn_is_the_mean_of_what_was_put_in(tmp_path: Path) -> None:
+    drawn = made(tmp_path, 0.05 * np.sin(2 * np.pi * POSITION / 4e-3))["position"]
+    wanted = 5.0 * np.sin(2 * np.pi * drawn.centres / 4e-3)
+    both = 0.5 * (drawn.forward + drawn.backward)
+    # Bins are half a millimetre wide or less, and each holds its own mean of the wave.
+    assert np.corrcoef(both, wanted)[0, 1] > 0.97
+
+
+def test_one_wild_sample_makes_no_map(tmp_path: Path) -> None:
+    extra = np.zeros(TIME.size)
+    extra[900] = 1e3
+    found = made(tmp_path, extra)
+    assert max(m.share for m in found.values()) < 0.1
+
+
+def test_time_gives_way_where_a_coordinate_explains_nearly_as_much() -> None:
+    empty = np.empty(0)
+    time, place = (ResidualMap(n, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
+    assert [m.coordinate for m in order_maps([time, place])] == ["position", "time"]
+    much = ResidualMap("time", 0.65, 0.0, empty, empty, empty)
+    assert [m.coordinate for m in order_maps([place, much])] == ["time", "position"]
+
+
+def test_a_channel_that_does_not_vary_is_no_coordinate(tmp_path: Path) -> None:
+    case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
+    assert "normal_load" not in coordinates_of(case.fit_records[0])
