@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -14,10 +14,12 @@ from sysid.base_fit import ranking_error
 from sysid.candidates import Candidate
 from sysid.case import BaseFit, Case, fit_case, load_case, make_case
 from sysid.experiment import DesignValues
+from sysid.ladder_files import read_ladder
 from sysid.misfit import ChannelMisfit, blocks, misfit
-from sysid.model import Model
+from sysid.model import Model, base_name
 from sysid.pairs import Pair, best_pairs, searched_again
 from sysid.residual_maps import ResidualMap, residual_maps
+from sysid.swaps import Swap, find_swaps
 from sysid.trials import (
     Progress,
     Search,
@@ -45,6 +47,7 @@ class Diagnosis:
         unexplained_share: of the variance above the noise that stays after the best effect.
         reason: why this verdict, in words.
         seconds: taken.
+        swaps: effects added earlier that should go, or make place for others.
     """
 
     case: Case
@@ -59,6 +62,7 @@ class Diagnosis:
     before_fit: dict[str, ChannelMisfit]
     before_validate: dict[str, ChannelMisfit]
     seconds: float
+    swaps: tuple[Swap, ...] = ()
 
     @property
     def effect(self) -> str | None:
@@ -88,7 +92,16 @@ def diagnose(
     base = fit_case(case)
     present = [e.name for e in case.start.effects]
     search = try_all(case, base, present, all_effects, progress)
-    return judge(case, base, search, _quantisation(case, base), began, all_effects)
+    found = judge(case, base, search, _quantisation(case, base), began, all_effects)
+    swaps = find_swaps(case, base, _added(case), all_effects)
+    return replace(found, swaps=tuple(swaps), seconds=perf_counter() - began)
+
+
+def _added(case: Case) -> list[str]:
+    """Effects of the model that its ladder added."""
+    rungs = read_ladder(case.experiment)
+    first = {base_name(name) for name in rungs[0].effects} if rungs else set()
+    return [e.name for e in case.start.effects if rungs and base_name(e.name) not in first]
 
 
 def judge(

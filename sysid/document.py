@@ -181,6 +181,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "detectable": detectable_json(case, smallest_shown(diagnosis)),
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,
+        "swaps": [
+            {"instead_of": s.old, "effect": s.new, "over_noise": {"before": s.before, "after": s.after}}
+            for s in diagnosis.swaps
+        ],
         "laws": list(diagnosis.base.laws),
         "notes": list(case.notes),
         "seconds": diagnosis.seconds,

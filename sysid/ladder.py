@@ -21,6 +21,7 @@ from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
 from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
 from sysid.model import Model, base_name
 from sysid.pairs import added_anew
+from sysid.starts import without_effect
 
 
 @dataclass(frozen=True)
@@ -46,15 +47,18 @@ class Step:
     seconds: float
 
 
-def add_effects(source: str | Path, effects: Sequence[str], design: DesignValues | None = None) -> Step:
+def add_effects(
+    source: str | Path, effects: Sequence[str], design: DesignValues | None = None, drop: Sequence[str] = ()
+) -> Step:
     """Add effects to the model of an experiment, fit, and write the next rung and `experiment.toml`.
 
     An effect named without variant or channel takes the law and the channel that fit best, the law of its own name
     unless another is clearly better; so do the effects that the experiment names without a variant, once more. A core
-    takes the place of the core before it.
+    takes the place of the core before it. Effects to `drop` leave the model first, on the same rung.
 
     Raises:
-        InputError: an effect that is unknown, there already, or that this rig cannot show; a fault in a file.
+        InputError: an effect that is unknown, there already (to drop: not there), or that this rig cannot show; a fault
+            in a file.
     """
     began = perf_counter()
     case = load_case(source, design)
@@ -64,6 +68,8 @@ def add_effects(source: str | Path, effects: Sequence[str], design: DesignValues
     before_validate = misfit(base.fitted.model, case.validate_records)
     base_document = _rung_document(case, base.fitted, before_fit, before_validate)
     grown_case, fitted = case, base.fitted
+    for name in drop:
+        grown_case, fitted = _shrunk(grown_case, fitted, name)
     for name in effects:
         grown_case, fitted = _grow(grown_case, fitted, name)
     # A law that made up for what was missing may be the wrong one now.
@@ -73,6 +79,7 @@ def add_effects(source: str | Path, effects: Sequence[str], design: DesignValues
     after_validate = misfit(fitted.model, grown_case.validate_records)
     document = {**_rung_document(grown_case, fitted, after_fit, after_validate), "open_laws": list(free)}
     names = [e.name for e in fitted.model.effects] + _quantised(grown_case, fitted)
+    names = [name for name in names if name in effects or not {name, base_name(name)} & set(drop)]
     starts = {
         u.key: (fitted.model.values[u.key], parameter_unit(grown_case, u.key))
         for u in fitted.model.unknowns
@@ -93,6 +100,21 @@ def _quantised(case: Case, fitted: Fitted) -> list[str]:
     """Quantisation effects of the case that act on the floor alone, and so stand in no prediction."""
     present = {e.name for e in fitted.model.effects}
     return [n for n in case.experiment.effects if n.partition("@")[0] == "sensor_quantisation" and n not in present]
+
+
+def _shrunk(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
+    """The case and its fit without one effect."""
+    experiment = case.experiment
+    names = [e.name for e in fitted.model.effects] + _quantised(case, fitted)
+    gone = [n for n in names if n == name] or [n for n in names if base_name(n) == name]
+    if not gone:
+        raise InputError(f"{experiment.path}: model.effects has no '{name}' to drop{nearest(name, names)}")
+    if any(e.name in gone and e.core is not None for e in fitted.model.effects):
+        raise InputError(f"{experiment.path}: '{name}' is the core of the friction; add another core in its place")
+    if base_name(name) == "sensor_quantisation":
+        other = make_case(experiment, case.records, [n for n in experiment.effects if n not in gone])
+        return other, fit_case(other).fitted
+    return case, fit_model(without_effect(fitted.model, gone[0]), case.fit_records, iterations=40)
 
 
 def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:

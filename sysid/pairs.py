@@ -151,7 +151,7 @@ def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effect
     """
     trials = []
     for family in _shaped(base.fitted.model):
-        below = _less(case, base, family)
+        below = less(case, base, family)
         others = [name for name in present if base_name(name) != family]
         looks, target = looks_on(case, below, others, all_effects)
         for pair in best_pairs(case, below, looks, target, wanted=family)[:2]:
@@ -165,7 +165,7 @@ def added_anew(case: Case, base: BaseFit, options: Sequence[Effect]) -> list[Fit
     """Fits of the model with one of `options` added, while one effect that it has is searched for anew."""
     fits = []
     for family in _shaped(base.fitted.model):
-        below = _less(case, base, family)
+        below = less(case, base, family)
         basis, target = target_of(below.fitted)
         own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
         found = [look_at(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)]
@@ -180,7 +180,7 @@ def _shaped(model: Model) -> list[str]:
     return [base_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
 
 
-def _less(case: Case, base: BaseFit, family: str) -> BaseFit:
+def less(case: Case, base: BaseFit, family: str) -> BaseFit:
     """The fit of the model without one family of effects, on the same weights."""
     rest = fit_model(without_effect(base.fitted.model, family), case.fit_records, base.fitted.weights)
     residual = weighted_residual(rest.model, case.validate_records, base.weights)

@@ -201,8 +201,23 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
         depends = [m for m in diagnosis.maps if m.share > 0.02][:2]
         words = " and ".join(COORDINATE_WORDS[m.coordinate] for m in depends) or "nothing that was recorded"
         run.say(f"unexplained: {diagnosis.reason}. What is left depends on {words}.")
-    for line in document["not_identifiable"]:
+    for line in (*swap_lines(diagnosis), *document["not_identifiable"]):
         run.say(line)
+
+
+def swap_lines(diagnosis: Diagnosis) -> list[str]:
+    """Effects added earlier that should go, in words."""
+    lines = []
+    for swap in diagnosis.swaps:
+        change = f"({swap.before:.3g} x -> {swap.after:.3g} x the noise on the held-out records)"
+        if swap.new is None:
+            lines.append(f"{swap.old}, added earlier, is not needed any more {change}: add --drop {swap.old}")
+        else:
+            lines.append(
+                f"{swap.new} in the place of {swap.old}, added earlier, explains more {change}: "
+                f"add {swap.new} --drop {swap.old}"
+            )
+    return lines
 
 
 def say_step(run: Run, step: Step, parameters: Mapping[str, Any]) -> None:

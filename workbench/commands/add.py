@@ -26,15 +26,23 @@ if TYPE_CHECKING:
     help="Write a fitted value to KEY of the parameter file (--params, or stage.toml here), with its deviation and the "
     "experiment as its origin; may be repeated, with or without an EFFECT to add first.",
 )
+@click.option(
+    "--drop",
+    multiple=True,
+    metavar="EFFECT",
+    help="Take an effect out of the model on the same rung; may be repeated, with or without an EFFECT to add.",
+)
 @common_options
-def command(run: Run, experiment: Path, effects: tuple[str, ...], undo_last: bool, keys: tuple[str, ...]) -> None:
+def command(
+    run: Run, experiment: Path, effects: tuple[str, ...], undo_last: bool, keys: tuple[str, ...], drop: tuple[str, ...]
+) -> None:
     """Add EFFECTs to the model of EXPERIMENT, fit it, write the next rung of its ladder and experiment.toml."""
-    if undo_last and (effects or keys):
-        raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--write-back'}")
+    if undo_last and (effects or keys or drop):
+        raise click.UsageError(f"--undo takes no {'EFFECT' if effects else '--drop' if drop else '--write-back'}")
     if undo_last:
         _undo(run, experiment)
-    elif effects:
-        _add(run, experiment, effects, keys)
+    elif effects or drop:
+        _add(run, experiment, effects, keys, drop)
     elif keys:
         _write_back_only(run, experiment, keys)
     else:
@@ -52,7 +60,7 @@ def _undo(run: Run, experiment: Path) -> None:
     run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
 
 
-def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...]) -> None:
+def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...], drop: tuple[str, ...]) -> None:
     from sysid.document import both_json
     from sysid.ladder import add_effects
     from workbench.design_values import design_values
@@ -63,7 +71,7 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
 
         # Before the rung is written: a file that cannot take the values stops the command with nothing done.
         parameter_file(run)
-    step = add_effects(experiment, effects, design_values(run))
+    step = add_effects(experiment, effects, design_values(run), drop)
     parameters = dict(step.rung.document["parameters"])
     say_step(run, step, parameters)
     document = {

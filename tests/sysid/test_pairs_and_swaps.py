@@ -1,0 +1,102 @@
+"""Two effects at once, effects searched for anew, and swaps, on records written here with laws of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.diagnose import diagnose
+from sysid.ladder import add_effects
+from sysid.ladder_files import read_ladder
+from sysid.smoothing import GaussianFilter
+
+NOISE = 0.02
+ROWS = 4000
+
+
+def _write(folder: Path, force: object, effects: str = '"coulomb", "viscous"') -> Path:
+    """A velocity-drive experiment: two records whose friction force is `force(x, v)` plus white noise."""
+    rng = np.random.default_rng(5)
+    t = 2e-3 * np.arange(ROWS)
+    for name, rates in (("fit", (0.7, 2.3)), ("validate", (0.5, 3.1))):
+        x = 8e-3 * np.sin(2 * np.pi * rates[0] * t) + 1e-3 * np.sin(2 * np.pi * rates[1] * t + 0.4)
+        v = (
+            2
+            * np.pi
+            * (
+                8e-3 * rates[0] * np.cos(2 * np.pi * rates[0] * t)
+                + 1e-3 * rates[1] * np.cos(2 * np.pi * rates[1] * t + 0.4)
+            )
+        )
+        y = force(x, v) + NOISE * rng.normal(size=ROWS)  # type: ignore[operator]
+        table = np.column_stack([t, x, v, y])
+        head = "time [s],position [m],velocity [m/s],friction_force [N]"
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=head, comments="", fmt="%.12g")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n'
+        f"[model]\neffects = [{effects}]\n"
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+        f'[noise]\nfriction_force = "{NOISE} N"\n',
+        "utf-8",
+    )
+    return folder
+
+
+def _uneven(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    # Friction that changes along the way, beside a cable: each alone is a poor explanation.
+    return (1.5 + 0.6 * np.sin(2 * np.pi * x / 6e-3 + 0.3)) * np.sign(v) + 4.0 * v + 90.0 * (x + 1e-3)
+
+
+def test_two_effects_are_found_one_after_the_other_and_nothing_after_them(tmp_path: Path) -> None:
+    rig = _write(tmp_path, _uneven)
+    added = []
+    for _ in range(2):
+        found = diagnose(rig)
+        assert found.verdict == "missing-effect"
+        assert found.effect is not None
+        added.append(found.effect)
+        add_effects(rig, [found.effect])
+    assert set(added) == {"position_dependent_friction", "cable_spring"}
+    after = diagnose(rig)
+    assert after.verdict == "adequate"
+    assert after.before_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
+    effects = '"coulomb", "viscous", "position_dependent_friction", "cable_spring"'
+    found = diagnose(_write(tmp_path, _uneven, effects))
+    assert found.verdict == "adequate"
+    assert found.base.fitted.model.values["position_dependent_friction.pitch"] == pytest.approx(6e-3, rel=0.01)
+    assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
+
+
+def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
+    rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v, '"coulomb"')
+    add_effects(rig, ["quadratic_drag"])
+    swaps = diagnose(rig).swaps
+    assert [(swap.old, swap.new) for swap in swaps] == [("quadratic_drag", "viscous")]
+    assert swaps[0].after < swaps[0].before
+    step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
+    assert list(step.rung.effects) == ["coulomb", "viscous"]
+    assert [list(rung.effects) for rung in read_ladder(step.case.experiment)] == [
+        ["coulomb"],
+        ["coulomb", "quadratic_drag"],
+        ["coulomb", "viscous"],
+    ]
+    assert diagnose(rig).swaps == ()
+
+
+def test_an_effect_that_nothing_needs_is_said_to_be_so(tmp_path: Path) -> None:
+    rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v)
+    add_effects(rig, ["quadratic_drag"])
+    assert [(swap.old, swap.new) for swap in diagnose(rig).swaps] == [("quadratic_drag", None)]
+
+
+@pytest.mark.parametrize("width", [2e-3, 7e-3])
+def test_smoothing_at_some_samples_is_smoothing(width: float) -> None:
+    signal = np.cumsum(np.random.default_rng(1).normal(size=3000))
+    smooth = GaussianFilter(width, 1e-3, signal.size)
+    index = np.concatenate([np.arange(0, 40), np.arange(40, 2960, 7), np.arange(2960, 3000)])
+    assert np.allclose(smooth.at(signal, index), smooth(signal)[index], rtol=0.0, atol=1e-6 * np.ptp(signal))
