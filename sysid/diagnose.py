@@ -173,7 +173,9 @@ def judge(
         if quiet or rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
             return done("missing-effect", best, ties, left, f"explains its share; {other} explains the rest")
     remaining = _pattern_of(case, base, best.candidate.fitted.model)
-    if max(share, 1.0 - left) >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT:
+    part = max(share, 1.0 - left)
+    took_the_pattern = part >= SHARE_WITH_THE_PATTERN and pattern >= LEAST_PATTERN > remaining
+    if took_the_pattern or (part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT):
         return done(
             "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
         )
@@ -218,6 +220,10 @@ SHARE_OF_A_PART = 0.55
 LEAST_PATTERN_LEFT = 0.3
 """An effect that takes this share, and leaves a residual of which no coordinate explains so much, is missing beside
 others; where a coordinate still explains much of what is left, the effect only leans on one that no library has."""
+
+SHARE_WITH_THE_PATTERN = 0.25
+"""The same for an effect that leaves no pattern at all, where there was one: the rest is noise, though more of it than
+was thought (the steps of a coarse sensor, say)."""
 
 SHARE_OF_TWO = 0.92
 VARIANCE_OF_TWO = 0.97
