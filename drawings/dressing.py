@@ -253,7 +253,9 @@ class _Placer:
         """What a place costs for what is there already, and how many texts are touched; stops beyond `most`."""
         boxes, lines, lanes = _parts(annotation, self.view)
         hits = sum(self.field.in_lane(lane, LANE) for lane in lanes)
-        hits += sum(reaches(line, grown(box, 0.2)) for box in boxes for line in lines if not _frame(annotation))
+        hits += sum(
+            reaches(line, grown(box, 0.2)) for box in boxes for line in lines if not _keeps_off_itself(annotation)
+        )
         hits += self.field.over_texts(lines, 0.4)
         if HIT * hits >= most:
             return HIT * hits, hits
@@ -308,8 +310,10 @@ def _curve_lines(curve: Curve, view: View) -> list[Line]:
     return pieces([view.to_paper(point) for point in curve_points(curve, view.scale)])
 
 
-def _frame(annotation: Annotation) -> bool:
-    return isinstance(annotation, ControlFrame | DatumMark | DetailMark | SectionMark)
+def _keeps_off_itself(annotation: Annotation) -> bool:
+    """Whether an annotation's lines cannot touch its own text; the box of a slanting text says nothing about it."""
+    slanting = isinstance(annotation, Linear) and annotation.angle not in (0.0, 90.0)
+    return slanting or isinstance(annotation, ControlFrame | DatumMark | DetailMark | SectionMark)
 
 
 def _parts(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line], list[Line]]:
