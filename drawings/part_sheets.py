@@ -11,7 +11,7 @@ from drawings.asked import Asked
 from drawings.centre_lines import Axis, axes_of, centre_lines
 from drawings.detail import clipped
 from drawings.dimensioning import request
-from drawings.frame import Paper
+from drawings.frame import PAPERS, Paper
 from drawings.layout import Arrangement, arrange, detached, dressed
 from drawings.lettering import LINE_PITCH, TEXT
 from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
@@ -149,7 +149,8 @@ def _arranged(
     """Views, annotations and notes on the smallest paper on which they fit."""
     every = dressed(views, asked)
     tried = [every, *(detached(every, view.name) for view in plan.views if view.name in DETACHABLE and view.beside)]
-    for paper in plan.papers:
+    sizes = list(PAPERS)
+    for paper in (*plan.papers, *sizes[sizes.index(plan.papers[-1]) + 1 :]):
         for dresses in tried:
             for note, room in _notes(paper, texts):
                 arranged = arrange(dresses, sheet_area(paper, (room,)))
