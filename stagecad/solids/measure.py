@@ -239,7 +239,9 @@ def _minus(a: Point, b: Point) -> Point:
 
 
 def _surface(face: cq.Face) -> Surface:
+    from OCP.Bnd import Bnd_Box  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
     from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
+    from OCP.BRepBndLib import BRepBndLib  # pyright: ignore[reportAttributeAccessIssue, reportMissingImports]
 
     kind, adaptor = face.geomType(), BRepAdaptor_Surface(face.wrapped)
     frame, radius, taper = None, 0.0, 0.0
@@ -254,7 +256,10 @@ def _surface(face: cq.Face) -> Surface:
         frame, radius = adaptor.Sphere().Position(), adaptor.Sphere().Radius()
     elif kind == "TORUS":
         frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
-    box = face.BoundingBox()
+    box = Bnd_Box()
+    # The exact box of a torus takes long, and serves only to spare a look at faces that are elsewhere.
+    (BRepBndLib.Add_s if kind == "TORUS" else BRepBndLib.AddOptimal_s)(face.wrapped, box)
+    x0, y0, z0, x1, y1, z1 = box.Get()
     at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
     return Surface(
         face,
@@ -263,7 +268,7 @@ def _surface(face: cq.Face) -> Surface:
         (axis.X(), axis.Y(), axis.Z()) if axis else (0.0, 0.0, 0.0),
         radius,
         taper,
-        (box.xmin, box.ymin, box.zmin),
-        (box.xmax, box.ymax, box.zmax),
+        (x0, y0, z0),
+        (x1, y1, z1),
         tuple(vertex.toTuple() for vertex in face.Vertices()),
     )
