@@ -133,7 +133,8 @@ class Effect:
         slopes: exact partial derivatives for implicit integration: `{"force.velocity": law, "level.velocity": law,
             "force.position": law, ...}`; one left out is zero.
         signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
-        memory: changes the motion that level and core see along a record (a lag in the friction, a play in the drive).
+        memory: changes the axis that level and core see along a record (a lag in the friction, a play in the drive, the
+            age of the contacts).
         core: for an effect that turns the level into a force, the core (`sim.cores`).
         element: for an effect with a bristle of its own beside the core: that bristle in a simulation, in place of
             `force` (a `sim.cores.core.Core`).

@@ -27,7 +27,7 @@ from sim.axis_forces import BY, NAXIS, OUT, axis_forces
 from sim.axis_rates import drive_at, right_side
 from sim.compilation import compile_function
 from sim.rodas5p import GAMMA, STAGES, TIME, TIME_SLOPE, A, C
-from sim.step_output import HISTORY, PAST_STEPS, at_part, dense_of, holds, past_speed, weighted
+from sim.step_output import HISTORY, PAST_STEPS, at_part, dense_of, holds, past_speed
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 NWORK = 3
@@ -40,8 +40,8 @@ def _steps(
     """All of the integration, in arrays that are given: `work` as `_integrate` makes it. Compiled without counting of
     references, which would cost more than the arithmetic."""
     (
-        y, fresh, stage, z, K, dense, f, f_start, ft, axis, laws, elements, here, slope, by_head, own, into, ratio,
-        work_head, work_z, row, effective, past,
+        y, fresh, stage, earlier, z, K, dense, f, f_start, ft, axis, laws, elements, here, slope, by_head, own, into,
+        ratio, work_head, work_z, row, effective, past,
     ) = work  # fmt: skip
     per_mass, spring, feedback, memory_length, gap, drive_lag, delay = body
     size = start.size
@@ -207,7 +207,12 @@ def _steps(
                 else:
                     at = t + TIME[i] * h
                     for j in range(size):
-                        stage[j] = y[j] + weighted(A, i, K, j)
+                        past_a, past_c = 0.0, 0.0
+                        for m in range(STAGES):
+                            past_a += A[i, m] * K[STAGES * j + m]
+                            past_c += C[i, m] * K[STAGES * j + m]
+                        stage[j] = y[j] + past_a
+                        earlier[j] = past_c * over_h
                     for k in range(n):
                         z[k] = stage[head + k]
                     if delay > 0.0:
@@ -222,7 +227,7 @@ def _steps(
                     )  # fmt: skip
                     late = h * TIME_SLOPE[i]
                     for j in range(size):
-                        f[j] += weighted(C, i, K, j) * over_h + late * ft[j]
+                        f[j] += earlier[j] + late * ft[j]
                 # Solve W k = f: what is not the velocity is eliminated first.
                 right = f[1] + effective[0] * f[0] * over_s
                 if head > 2:
@@ -275,7 +280,7 @@ def _steps(
                     finite = False
                     break
                 for j in range(size):
-                    K[i, j] = f[j]
+                    K[STAGES * j + i] = f[j]
             error = math.inf
             if finite:
                 error = 0.0
@@ -305,7 +310,7 @@ def _steps(
             if not finite:
                 for j in range(size):
                     for m in range(STAGES):
-                        K[m, j] = 0.0
+                        K[STAGES * j + m] = 0.0
             rejected += 1
             was_rejected = True
             lands = False
@@ -398,9 +403,10 @@ def _integrate(
     size, m = start.size, max(n, 1)
     axis, laws, z, elements = np.zeros(NAXIS), np.zeros(3 * OUT + OUT), np.zeros(m), np.zeros((m, 8))
     work = (
-        start.copy(), np.zeros(size), np.zeros(size), z, np.zeros((STAGES, size)), np.zeros((size, 3)), np.zeros(size),
-        np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)), np.zeros((m, 4)),
-        np.zeros(m), np.zeros(m), np.zeros(m), np.zeros((NWORK, 4)), np.zeros(m), np.zeros(4), np.zeros(4), np.zeros(3),
+        start.copy(), np.zeros(size), np.zeros(size), np.zeros(size), z, np.zeros(STAGES * size), np.zeros((size, 3)),
+        np.zeros(size), np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)),
+        np.zeros((m, 4)), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros((NWORK, 4)), np.zeros(m), np.zeros(4),
+        np.zeros(4), np.zeros(3),
     )  # fmt: skip
     addresses = (axis.ctypes.data, laws.ctypes.data, z.ctypes.data, elements.ctypes.data)
     history = np.zeros((PAST_STEPS if body[6] > 0.0 else 1, HISTORY))

@@ -138,7 +138,7 @@ def unsupported(effect: Effect) -> str | None:
     """Why an effect cannot be integrated in time, or None."""
     if effect.element is not None or effect.in_time is not None:
         return None
-    if effect.memory is not None:
+    if effect.memory is not None and not any(takes(effect)):
         return "changes the motion along a whole record, and has no law at one instant"
     if effect.signal is not None and effect.acts_on != "sensor":
         return f"acts on the signal of a {effect.acts_on}, which this simulation of one axis does not have"

@@ -61,8 +61,14 @@ class Model:
         return total
 
     def friction_along(self, axis: Axis) -> np.ndarray:
-        """Force against the motion along a record, N, shape (n,): core and other forces together."""
+        """Force against the motion along a record, N, shape (n,): core and other forces together.
+
+        Level and core see the motion as the effects with a memory leave it.
+        """
         force = np.asarray(self.other_force(axis), dtype=float)
+        for effect, p in zip(self.effects, self.values):
+            if effect.memory is not None:
+                axis = effect.memory(axis, p)
         for effect, p in zip(self.effects, self.values):
             if effect.core is not None:
                 level = np.broadcast_to(np.asarray(self.level(axis), dtype=float), axis.velocity.shape)

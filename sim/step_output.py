@@ -21,7 +21,7 @@ def _weighted(table, i, K, j):
     """sum_m table[i, m] K[m, j], of fixed length so that it is unrolled: the table is zero where K is still unknown."""
     total = 0.0
     for m in range(STAGES):
-        total += table[i, m] * K[m, j]
+        total += table[i, m] * K[STAGES * j + m]
     return total
 
 

@@ -55,7 +55,7 @@ def slopes(
     if ratio * direction <= 0.0:
         return 0.0, 1.0, 0.0, force_z, 0.0, force_g
     size = abs(ratio)
-    return -v * 8.0 * size**7.0 * direction / limit, 1.0 - size**8.0, 0.0, force_z, 0.0, force_g
+    return -v * 8.0 * size**7 * direction / limit, 1.0 - size**8, 0.0, force_z, 0.0, force_g
 
 
 @compiled

@@ -17,7 +17,7 @@ def _force(axis: Axis, p: Any) -> Any:
 def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     """In time the bristle yields along a steep curve instead of all at once, as those of Maxwell-slip do."""
     size = direction * z / p.stretch
-    rate = v * (1.0 - size**8.0) if size > 0.0 else v
+    rate = v * (1.0 - size**8) if size > 0.0 else v
     return rate, p.damping * rate
 
 
@@ -27,7 +27,7 @@ def _slopes(
     size = direction * z / p.stretch
     if size <= 0.0:
         return 0.0, 1.0, 0.0, 0.0, p.damping, 0.0
-    rate_z, rate_v = -v * 8.0 * size**7.0 * direction / p.stretch, 1.0 - size**8.0
+    rate_z, rate_v = -v * 8.0 * size**7 * direction / p.stretch, 1.0 - size**8
     return rate_z, rate_v, 0.0, p.damping * rate_z, p.damping * rate_v, 0.0
 
 

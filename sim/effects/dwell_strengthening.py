@@ -10,21 +10,19 @@ import numpy as np
 from sim.effect import Axis, Effect, Parameter, Scan
 
 
-def _age(axis: Axis, p: Any) -> Any:
-    if np.ndim(axis.position) == 0:
-        # At one instant of a simulation: the age is a state of the axis, by the same law.
-        return axis.contact_age
+def _memory(axis: Axis, p: Any) -> Axis:
+    """The axis with the age of its contacts, which in a simulation is a state of the axis by the same law."""
     from sim.record_kernels import contact_age
 
-    return contact_age(axis.time, axis.position, p.memory_length)
+    return axis._replace(contact_age=contact_age(axis.time, axis.position, p.memory_length))
 
 
 def _logarithmic(axis: Axis, p: Any) -> Any:
-    return p.force * np.log1p(_age(axis, p) / p.cut_off)
+    return p.force * np.log1p(axis.contact_age / p.cut_off)
 
 
 def _kato(axis: Axis, p: Any) -> Any:
-    return p.force * -np.expm1(-p.rate * _age(axis, p) ** p.exponent)
+    return p.force * -np.expm1(-p.rate * axis.contact_age**p.exponent)
 
 
 _MEMORY_LENGTH = Parameter(
@@ -63,6 +61,7 @@ _LOGARITHMIC = Effect(
         _MEMORY_LENGTH,
     ),
     level=_logarithmic,
+    memory=_memory,
 )
 
 _KATO = replace(
