@@ -24,7 +24,7 @@ from drawings.dimensioning import request
 from drawings.part21 import with_properties
 from drawings.part_sheets import Views
 from drawings.part_views import sheet_of, sheet_of_requirement, sheet_plans
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design, load_design, schema
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -34,6 +34,7 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
 )
 from stagecad.solids.measure import Gauge
+from stagecad.solids.reading import Reading
 from stagecad.solids.registry import MADE, module_of
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
@@ -312,6 +313,43 @@ def dot(direction, along: Point) -> float:
     return direction.X() * along[0] + direction.Y() * along[1] + direction.Z() * along[2]
 
 
+@pytest.mark.parametrize(
+    "overrides",
+    [("pads.count=4",), ("teeth.fitted=false",), ("teeth.fitted=false", "sea.whole_underside=true", "pads.count=4")],
+    ids=" ".join,
+)
+def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...], tmp_path: Path) -> None:
+    design, module = load_design(overrides=overrides, rules=False), module_of("stage")
+    path = tmp_path / "stage.step"
+    write_ap242("stage", design, module.build(design), path)
+    file = read_ap242(path, information_of(module, design).texts)
+    wanted = {d.name: d for d in module.dimensions(design) if d.kind not in TEXT_ONLY}
+    assert set(by_name(file)) == set(wanted)
+    for name, there in by_name(file).items():
+        assert measured(there, wanted[name]) == pytest.approx(wanted[name].value, abs=2e-6), name
+    assert len(file.datums["A"]) == design.pads.count
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MADE)
+def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
+    """Every length by its own small factor: each dimension still stands on the faces that measure it."""
+    module, notes = module_of(name), {}
+    module.build(Reading(thesis(), notes))
+    keys = sorted({".".join(str(step[1]) for step in way) for way in notes})
+    sizes = [key for key in keys if key in schema() and thesis().entry(key).unit == "mm"]
+    factors = {key: 1 + 0.002 * (1 + index / len(sizes)) for index, key in enumerate(sizes)}
+    changed = [f"{key}={thesis().value(key) * factor!r} mm" for key, factor in factors.items()]
+    design = load_design(overrides=changed, rules=False)
+    path = tmp_path / f"{name}.step"
+    write_ap242(name, design, module.build(design), path)
+    shown = by_name(read_ap242(path, information_of(module, design).texts))
+    for dimension in module.dimensions(design):
+        if dimension.kind not in TEXT_ONLY:
+            there = shown[dimension.name]
+            assert measured(there, dimension) == pytest.approx(dimension.value, abs=2e-6), dimension.name
+
+
 QUICK = ("bearing_way", "height_pin_1", "height_pin_2", "magnet", "tooth_iron")
 """Parts whose views cost little to project."""
 
@@ -370,7 +408,7 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
 
 def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     name = "height_pin_2"
-    again = ap242_bytes(name, module_of(name), thesis(), solid_of(name))
+    again = ap242_bytes(name, module_of(name), Reading(thesis(), {}), solid_of(name))
     assert again == bytes_of(name)
     script = (
         "import sys; from pathlib import Path; from stagecad.solids.kernel import import_kernel; import_kernel()\n"
