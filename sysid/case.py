@@ -12,22 +12,26 @@ from sim.custom import load_all_custom
 from sim.effect import Effect
 from sim.library import find
 from stagecad.parameters.errors import InputError
-from sysid.balance import Balance
+from sysid.balance import Balance, filled
 from sysid.base_fit import Fitted, fit_model
 from sysid.experiment import DesignValues, Experiment, load_experiment
 from sysid.first_fit import first_fit
 from sysid.fit import Prior, Unknown
+from sysid.friction_drive import CONTACT_STIFFNESS, friction_drive_record, gain_and_press
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model, Prepared, Scales, scales_of, with_effect
 from sysid.noise_floor import Noise, estimate_noise
 from sysid.prepare import driven_mass, velocity_drive
 from sysid.records import Record, load_records
+from sysid.smoothing import GaussianFilter
 from sysid.starts import searched
 from sysid.tip import tip_record
+from sysid.uniform import uniform
 
 FORMS = {
     "velocity-drive": "output",
     "actuator-tip": "output",
+    "friction-drive": "output",
     "spring-pull": "force_balance",
     "force-drive": "force_balance",
 }
@@ -94,6 +98,11 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
         noise = with_quantisation(noise, quantised)
     rig, rig_unknowns = _rig_numbers(experiment, records, noise)
     prepared = _prepare(experiment, records, noise, rig)
+    for record, ready in zip(records, prepared, strict=True):
+        if not any(valid.any() for valid in ready.valid.values()):
+            raise InputError(
+                f"{record.file}: no row is left to score between gaps and ends; give longer stretches without gaps"
+            )
     fits = tuple(p for p in prepared if p.role == "fit")
     held_out = tuple(p for p in prepared if p.role != "fit")
     scales = scales_of(fits)
@@ -173,6 +182,18 @@ def _rig_numbers(
         put("pull_stiffness", lambda: _guess_stiffness(records))
     if kind in ("spring-pull", "force-drive"):
         put("mass", lambda: _guess_mass(records, kind, values.get("rig.pull_stiffness"), noise))
+    if kind == "friction-drive":
+        fits = [r for r in records if r.role == "fit"]
+        gain, press = gain_and_press(fits, {name: k.value for name, k in known.items()})
+        values["rig.contact_stiffness"] = (
+            known["contact_stiffness"].value if "contact_stiffness" in known else (CONTACT_STIFFNESS)
+        )
+        put("mass", lambda: 1.0)
+        values["rig.gain"] = gain
+        if "piezo_gain" not in known:
+            unknowns.append(Unknown("rig.gain", gain, 0.0, np.inf, gain))
+        if press is not None:
+            put("press", lambda: press)
     if kind == "actuator-tip":
         fits = [r for r in records if r.role == "fit"]
         rows = {c: np.concatenate([r.channels[c] for r in fits]) for c in fits[0].channels}
@@ -208,14 +229,18 @@ def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, n
     """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
     best = 1.0
     for record in [r for r in records if r.role == "fit"][:1]:
-        mass = 1.0
-        for _ in range(3):
+        best = mass = _largest_mass(record, kind, stiffness, noise)
+        for _ in range(4):
             balance = driven_mass(record, kind, noise, mass, stiffness)
             channel = balance.force_channel
             y = balance.measured[channel]
             if channel == "position":
                 y = balance.inputs["spring_force"]
             ok = balance.valid[channel]
+            if ok.sum() < LEAST_ROWS:
+                # A filter as wide as this guess asks for leaves nothing between the gaps.
+                mass *= 0.1
+                continue
             assert balance.acceleration is not None and balance.whole is not None and balance.direction is not None
             columns = [balance.acceleration, balance.whole(balance.direction), balance.axis.velocity, np.ones(y.size)]
             solution, *_ = np.linalg.lstsq(np.column_stack([c[ok] for c in columns]), y[ok], rcond=None)
@@ -224,6 +249,32 @@ def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, n
                 break
             mass = best
     return best
+
+
+LEAST_ROWS = 200
+"""Scored rows below which a mass is not read off a record."""
+
+
+def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
+    """Mass that would need all of the force: its size over that of the acceleration, where that stands off its noise.
+
+    An upper guess: it sets how wide a filter the first estimate of the mass begins with.
+    """
+    _, step, channels, _ = uniform(record)
+    position = channels.get("position")
+    force = channels.get("drive_force" if kind == "force-drive" else "spring_force")
+    if position is None or force is None:
+        return 1.0
+    position, force = filled(position)[0], filled(force)[0]
+    width = step
+    while width < position.size * step / 40.0:
+        smooth = GaussianFilter(width, step, position.size)
+        acceleration = float(np.std(smooth(position, 2)))
+        sigma = noise["position"]
+        if sigma.value * smooth.noise_gain(2, sigma.correlation) < 0.2 * acceleration:
+            return float(np.std(force)) / acceleration
+        width *= 2.0
+    return 1.0
 
 
 def _prepare(
@@ -235,6 +286,8 @@ def _prepare(
     for record in records:
         if kind == "velocity-drive":
             prepared.append(velocity_drive(record, noise))
+        elif kind == "friction-drive":
+            prepared.append(friction_drive_record(record, {k: v.value for k, v in experiment.rig.known.items()}, noise))
         elif kind == "actuator-tip":
             known = {name: k.value for name, k in experiment.rig.known.items()}
             prepared.append(tip_record(record, known, noise))

@@ -10,6 +10,7 @@ from time import perf_counter
 import numpy as np
 
 from sim.library import find
+from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.candidates import Candidate
 from sysid.case import BaseFit, Case, fit_case, load_case, make_case
@@ -93,7 +94,12 @@ def diagnose(
     present = [e.name for e in case.start.effects]
     search = try_all(case, base, present, all_effects, progress)
     found = judge(case, base, search, _quantisation(case, base), began, all_effects)
-    swaps = find_swaps(case, base, _added(case), all_effects)
+    # While something is missing the next round comes first; a model that is enough is asked only what it can spare.
+    swaps = (
+        []
+        if found.effect is not None
+        else find_swaps(case, base, _added(case), found.verdict == "unexplained", all_effects)
+    )
     return replace(found, swaps=tuple(swaps), seconds=perf_counter() - began)
 
 
@@ -154,7 +160,8 @@ def judge(
     if over <= enough and (share < 0.5 or best.family in AT_REVERSALS):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
-    if case.form == "force_balance" and best.family in AT_REVERSALS and not patterned:
+    to_the_noise = best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
+    if case.form == "force_balance" and best.family in AT_REVERSALS and not patterned and not to_the_noise:
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if after <= NEARLY_NOISE:
         return done("missing-effect", best, ties, left, "explains what can be explained")
@@ -169,12 +176,15 @@ def judge(
         other = next(name for name in pair.names if name != best.family)
         rest_left = _left(over, excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records)))
         rest = share_of_error(base, pair.error)
-        quiet = rest >= SHARE_ENOUGH and _pattern_of(case, base, pair.model) < LEAST_PATTERN_LEFT
-        if quiet or rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
+        pattern_left = _pattern_of(case, base, pair.model)
+        quiet = rest >= SHARE_ENOUGH and pattern_left < LEAST_PATTERN_LEFT
+        silent = rest >= SHARE_OF_A_PART and pattern >= LEAST_PATTERN > pattern_left
+        if quiet or silent or rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
             return done("missing-effect", best, ties, left, f"explains its share; {other} explains the rest")
     remaining = _pattern_of(case, base, best.candidate.fitted.model)
     part = max(share, 1.0 - left)
-    took_the_pattern = part >= SHARE_WITH_THE_PATTERN and pattern >= LEAST_PATTERN > remaining
+    turn_like = case.form == "force_balance" and best.family in AT_REVERSALS
+    took_the_pattern = part >= SHARE_WITH_THE_PATTERN and pattern >= LEAST_PATTERN > remaining and not turn_like
     if took_the_pattern or (part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT):
         return done(
             "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
@@ -187,6 +197,9 @@ def judge(
 
 NEARLY_NOISE = 1.5
 """Error over noise that an effect may leave without anything else being looked for beside it."""
+
+NOISE_ALONE = 1.1
+"""Ranking error, in deviations, from which an effect has left nothing but noise: no accident of timing does that."""
 
 ADEQUATE_OVER_NOISE = {"output": 1.15, "force_balance": 1.35}
 """Robust error over noise up to which a model is adequate, by form: the noise itself is known to no better, and a force
@@ -231,7 +244,7 @@ VARIANCE_OF_TWO = 0.97
 
 LEAST_SIGNIFICANCE = 4.0
 LEAST_STEADINESS = 1.5
-LEAST_GAIN = 0.06
+LEAST_GAIN = 0.03
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
 
 
@@ -250,15 +263,18 @@ def persistence(case: Case, base: BaseFit) -> float:
     left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
     lag, best = 4, 0.0
     start = 0
-    for picks in base.weights.picks:
+    for record, picks in zip(case.validate_records, base.weights.picks, strict=True):
         for channel, pick in picks.items():
             r = np.clip(base.residual[start : start + pick.size], -8.0, 8.0)
             start += pick.size
             if r.size < 50:
                 continue
             noise = case.noise.get(channel)
-            # Filtered records are thinned to a sample per filter width, where even coloured noise has been forgotten.
             own = noise.correlation**lag if noise is not None and case.form == "output" else 0.0
+            if isinstance(record, Balance) and record.whole is not None:
+                # Filtered white noise; a record is thinned to a sample per filter width, rounded down.
+                apart = lag * max(1, int(record.whole.width / record.step)) * record.step
+                own = float(np.exp(-0.25 * (apart / record.whole.width) ** 2))
             best = max(best, float(np.corrcoef(r[lag:], r[:-lag])[0, 1]) - own)
     return best
 

@@ -41,12 +41,15 @@ class Swap:
     after: float
 
 
-def find_swaps(case: Case, base: BaseFit, added: Sequence[str], all_effects: bool = False) -> list[Swap]:
+def find_swaps(
+    case: Case, base: BaseFit, added: Sequence[str], others_too: bool = True, all_effects: bool = False
+) -> list[Swap]:
     """Effects added earlier that should go, each with what should come in its place.
 
     Args:
         case, base: the model as it is, fitted.
         added: names of the effects that were added to it.
+        others_too: look for effects to put in their place, not only for those that nothing needs.
         all_effects: try whatever else the library has, too.
     """
     now = ranking_error(base.residual)
@@ -59,6 +62,8 @@ def find_swaps(case: Case, base: BaseFit, added: Sequence[str], all_effects: boo
         without = ranking_error(below.residual)
         if without <= NEEDLESS * now:
             found.append(Swap(name, None, _worst(case, base), _worst(case, below)))
+            continue
+        if not others_too:
             continue
         others = [e.name for e in case.start.effects if base_name(e.name) != family]
         looks, _ = looks_on(case, below, others, all_effects)
