@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rail:
-    """The rail and what it is bolted to, SI units."""
+    """The rail and what it is bolted to, SI units. Each number may be an array; shapes broadcast."""
 
     length: float
     """length of rail L, m"""
@@ -52,8 +52,8 @@ class Rail:
         for name in ("rail_modulus", "bed_modulus", "bolt_modulus"):
             _positive(name, getattr(self, name), "Pa")
         _positive("joint_ratio", self.joint_ratio, "")
-        if not 0 <= self.poisson <= 0.5:
-            raise InputError(f"rail: poisson: {self.poisson:g} must lie in 0 to 0.5")
+        if not np.all((np.asarray(self.poisson) >= 0) & (np.asarray(self.poisson) <= 0.5)):
+            raise InputError("rail: poisson: must lie in 0 to 0.5")
 
 
 @dataclass(frozen=True)
@@ -105,14 +105,14 @@ def joint_stiffness(rail: Rail, flange_ratio: ArrayLike) -> JointStiffness:
     )
 
 
-def bending_shear_compliance(rail: Rail) -> float:
+def bending_shear_compliance(rail: Rail) -> Array:
     """Deflection at the loaded edge per force, times the length of section: 1/A, m^2/N.
 
     ``1/A = l [(a+b) b^2/(3 E I) + b h^2 (a+b)(1+nu)/(5 a E I)]`` with ``I = l h^3/12``: bending and shear.
 
     Source: thesis, appendix B (A = 1.26e9 N/m^2 for its rail).
     """
-    a, b, h = rail.overhang_a, rail.overhang_b, rail.height
+    a, b, h = (np.asarray(v, float) for v in (rail.overhang_a, rail.overhang_b, rail.height))
     inertia_per_length = h**3 / 12
     bending = (a + b) * b**2 / (3 * rail.rail_modulus * inertia_per_length)
     shear = b * h**2 * (a + b) * (1 + rail.poisson) / (5 * a * rail.rail_modulus * inertia_per_length)
@@ -160,6 +160,6 @@ def best_spacing_ratio(rail: Rail, flange_ratio: float) -> float:
     return float(found.x)
 
 
-def _positive(name: str, value: float, unit: str) -> None:
-    if not value > 0 or not np.isfinite(value):
-        raise InputError(f"rail: {name.replace('_', '-')}: {value:g} {unit} must be above 0".replace("  ", " "))
+def _positive(name: str, value: ArrayLike, unit: str) -> None:
+    if not np.all((np.asarray(value) > 0) & np.isfinite(value)):
+        raise InputError(f"rail: {name.replace('_', '-')}: must be above 0 {unit}".rstrip())

@@ -11,6 +11,8 @@ from scipy.special import k0
 
 from stagecad.parameters.errors import InputError
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class UnifiedThread:
@@ -35,7 +37,7 @@ class UnifiedThread:
         return self.diameter - 1.0825317547 * self.pitch
 
 
-def preload_of_torque(torque: float, diameter: float, nut_factor: float = 0.2) -> float:
+def preload_of_torque(torque: ArrayLike, diameter: ArrayLike, nut_factor: ArrayLike = 0.2) -> Array:
     """Preload of a screw, ``F = T/(K d)``, N.
 
     Args:
@@ -45,12 +47,13 @@ def preload_of_torque(torque: float, diameter: float, nut_factor: float = 0.2) -
 
     Source: Shigley, Mechanical Engineering Design, section 8-8.
     """
-    if not (diameter > 0 and 0.05 <= nut_factor <= 0.5):
-        raise InputError("fastener: diameter must be above 0, nut factor 0.05 to 0.5")
-    return torque / (nut_factor * diameter)
+    T, d, K = (np.asarray(v, float) for v in (torque, diameter, nut_factor))
+    if not (np.all(T >= 0) and np.all(d > 0) and np.all((K >= 0.05) & (K <= 0.5))):
+        raise InputError("fastener: diameter must be above 0, torque 0 or more, nut factor 0.05 to 0.5")
+    return T / (K * d)
 
 
-def strip_area_of_bed(thread: UnifiedThread, engagement: float) -> float:
+def strip_area_of_bed(thread: UnifiedThread, engagement: ArrayLike) -> Array:
     """Shear area of the internal thread, m^2: ``pi n Le d (1/(2n) + 0.57735 (d - d2))``, n threads per length.
 
     Basic dimensions, no allowance: real areas are a few percent smaller.
@@ -61,32 +64,35 @@ def strip_area_of_bed(thread: UnifiedThread, engagement: float) -> float:
 
     Source: ASME B1.1 / FED-STD-H28, shear area of internal threads.
     """
-    if not engagement > 0:
-        raise InputError(f"fastener: engagement: {engagement:g} m must be above 0")
+    depth = np.asarray(engagement, float)
+    if not np.all(depth > 0):
+        raise InputError("fastener: engagement: must be above 0 m")
     per_length = 1 / thread.pitch
     flank = 0.5 / per_length + 0.57735 * (thread.diameter - thread.pitch_diameter)
-    return math.pi * per_length * engagement * thread.diameter * flank
+    return math.pi * per_length * depth * thread.diameter * flank
 
 
-def strip_area_of_screw(thread: UnifiedThread, engagement: float) -> float:
+def strip_area_of_screw(thread: UnifiedThread, engagement: ArrayLike) -> Array:
     """Shear area of the external thread, m^2: ``pi n Le D1 (1/(2n) + 0.57735 (d2 - D1))``; source as the bed's."""
-    if not engagement > 0:
-        raise InputError(f"fastener: engagement: {engagement:g} m must be above 0")
+    depth = np.asarray(engagement, float)
+    if not np.all(depth > 0):
+        raise InputError("fastener: engagement: must be above 0 m")
     per_length = 1 / thread.pitch
     minor = thread.internal_minor_diameter
-    return math.pi * per_length * engagement * minor * (0.5 / per_length + 0.57735 * (thread.pitch_diameter - minor))
+    return math.pi * per_length * depth * minor * (0.5 / per_length + 0.57735 * (thread.pitch_diameter - minor))
 
 
-def head_pressure(force: float, head_diameter: float, hole_diameter: float) -> float:
+def head_pressure(force: ArrayLike, head_diameter: ArrayLike, hole_diameter: ArrayLike) -> Array:
     """Mean pressure under a screw head, ``F/(pi/4 (Dh^2 - D^2))``, Pa."""
-    if not head_diameter > hole_diameter > 0:
+    F, head, hole = (np.asarray(v, float) for v in (force, head_diameter, hole_diameter))
+    if not (np.all(head > hole) and np.all(hole > 0)):
         raise InputError("fastener: the head must be larger than its hole")
-    return force / (math.pi / 4 * (head_diameter**2 - hole_diameter**2))
+    return F / (math.pi / 4 * (head**2 - hole**2))
 
 
 def screw_waves(
     force: ArrayLike, pitch: ArrayLike, distance: ArrayLike, modulus: ArrayLike, poisson: ArrayLike
-) -> NDArray[np.float64]:
+) -> Array:
     """Amplitude of the waves that a row of screws presses into the surface beside it, m.
 
     The Fourier series along the row of ``sum (1 - nu^2) F/(pi E r)`` has waves of the pitch, of the amplitude

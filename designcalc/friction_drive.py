@@ -28,7 +28,7 @@ class TipEllipse:
     """travel towards the stage Y, m"""
 
 
-def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: float, tip_height: float) -> TipEllipse:
+def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike, tip_height: ArrayLike) -> TipEllipse:
     """Peak-to-peak travel of the tip for strokes ``A sin(wt)`` and ``A sin(wt - phi)``.
 
     ``X = 4 A (h/D) sin(phi/2)``, ``Y = 2 A cos(phi/2)``, from x = -h (d2-d1)/D, y = (d1+d2)/2.
@@ -46,9 +46,9 @@ def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: float, ti
     """
     _positive("piezo spacing", piezo_spacing, "m")
     _positive("tip height", tip_height, "m")
-    A, phi = np.asarray(amplitude, float), np.asarray(phase, float)
+    A, phi, D, h = (np.asarray(v, float) for v in (amplitude, phase, piezo_spacing, tip_height))
     return TipEllipse(
-        along=4 * A * tip_height / piezo_spacing * np.abs(np.sin(phi / 2)),
+        along=4 * A * h / D * np.abs(np.sin(phi / 2)),
         normal=2 * A * np.abs(np.cos(phi / 2)),
     )
 
@@ -78,7 +78,10 @@ def acceleration_limit(
 
 def preload_ratio_for(acceleration: ArrayLike, friction: ArrayLike) -> Array:
     """Preload over weight needed for an acceleration (m/s^2) with the tip about to lift the stage: ``a/(mu g) - 1``."""
-    return np.maximum(np.asarray(acceleration, float) / (np.asarray(friction, float) * GRAVITY) - 1, 0.0)
+    a, mu = np.asarray(acceleration, float), np.asarray(friction, float)
+    if not np.all(mu > 0):
+        raise InputError("friction drive: friction: must be above 0")
+    return np.maximum(a / (mu * GRAVITY) - 1, 0.0)
 
 
 def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float:
@@ -123,13 +126,19 @@ def speed_of(travel: ArrayLike, frequency: ArrayLike) -> dict[str, Array]:
         travel: X, peak-to-peak travel along the stage, m.
         frequency: f, Hz.
     """
-    base = np.asarray(travel, float) * np.asarray(frequency, float)
+    X, f = np.asarray(travel, float), np.asarray(frequency, float)
+    if not (np.all(X > 0) and np.all(f >= 0)):
+        raise InputError("friction drive: travel of the tip must be above 0, the frequency 0 or more")
+    base = X * f
     return {"stopping": base, "coasting": 2 * base, "apex": np.pi * base}
 
 
 def frequency_for(speed: ArrayLike, travel: ArrayLike) -> dict[str, Array]:
     """Drive frequency, Hz, that each law of `speed_of` needs for a speed (m/s) and a travel X (m)."""
-    base = np.asarray(speed, float) / np.asarray(travel, float)
+    v, X = np.asarray(speed, float), np.asarray(travel, float)
+    if not (np.all(v >= 0) and np.all(X > 0)):
+        raise InputError("friction drive: travel of the tip must be above 0, the speed 0 or more")
+    base = v / X
     return {"stopping": base, "coasting": base / 2, "apex": base / np.pi}
 
 
@@ -141,11 +150,12 @@ def resonance(stiffness: ArrayLike, mass: ArrayLike) -> Array:
     return np.sqrt(k / m) / (2 * np.pi)
 
 
-def piezo_stiffness(blocking_force: float, free_stroke: float) -> float:
+def piezo_stiffness(blocking_force: ArrayLike, free_stroke: ArrayLike) -> Array:
     """Stiffness of a stack from the ends of its catalogue line, blocking force (N) over free stroke (m), N/m."""
-    _positive("blocking force", blocking_force, "N")
-    _positive("free stroke", free_stroke, "m")
-    return blocking_force / free_stroke
+    force, stroke = np.asarray(blocking_force, float), np.asarray(free_stroke, float)
+    _positive("blocking force", force, "N")
+    _positive("free stroke", stroke, "m")
+    return force / stroke
 
 
 def stack_heat(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike, loss_factor: ArrayLike) -> Array:
@@ -158,12 +168,17 @@ def stack_heat(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike,
         loss_factor: tan(delta) at large signal, 0 to 1.
     """
     C, V, f, loss = (np.asarray(v, float) for v in (capacitance, voltage, frequency, loss_factor))
+    if not (np.all(C > 0) and np.all(f >= 0) and np.all((loss >= 0) & (loss <= 1))):
+        raise InputError("friction drive: capacitance must be above 0, frequency 0 or more, the loss factor 0 to 1")
     return np.pi * f * C * (V / 2) ** 2 * loss
 
 
 def stack_current(capacitance: ArrayLike, voltage: ArrayLike, frequency: ArrayLike) -> Array:
     """Peak current of a stack driven by a sine: ``2 pi f C V/2``, A; V peak to peak."""
-    return np.pi * np.asarray(frequency, float) * np.asarray(capacitance, float) * np.asarray(voltage, float)
+    f, C, V = (np.asarray(v, float) for v in (frequency, capacitance, voltage))
+    if not (np.all(C > 0) and np.all(f >= 0)):
+        raise InputError("friction drive: capacitance must be above 0, frequency 0 or more")
+    return np.pi * f * C * V
 
 
 def _hull_edges(points: Array) -> tuple[Array, Array]:
@@ -177,6 +192,6 @@ def _hull_edges(points: Array) -> tuple[Array, Array]:
     return hull.equations[:, :2], -hull.equations[:, 2]
 
 
-def _positive(name: str, value: float, unit: str) -> None:
-    if not value > 0:
-        raise InputError(f"friction drive: {name}: {value:g} {unit} must be above 0")
+def _positive(name: str, value: ArrayLike, unit: str) -> None:
+    if not np.all(np.asarray(value) > 0):
+        raise InputError(f"friction drive: {name}: must be above 0 {unit}")

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from stagecad.parameters.errors import InputError
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class WedgeDrive:
     """What the set screw and wedge make of a turn; SI units."""
 
-    lift_per_turn: float
+    lift_per_turn: Array
     """m"""
-    lift_per_degree: float
+    lift_per_degree: Array
     """m per degree of the key"""
-    range: float
+    range: Array
     """m"""
-    locking_friction: float
+    locking_friction: Array
     """coefficient of friction above which the wedge does not slide back by itself"""
 
 
-def wedge_drive(thread_pitch: float, slope: float, stroke: float, faces: int = 2) -> WedgeDrive:
+def wedge_drive(thread_pitch: ArrayLike, slope: ArrayLike, stroke: ArrayLike, faces: int = 2) -> WedgeDrive:
     """Lift of a wedge of slope ``s`` pushed by a screw of pitch ``P``: ``P s`` a turn, ``stroke s`` in all.
 
     The wedge holds itself when the friction angles of its sliding faces together exceed its slope:
@@ -34,33 +38,34 @@ def wedge_drive(thread_pitch: float, slope: float, stroke: float, faces: int = 2
         stroke: of the wedge, m.
         faces: sliding faces that hold it (two: above and below).
     """
-    if not (thread_pitch > 0 and stroke > 0 and 0 < slope < 1 and faces >= 1):
+    P, s, reach = (np.asarray(v, float) for v in (thread_pitch, slope, stroke))
+    if not (np.all(P > 0) and np.all(reach > 0) and np.all((s > 0) & (s < 1)) and faces >= 1):
         raise InputError("height adjustment: pitch and stroke must be above 0, the slope 0 to 1")
-    turn = thread_pitch * slope
-    return WedgeDrive(turn, turn / 360, stroke * slope, math.tan(math.atan(slope) / faces))
+    turn = P * s
+    return WedgeDrive(turn, turn / 360, reach * s, np.tan(np.arctan(s) / faces))
 
 
 @dataclass(frozen=True)
 class ClampShift:
     """What closing the clamp does to the tip; SI units."""
 
-    squeeze: float
+    squeeze: Array
     """growth of the holder's height as the clamp squeezes it, m"""
-    drop: float
+    drop: Array
     """of the apex as the holder tilts within its pocket's play, m"""
-    sideways: float
+    sideways: Array
     """of the apex by the same tilt and by the play itself, m"""
 
 
 def clamp_shift(
-    screw_force: float,
-    wrap: float,
-    holder_diameter: float,
-    holder_height: float,
-    play: float,
-    apex_height: float,
-    modulus: float,
-    poisson: float,
+    screw_force: ArrayLike,
+    wrap: ArrayLike,
+    holder_diameter: ArrayLike,
+    holder_height: ArrayLike,
+    play: ArrayLike,
+    apex_height: ArrayLike,
+    modulus: ArrayLike,
+    poisson: ArrayLike,
 ) -> ClampShift:
     """A finger drawn round a cylindrical holder like a band, and the pocket's wall that takes the reaction.
 
@@ -82,20 +87,22 @@ def clamp_shift(
 
     Source: theorem of mean stress: Love, Mathematical Theory of Elasticity (1927), section 123.
     """
-    if not (min(holder_diameter, holder_height, apex_height, modulus) > 0 and play >= 0 and screw_force >= 0):
+    T, theta, D, H = (np.asarray(v, float) for v in (screw_force, wrap, holder_diameter, holder_height))
+    slack, h, E, nu = (np.asarray(v, float) for v in (play, apex_height, modulus, poisson))
+    if not (all(np.all(v > 0) for v in (D, H, h, E)) and np.all(slack >= 0) and np.all(T >= 0)):
         raise InputError("height adjustment: diameter, heights and modulus must be above 0, play and force 0 or more")
-    if not (0 <= wrap <= math.pi and 0 <= poisson <= 0.5):
+    if not (np.all((theta >= 0) & (theta <= np.pi)) and np.all((nu >= 0) & (nu <= 0.5))):
         raise InputError("height adjustment: the wrap must lie in 0 to 180 deg, Poisson's ratio in 0 to 0.5")
-    rim = screw_force * (wrap + 2 * math.sin(wrap / 2))
-    tilt = play / holder_height
+    rim = T * (theta + 2 * np.sin(theta / 2))
+    tilt = slack / H
     return ClampShift(
-        squeeze=poisson * rim / (math.pi * holder_diameter / 2 * modulus),
-        drop=2 * apex_height * math.sin(tilt / 2) ** 2,
-        sideways=apex_height * math.sin(tilt) + play / 2,
+        squeeze=nu * rim / (np.pi * D / 2 * E),
+        drop=2 * h * np.sin(tilt / 2) ** 2,
+        sideways=h * np.sin(tilt) + slack / 2,
     )
 
 
-def screw_force(lift: float, slope: float, friction: float) -> float:
+def screw_force(lift: ArrayLike, slope: ArrayLike, friction: ArrayLike) -> Array:
     """Axial force on the wedge to raise a load, N: ``lift [tan(lambda + phi) + tan(phi)]``, phi = atan(mu).
 
     Args:
@@ -103,5 +110,8 @@ def screw_force(lift: float, slope: float, friction: float) -> float:
         slope: rise over run.
         friction: mu of both faces.
     """
-    angle, rub = math.atan(slope), math.atan(friction)
-    return lift * (math.tan(angle + rub) + math.tan(rub))
+    load, s, mu = (np.asarray(v, float) for v in (lift, slope, friction))
+    if not (np.all(load >= 0) and np.all((s > 0) & (s < 1)) and np.all(mu >= 0)):
+        raise InputError("height adjustment: load and friction must be 0 or more, the slope 0 to 1")
+    angle, rub = np.arctan(s), np.arctan(mu)
+    return load * (np.tan(angle + rub) + np.tan(rub))

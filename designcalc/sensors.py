@@ -12,10 +12,11 @@ Array = NDArray[np.float64]
 
 def count_size(span: ArrayLike, bits: ArrayLike) -> Array:
     """Step of a converter over a span (m): ``span/2^bits``, m; bits 1 to 32."""
-    n = np.asarray(bits, float)
+    n, whole = np.asarray(bits, float), np.asarray(span, float)
     if not np.all((n >= 1) & (n <= 32)):
         raise InputError("sensors: bits: must lie in 1 to 32")
-    return np.asarray(span, float) / 2**n
+    _require(np.all(whole > 0), "span", "must be above 0 m")
+    return whole / 2**n
 
 
 def filtered_noise(noise: ArrayLike, bandwidth: ArrayLike, cutoff: ArrayLike) -> Array:
@@ -42,7 +43,9 @@ def velocity_noise(count: ArrayLike, rate: ArrayLike) -> Array:
         count: step of the position, m.
         rate: samples per second, Hz.
     """
-    return np.asarray(count, float) / np.sqrt(6.0) * np.asarray(rate, float)
+    step, f = np.asarray(count, float), np.asarray(rate, float)
+    _require(np.all(step > 0) and np.all(f > 0), "count and rate", "must be above 0")
+    return step / np.sqrt(6.0) * f
 
 
 def lag_error(speed: ArrayLike, bandwidth: ArrayLike) -> Array:
@@ -59,9 +62,18 @@ def lag_error(speed: ArrayLike, bandwidth: ArrayLike) -> Array:
 
 def abbe_error(offset: ArrayLike, angle: ArrayLike) -> Array:
     """``offset sin(angle)``, m: the measured line stands off the line that matters (m) and the stage turns (rad)."""
-    return np.asarray(offset, float) * np.sin(np.asarray(angle, float))
+    turn = np.asarray(angle, float)
+    _require(np.all(np.abs(turn) <= np.pi / 2), "angle", "must lie in -90 to 90 deg")
+    return np.asarray(offset, float) * np.sin(turn)
 
 
 def cosine_error(travel: ArrayLike, misalignment: ArrayLike) -> Array:
     """``travel (1 - cos(angle))``, m, computed without cancellation as ``2 travel sin^2(angle/2)``."""
-    return 2 * np.asarray(travel, float) * np.sin(np.asarray(misalignment, float) / 2) ** 2
+    length, turn = np.asarray(travel, float), np.asarray(misalignment, float)
+    _require(np.all(length >= 0) and np.all(np.abs(turn) <= np.pi / 2), "misalignment", "must lie in -90 to 90 deg")
+    return 2 * length * np.sin(turn / 2) ** 2
+
+
+def _require(condition: object, name: str, rule: str) -> None:
+    if not condition:
+        raise InputError(f"sensors: {name}: {rule}")

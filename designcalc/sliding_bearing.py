@@ -109,8 +109,10 @@ def crown_wear_distance(depth: ArrayLike, crown_radius: ArrayLike, wear_rate: Ar
         wear_rate: k, m^3/(N m) = m^2/N.
         load: F, N.
     """
-    h, R = np.asarray(depth, float), np.asarray(crown_radius, float)
-    return np.pi * R * h**2 / (np.asarray(wear_rate, float) * np.asarray(load, float))
+    h, R, k, F = (np.asarray(v, float) for v in (depth, crown_radius, wear_rate, load))
+    if not (np.all(h > 0) and np.all(h <= R / 10) and np.all(k > 0) and np.all(F > 0)):
+        raise InputError("sliding bearing: wear: rate and load must be above 0, the depth 0 to a tenth of the radius")
+    return np.pi * R * h**2 / (k * F)
 
 
 def crown_wear_depth(distance: ArrayLike, crown_radius: ArrayLike, wear_rate: ArrayLike, load: ArrayLike) -> Array:
@@ -201,17 +203,9 @@ def averaged_roughness(
     return ra * np.sqrt(np.pi / 2) * np.sqrt(np.pi) * correlation / np.sqrt(length * width * pads)
 
 
-def wear_distance(depth: ArrayLike, wear_rate: ArrayLike, pressure: ArrayLike) -> Array:
-    """Distance slid until a film is worn through, ``s = depth/(k p)``, m (Archard).
-
-    Args:
-        depth: film to be worn, m.
-        wear_rate: k, specific wear, m^3/(N m) = 1/Pa.
-        pressure: mean, Pa.
-    """
-    return np.asarray(depth, float) / (np.asarray(wear_rate, float) * np.asarray(pressure, float))
-
-
 def friction_heat(friction: ArrayLike, load: ArrayLike, speed: ArrayLike) -> Array:
-    """Heat of sliding ``mu N v``, W."""
-    return np.asarray(friction, float) * np.asarray(load, float) * np.asarray(speed, float)
+    """Heat of sliding ``mu N v``, W; all three 0 or more."""
+    mu, N, v = (np.asarray(value, float) for value in (friction, load, speed))
+    if not (np.all(mu >= 0) and np.all(N >= 0) and np.all(v >= 0)):
+        raise InputError("sliding bearing: friction, load and speed must be 0 or more")
+    return mu * N * v

@@ -26,14 +26,14 @@ def differential_growth(length: ArrayLike, expansion_1: ArrayLike, expansion_2: 
 
 
 def bow_of_layers(
-    length: float,
-    thickness_1: float,
-    modulus_1: float,
-    expansion_1: float,
-    thickness_2: float,
-    modulus_2: float,
-    expansion_2: float,
-) -> float:
+    length: ArrayLike,
+    thickness_1: ArrayLike,
+    modulus_1: ArrayLike,
+    expansion_1: ArrayLike,
+    thickness_2: ArrayLike,
+    modulus_2: ArrayLike,
+    expansion_2: ArrayLike,
+) -> Array:
     """Sagitta per kelvin of two layers that cannot slide on each other, m/K.
 
     ``curvature = 6 dalpha (1+m)^2 / [h (3(1+m)^2 + (1+mn)(m^2 + 1/(mn)))]``, m = t1/t2, n = E1/E2, h = t1 + t2;
@@ -47,17 +47,22 @@ def bow_of_layers(
 
     Source: Timoshenko, Analysis of bi-metal thermostats, J. Opt. Soc. Am. 11 (1925) 233.
     """
-    for name, value in (("length", length), ("thickness", thickness_1), ("thickness", thickness_2)):
-        if not value > 0:
-            raise InputError(f"thermal: {name}: {value:g} m must be above 0")
-    m, n, h = thickness_1 / thickness_2, modulus_1 / modulus_2, thickness_1 + thickness_2
+    L, t1, t2, e1, e2 = (np.asarray(v, float) for v in (length, thickness_1, thickness_2, modulus_1, modulus_2))
+    for name, value in (("length", L), ("thickness", t1), ("thickness", t2), ("modulus", e1), ("modulus", e2)):
+        if not np.all(value > 0):
+            raise InputError(f"thermal: {name}: must be above 0")
+    m, n, h = t1 / t2, e1 / e2, t1 + t2
     share = 6 * (1 + m) ** 2 / (3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n)))
-    return abs(expansion_1 - expansion_2) * share / h * length**2 / 8
+    return np.abs(np.asarray(expansion_1, float) - np.asarray(expansion_2, float)) * share / h * L**2 / 8
 
 
 def preload_change(
-    grip: float, bolt_expansion: float, clamped_expansion: float, bolt_stiffness: float, clamped_stiffness: float
-) -> float:
+    grip: ArrayLike,
+    bolt_expansion: ArrayLike,
+    clamped_expansion: ArrayLike,
+    bolt_stiffness: ArrayLike,
+    clamped_stiffness: ArrayLike,
+) -> Array:
     """Change of a bolt's preload per kelvin, N/K; negative when the bolt outgrows what it clamps.
 
     ``dF/dT = (alpha_clamped - alpha_bolt) grip / (1/k_bolt + 1/k_clamped)``.
@@ -67,7 +72,11 @@ def preload_change(
         bolt_expansion, clamped_expansion: 1/K.
         bolt_stiffness, clamped_stiffness: N/m.
     """
-    return (clamped_expansion - bolt_expansion) * grip / (1 / bolt_stiffness + 1 / clamped_stiffness)
+    t, bolt, clamped = (np.asarray(v, float) for v in (grip, bolt_stiffness, clamped_stiffness))
+    if not (np.all(t > 0) and np.all(bolt > 0) and np.all(clamped > 0)):
+        raise InputError("thermal: grip and stiffnesses must be above 0")
+    apart = np.asarray(clamped_expansion, float) - np.asarray(bolt_expansion, float)
+    return apart * t / (1 / bolt + 1 / clamped)
 
 
 def vibration_at_tip(floor_acceleration: ArrayLike, resonance: ArrayLike) -> Array:

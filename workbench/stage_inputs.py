@@ -159,7 +159,7 @@ def _tip(design: Design, tip: MassProperties) -> Tip:
     si = design.si
     places = np.array(design.derived.piezo_places) * 1e-3
     moving = si("piezo.moving_mass")
-    stiffness = piezo_stiffness(si("piezo.blocking_force"), si("piezo.stroke"))
+    stiffness = float(piezo_stiffness(si("piezo.blocking_force"), si("piezo.stroke")))
     about_plane = np.array(tip.inertia_about((0.0, 0.0, 0.0)))
     mass = tip.mass + 3.0 * moving
     inertia = 0.5 * (about_plane[0, 0] + about_plane[1, 1]) + moving * float(np.sum(places[:, 0] ** 2))

@@ -92,7 +92,8 @@ def swallowed_stroke(r: Reading) -> Check:
         _JOHNSON + "; a fifth of the rise left as rule of thumb",
         "delta = 3 F K/(2 pi a E*) <= 0.2 Y, Y the rise of the ellipse",
         f"delta = {show(float(contact.approach), 'm')}, Y = {show(rise, 'm')}",
-        "a larger nose radius, or a smaller phase (higher ellipse)",
+        f"nose radius of {show(r('tip.nose_radius') * (float(contact.approach) / (0.2 * rise)) ** 3, 'm')}, or a "
+        "smaller phase (higher ellipse)",
         thesis=f"appendix A prints delta = lambda (3 F Re/(2 Ee))^(1/3), which gives {show(printed, 'm')}; right is "
         f"lambda (2 F^2/(3 Re Ee^2))^(1/3), {show(float(contact.approach), 'm')}",
     )

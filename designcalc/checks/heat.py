@@ -136,10 +136,9 @@ def bow(r: Reading) -> Check:
     key, other = _beside(r)
 
     def sagitta(modulus: float, expansion: float) -> float:
-        return change * bow_of_layers(
-            way.length, way.height, way.rail_modulus, r.material("bearing_way", "expansion"), r("base.height"),
-            modulus, expansion,
-        )  # fmt: skip
+        ceramic, below = r.material("bearing_way", "expansion"), r("base.height")
+        bow = bow_of_layers(way.length, way.height, way.rail_modulus, ceramic, below, modulus, expansion)
+        return change * float(bow)
 
     here = sagitta(way.bed_modulus, r.material("base", "expansion"))
     beside = sagitta(r(f"materials.{key}.youngs_modulus"), r(f"materials.{key}.expansion"))

@@ -109,7 +109,7 @@ def stroke_ellipse(r: Reading) -> TipEllipse:
 
 def stack_stiffness(r: Reading) -> float:
     """Stiffness of one piezo, N/m."""
-    return piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke"))
+    return float(piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke")))
 
 
 def pads(r: Reading) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, SupportsFloat
 
 from designcalc.checks.check import Check, Input
 from stagecad.parameters.quantities import format_quantity
@@ -17,7 +17,7 @@ _SI = {"mm": "m", "deg": "rad"}
 """SI of the units that geometry is kept in; every other unit of a design is SI already."""
 
 
-def show(value: float, unit: str = "") -> str:
+def show(value: SupportsFloat, unit: str = "") -> str:
     """A number for a formula with numbers put in."""
     return format_quantity(float(value), unit, 4)
 
@@ -59,7 +59,7 @@ class Reading:
         """SI value of a property of the material that a part is made of."""
         return self(f"materials.{self.design.value(f'{part}.material')}.{quantity}")
 
-    def given(self, name: str, value: float, unit: str, origin: str) -> float:
+    def given(self, name: str, value: SupportsFloat, unit: str, origin: str) -> float:
         """Note a number that is no parameter: from the solids, or worked out elsewhere."""
         self.inputs[name] = Input(float(value), unit, origin)
         return float(value)
@@ -124,8 +124,8 @@ class Reading:
     def check(
         self,
         name: str,
-        value: float | None,
-        limit: float | None,
+        value: SupportsFloat | None,
+        limit: SupportsFloat | None,
         unit: str,
         sense: Literal["at most", "at least"],
         source: str,

@@ -130,7 +130,7 @@ def _thread(r: Reading) -> UnifiedThread:
 
 
 def _preload(r: Reading) -> float:
-    return preload_of_torque(r("screws.way.torque"), r("screws.way.diameter"), r("screws.way.nut_factor"))
+    return float(preload_of_torque(r("screws.way.torque"), r("screws.way.diameter"), r("screws.way.nut_factor")))
 
 
 def stripping(r: Reading) -> Check:

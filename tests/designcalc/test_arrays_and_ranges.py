@@ -1,0 +1,125 @@
+"""Every calculator takes arrays where it takes a number, element by element, and says when it is out of its range."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from designcalc import (
+    bolted_rail,
+    fastener,
+    friction_drive,
+    height_adjustment,
+    hertz,
+    piezo_stack,
+    porous_air_bearing,
+    sensors,
+    sliding_bearing,
+    thermal,
+)
+from stagecad.parameters.errors import InputError
+
+RAIL = (0.28, 0.01, 0.07, 0.0254, 9.525e-3, 410e9, 141e9, 207e9, 0.14, 10.0)
+THREAD = fastener.UnifiedThread(9.525e-3, 25.4e-3 / 16)
+
+
+def of_rail(*numbers):
+    return bolted_rail.total_stiffness(bolted_rail.Rail(*numbers), 4.0, 1.5)
+
+
+CALLS = [
+    (of_rail, RAIL),
+    (hertz.contact_modulus, (207e9, 0.3, 69e9, 0.33)),
+    (hertz.point_contact, (10.0, 0.02, 0.5, 50e9, 0.03, 0.6)),
+    (hertz.line_contact, (10.0, 0.01, 0.02, 0.5, 50e9)),
+    (fastener.preload_of_torque, (15.0, 9.525e-3, 0.2)),
+    (lambda depth: fastener.strip_area_of_bed(THREAD, depth), (0.011,)),
+    (lambda depth: fastener.strip_area_of_screw(THREAD, depth), (0.011,)),
+    (fastener.head_pressure, (7.9e3, 14.3e-3, 10.5e-3)),
+    (fastener.screw_waves, (7.9e3, 38e-3, 50e-3, 410e9, 0.14)),
+    (friction_drive.tip_ellipse, (8.5e-6, 1.5, 46e-3, 20e-3)),
+    (friction_drive.acceleration_limit, (0.3, 0.1, 0.5, 0.05)),
+    (friction_drive.preload_ratio_for, (9.8, 0.3)),
+    (friction_drive.resonance, (47e6, 0.1)),
+    (friction_drive.piezo_stiffness, (800.0, 17e-6)),
+    (friction_drive.stack_heat, (1.4e-6, 150.0, 5e3, 0.05)),
+    (friction_drive.stack_current, (1.4e-6, 150.0, 5e3)),
+    (height_adjustment.wedge_drive, (3.175e-3, 0.05, 20e-3)),
+    (height_adjustment.clamp_shift, (5e3, 0.8, 76e-3, 36e-3, 50e-6, 62e-3, 141e9, 0.29)),
+    (height_adjustment.screw_force, (100.0, 0.05, 0.15)),
+    (piezo_stack.stack_tension, (0.03, 5e3, 12e-6, 2.0)),
+    (piezo_stack.drive_pull, (10.0, 20e-3, 46e-3)),
+    (piezo_stack.side_load, (3.3, 36e-3, 5e-3, 25e-6, 50e9, 25e-6)),
+    (piezo_stack.tilt_stress, (3e-4, 36e-3, 25e-6, 50e9)),
+    (piezo_stack.rocking_stiffness, (47e6, 46e-3)),
+    (piezo_stack.tip_inertia, (0.03, 0.026, 0.02)),
+    (lambda gap: porous_air_bearing.stiffness_of_gap(gap, 5e-6, 90.0, 25.4e-3, 413e3), (4e-6,)),
+    (sensors.count_size, (25.4e-3, 12.0)),
+    (sensors.filtered_noise, (25e-9, 5e3, 24.0)),
+    (sensors.velocity_noise, (6e-6, 1e3)),
+    (sensors.lag_error, (0.2, 500.0)),
+    (sensors.abbe_error, (0.02, 1e-5)),
+    (sensors.cosine_error, (0.2, 1e-4)),
+    (lambda load: sliding_bearing.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),
+    (sliding_bearing.crown_wear_distance, (1e-6, 2.0, 1e-15, 16.0)),
+    (sliding_bearing.crown_wear_depth, (1200.0, 2.0, 1e-15, 16.0)),
+    (sliding_bearing.friction_heat, (0.05, 33.0, 0.2)),
+    (thermal.differential_growth, (0.28, 4e-6, 1.3e-6)),
+    (thermal.bow_of_layers, (0.28, 0.025, 410e9, 4e-6, 0.09, 141e9, 1.3e-6)),
+    (thermal.preload_change, (14e-3, 12e-6, 4e-6, 3e8, 3e9)),
+    (thermal.vibration_at_tip, (4.7e-3, 330.0)),
+]
+
+
+def numbers(result):
+    if dataclasses.is_dataclass(result):
+        return [np.asarray(value, float) for value in vars(result).values()]
+    return [np.asarray(result, float)]
+
+
+@pytest.mark.parametrize("call, arguments", CALLS, ids=lambda item: getattr(item, "__name__", ""))
+def test_an_array_gives_what_its_elements_give(call, arguments):
+    scales = np.array([[0.97, 1.0, 1.02]])
+    alone = [numbers(call(*[a * scale for a in arguments])) for scale in scales[0]]
+    together = numbers(call(*[a * scales for a in arguments]))
+    for index, values in enumerate(together):
+        expected = [found[index] for found in alone]
+        np.testing.assert_allclose(np.broadcast_to(values, (1, 3))[0], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: bolted_rail.Rail(*RAIL[:-2], 0.7),
+        lambda: bolted_rail.Rail(np.array([0.28, -1.0]), *RAIL[1:]),
+        lambda: fastener.preload_of_torque(15.0, 9.5e-3, 0.9),
+        lambda: fastener.head_pressure(1.0, 0.01, 0.02),
+        lambda: friction_drive.tip_ellipse(1e-5, 1.0, 0.0, 1.0),
+        lambda: friction_drive.acceleration_limit(0.3, 0.1, 1.5),
+        lambda: friction_drive.preload_ratio_for(1.0, 0.0),
+        lambda: friction_drive.speed_of(0.0, 1.0),
+        lambda: friction_drive.frequency_for(-1.0, 1e-5),
+        lambda: friction_drive.resonance(1.0, 0.0),
+        lambda: friction_drive.piezo_stiffness(800.0, 0.0),
+        lambda: friction_drive.stack_heat(1e-6, 150.0, 1e3, 1.5),
+        lambda: friction_drive.stack_current(0.0, 150.0, 1e3),
+        lambda: height_adjustment.wedge_drive(1e-3, 1.5, 0.02),
+        lambda: height_adjustment.screw_force(-1.0, 0.05, 0.1),
+        lambda: sensors.count_size(0.02, 40),
+        lambda: sensors.count_size(0.0, 12),
+        lambda: sensors.filtered_noise(1e-9, 24.0, 5e3),
+        lambda: sensors.velocity_noise(0.0, 1e3),
+        lambda: sensors.abbe_error(0.02, 2.0),
+        lambda: sensors.cosine_error(-0.2, 0.0),
+        lambda: sliding_bearing.crown_wear_distance(1.0, 2.0, 1e-15, 16.0),
+        lambda: sliding_bearing.friction_heat(-0.1, 1.0, 1.0),
+        lambda: sliding_bearing.film_contact(0.0, 2.0, 2e-6, 1e9, 60e9),
+        lambda: thermal.bow_of_layers(0.28, 0.0, 1e9, 0.0, 0.1, 1e9, 0.0),
+        lambda: thermal.preload_change(0.01, 0.0, 0.0, 0.0, 1e9),
+    ],
+)
+def test_outside_its_range_a_calculator_says_so(call):
+    with pytest.raises(InputError, match=r"must|larger than its hole"):
+        call()
