@@ -1,0 +1,50 @@
+"""Sheets of parts for the tests, each drawn once in a run."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from drawings.annotation import Angular, Annotation, Callout, Linear, Round
+from drawings.part_sheets import Described, sheets_of
+from drawings.sheet import Sheet
+from stagecad.parameters.design import Design, load_design
+from stagecad.solids.registry import module_of
+
+
+@cache
+def thesis() -> Design:
+    return load_design()
+
+
+def described(name: str, design: Any) -> Described:
+    """A part as its sheets need it; mass and hash are others' business."""
+    module = module_of(name)
+    return Described(
+        name,
+        module.build(design),
+        module.dimensions(design),
+        getattr(module, "requirements", lambda _: ())(design),
+        getattr(module, "NOTES", ()),
+        module.material(design),
+        "1 g",
+        "0123",
+        "1",
+    )
+
+
+@cache
+def sheets(name: str) -> tuple[Sheet, ...]:
+    """The sheets of a part of the thesis's design."""
+    return sheets_of(described(name, thesis()), thesis())
+
+
+def words(annotation: Annotation) -> str:
+    """All that an annotation says."""
+    match annotation:
+        case Linear() | Round() | Angular():
+            return annotation.text
+        case Callout():
+            return " ".join(annotation.lines)
+        case _:
+            return ""

@@ -1,0 +1,87 @@
+"""Sheets of random valid designs are complete, true, and free of hits."""
+
+from __future__ import annotations
+
+import random
+from functools import cache
+from typing import Any
+
+import pytest
+from drawn import described, thesis
+
+from drawings.document import document_of
+from drawings.lint import lint
+from drawings.part_sheets import sheets_of
+from stagecad.parameters.derived import COMPUTED
+from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.errors import InputError
+from stagecad.solids.reading import Reading, walk
+from stagecad.solids.registry import MADE, module_of
+
+DESIGNS, AT_ONCE = 200, 10
+
+
+@cache
+def shaping() -> tuple[str, ...]:
+    """Lengths and angles that shape some part, threads and computed ones left out."""
+    notes: dict[Any, str] = {}
+    for name in MADE:
+        module_of(name).build(Reading(thesis(), notes))
+    keys = {".".join(str(step[1]) for step in way) for way in notes} - set(COMPUTED)
+    return tuple(sorted(k for k in keys if thesis().entry(k).unit in ("mm", "deg") and not k.startswith("threads.")))
+
+
+def random_design(seed: int) -> tuple[Design, list[str]]:
+    """A design the rules accept: one to eight lengths anywhere within 30 %, some of them with odd decimals."""
+    rng = random.Random(seed)
+    while True:
+        overrides = []
+        for key in rng.sample(shaping(), rng.randint(1, 8)):
+            entry, decimals = thesis().entry(key), rng.choice((0, 1, 1, 2, 3))
+            overrides.append(f"{key}={entry.value * rng.uniform(0.7, 1.3):.{decimals}f} {entry.unit}")
+        overrides += [f"teeth.per_iron={rng.randint(1, 3)}"] if rng.random() < 0.1 else []
+        overrides += ["pads.count=4"] if rng.random() < 0.1 else []
+        try:
+            return load_design(overrides=overrides), overrides
+        except InputError:
+            continue
+
+
+SEEN: dict[str, list[dict[Any, str]]] = {}
+"""What the good sheets of each part were drawn from: a design that reads the same gives the same sheets."""
+
+
+def faults(design: Design) -> list[str]:
+    """Hits on the sheets of all parts; a part that reads what it did before is not drawn again."""
+    found = []
+    for name in MADE:
+        if any(all(walk(design, way) == value for way, value in notes.items()) for notes in SEEN.get(name, [])):
+            continue
+        notes: dict[Any, str] = {}
+        reading = Reading(design, notes)
+        hits = [
+            f"{sheet.name}: {hit}"
+            for sheet in sheets_of(described(name, reading), reading)
+            for hit in lint(document_of(sheet))
+        ]
+        if not hits:
+            SEEN.setdefault(name, []).append(notes)
+        found += hits
+    return found
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_sheets_of_some_random_designs_are_free_of_hits(seed: int) -> None:
+    design, overrides = random_design(seed)
+    assert faults(design) == [], overrides
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, DESIGNS, AT_ONCE))
+def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
+    wrong = {}
+    for seed in range(first, first + AT_ONCE):
+        design, overrides = random_design(seed)
+        if hits := faults(design):
+            wrong[seed] = (overrides, hits)
+    assert wrong == {}
