@@ -21,7 +21,7 @@ from stagecad.solids.cache import Entry, Store
 from stagecad.solids.machine import Machine, find_machine, make_machine, part_mass
 from stagecad.solids.made_assembly import MadeAssembly
 from stagecad.solids.made_part import MadePart, find_part, make_part
-from stagecad.solids.registry import ASSEMBLY, module_of, part_names
+from stagecad.solids.registry import ASSEMBLY, module_name, module_of, part_names
 
 if TYPE_CHECKING:
     from drawings.assembly_sheet import Assembled
@@ -32,6 +32,9 @@ FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
 PROCEDURE = "procedure"
 """The sheet that tells how the machine is put together."""
+
+Calculate = Callable[[Store, Any], "ProcedureValues"]
+"""Gives what the procedure of a design has to calculate, once its parts are in the store; it must pickle."""
 
 SLOWEST_FIRST = ("base", "stage", "holder", "tip", "tooth_bar", "bearing_way")
 """Order in which parts are begun, so that no long one is left for the end; the assembly needs them all."""
@@ -61,15 +64,20 @@ class MadeSheet:
     def files(self) -> tuple[str, ...]:
         return tuple(f"{self.name}.{kind}" for kind in FORMATS)
 
+    @property
+    def model(self) -> str | None:
+        """File of the part with the sheet's tolerances as data (STEP AP242); none for what is no single part."""
+        name = f"{self.part}_ap242.step"
+        return name if name in self.entry.hashes else None
+
+
+_OF_ALL = (__name__, "drawings.document", "drawings.export", "drawings.lint")
+_OF_ASSEMBLY = (*_OF_ALL, "drawings.assembly_sheet")
+_OF_PROCEDURE = (*_OF_ASSEMBLY, "drawings.procedure", "drawings.procedure_sheet")
+
 
 def _modules(part: str) -> tuple[str, ...]:
-    from stagecad.solids.registry import module_name
-
-    return (__name__, "drawings.part_sheets", "drawings.document", "drawings.export", module_name(part))
-
-
-_OF_ASSEMBLY = (__name__, "drawings.assembly_sheet", "drawings.document", "drawings.export")
-_OF_PROCEDURE = (*_OF_ASSEMBLY, "drawings.procedure", "drawings.procedure_sheet")
+    return (*_OF_ALL, "drawings.part_sheets", "drawings.ap242", module_name(part))
 
 
 def _depends(made: MadePart | MadeAssembly) -> tuple[str, ...]:
@@ -77,18 +85,18 @@ def _depends(made: MadePart | MadeAssembly) -> tuple[str, ...]:
 
 
 def find_sheets(
-    store: Store, part: str, design: Any, values: ProcedureValues | None = None
+    store: Store, part: str, design: Any, calculate: Calculate | None = None
 ) -> tuple[MadeSheet, ...] | None:
     """The sheets of a part, of the assembly, or of its procedure, from the cache, or None where they have to be made.
 
     Args:
-        values: for the procedure.
+        calculate: for the procedure.
     """
     if part in (ASSEMBLY, PROCEDURE):
         machine = find_machine(design, store)
         if machine is None:
             return None
-        modules, depends = _whole(machine, part, values)
+        modules, depends = _whole(machine, part, _values(store, part, design, calculate))
         entry = store.find(f"drawing of {part}", design, modules, depends)
         return _sheets(entry) if entry else None
     made = find_part(store, part, design)
@@ -96,6 +104,10 @@ def find_sheets(
         return None
     entry = store.find(f"drawing of {part}", design, _modules(part), _depends(made))
     return _sheets(entry) if entry is not None else None
+
+
+def _values(store: Store, part: str, design: Any, calculate: Calculate | None) -> ProcedureValues | None:
+    return calculate(store, design) if part == PROCEDURE and calculate is not None else None
 
 
 def _whole(machine: Machine, part: str, values: ProcedureValues | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -126,7 +138,7 @@ def make_sheets(
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
-    values: ProcedureValues | None = None,
+    calculate: Calculate | None = None,
 ) -> dict[str, tuple[MadeSheet, ...]]:
     """The sheets of some parts, those that the cache lacks drawn side by side in processes of their own.
 
@@ -136,23 +148,18 @@ def make_sheets(
         design: it must pickle.
         advance: called with each part as it is done.
         workers: processes; the number of processors when left out.
-        values: the calculated numbers of the procedure, where its sheet is among them.
+        calculate: gives the calculated numbers of the procedure, where its sheet is among them.
     """
     wanted = tuple(parts)
     found: dict[str, tuple[MadeSheet, ...]] = {}
     for part in wanted:
-        sheets = find_sheets(store, part, design, values)
+        sheets = find_sheets(store, part, design, calculate)
         if sheets is not None:
             found[part] = sheets
             advance(part)
     missing = sorted((part for part in wanted if part not in found), key=_slowness)
     if missing:
-        run_tasks(missing, partial(_draw_elsewhere, store.folder, design, values), advance, workers=workers)
-    for part in missing:
-        sheets = find_sheets(store, part, design, values)
-        if sheets is None:
-            raise OSError(f"the cache in {store.folder} lost the sheets of '{part}' just drawn")
-        found[part] = sheets
+        found |= run_tasks(missing, partial(_draw_elsewhere, store.folder, design, calculate), advance, workers=workers)
     return {part: found[part] for part in wanted}
 
 
@@ -162,24 +169,26 @@ def _slowness(part: str) -> int:
     return SLOWEST_FIRST.index(part) if part in SLOWEST_FIRST else len(SLOWEST_FIRST)
 
 
-def _draw_elsewhere(folder: Path, design: Any, values: ProcedureValues | None, part: str, late: bool) -> None:
+def _draw_elsewhere(
+    folder: Path, design: Any, calculate: Calculate | None, part: str, late: bool
+) -> tuple[MadeSheet, ...]:
     if part in (ASSEMBLY, PROCEDURE):
-        draw_whole(Store(folder), part, design, values)
-    else:
-        draw_part(Store(folder), part, design, exact=not late)
+        return draw_whole(Store(folder), part, design, calculate)
+    return draw_part(Store(folder), part, design, exact=not late)
 
 
-def draw_whole(store: Store, part: str, design: Any, values: ProcedureValues | None = None) -> tuple[MadeSheet, ...]:
+def draw_whole(store: Store, part: str, design: Any, calculate: Calculate | None = None) -> tuple[MadeSheet, ...]:
     """A sheet of the whole machine from the cache, drawn now when it lacks it.
 
     Args:
         part: `assembly` or `procedure`.
-        values: for the procedure.
+        calculate: for the procedure.
     """
     # A process that draws may start no others: what the cache still lacks is made here, one by one.
     for name in part_names(design):
         make_part(store, name, design)
     machine = make_machine(design, store)
+    values = _values(store, part, design, calculate)
     modules, depends = _whole(machine, part, values)
 
     def make(reading: Any, folder: Path) -> None:
@@ -240,9 +249,11 @@ def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tu
     made = make_part(store, part, design)
 
     def make(reading: Any, folder: Path) -> None:
+        from drawings.ap242 import write_ap242
         from drawings.part_sheets import sheets_of
 
         described = describe(made, reading)
+        write_ap242(part, reading, described.solid, folder / f"{part}_ap242.step")
         documents = [write_sheet(sheet, folder) for sheet in sheets_of(described, reading, exact=exact)]
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
@@ -283,6 +294,7 @@ def write_sheet(sheet: Any, folder: Path) -> dict[str, Any]:
     """Write the four files of a sheet, and tell what it is."""
     from drawings.document import document_of, dxf_bytes
     from drawings.export import render
+    from drawings.lint import lint
     from drawings.sheet import scale_text
 
     document = document_of(sheet)
@@ -296,5 +308,5 @@ def write_sheet(sheet: Any, folder: Path) -> dict[str, Any]:
         "paper": sheet.paper,
         "scale": scale_text(sheet.scale),
         "views": [view.name for view in sheet.views],
-        "hits": [],
+        "hits": [str(hit) for hit in lint(document)],
     }

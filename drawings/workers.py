@@ -12,10 +12,13 @@ from collections.abc import Callable, Sequence
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any
 
 LIMIT = 120.0
-"""Seconds a task may take; the longest takes some ten."""
+"""Seconds of processor time a task may take; the longest takes some ten."""
+LOOK = 0.5
+"""How often those who work are looked at, s."""
 
 Work = Callable[[str, bool], Any]
 """What is done: the task's name, and whether it is late; it must pickle."""
@@ -36,7 +39,7 @@ def run_tasks(
         work: done in another process.
         advance: called with each name as it is done.
         workers: processes; the number of processors when left out.
-        limit: seconds a task may take.
+        limit: seconds of processor time a task may take.
 
     Raises:
         TimeoutError: a task that was given once more as late exceeded the limit again.
@@ -51,15 +54,14 @@ def run_tasks(
                 if worker.task is None and waiting:
                     worker.give(*waiting.pop(0))
             busy = [worker for worker in crew if worker.task is not None]
-            patience = min(worker.started for worker in busy) + limit - time.monotonic()
-            ready = wait([worker.pipe for worker in busy], timeout=max(0.0, patience))
+            ready = wait([worker.pipe for worker in busy], timeout=LOOK)
             for worker in busy:
                 assert worker.task is not None
                 name, late = worker.task
                 if worker.pipe in ready:
                     done[name] = worker.take()
                     advance(name)
-                elif time.monotonic() - worker.started > limit:
+                elif worker.spent() > limit:
                     if late:
                         raise TimeoutError(f"drawing '{name}' took more than {limit:g} s")
                     worker.stop()
@@ -85,7 +87,7 @@ class _Worker:
         self.started = 0.0
 
     def give(self, name: str, late: bool) -> None:
-        self.task, self.started = (name, late), time.monotonic()
+        self.task, self.started = (name, late), self._clock()
         self.pipe.send((name, late))
 
     def take(self) -> Any:
@@ -99,6 +101,21 @@ class _Worker:
         if isinstance(result, BaseException):
             raise result
         return result
+
+    def spent(self) -> float:
+        """Seconds its task has taken."""
+        return self._clock() - self.started
+
+    def _clock(self) -> float:
+        """Processor time of the process, s; where the system does not tell, time of day.
+
+        A machine that is busy with other things makes a task slow, but does not make it hang.
+        """
+        try:
+            fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            return time.monotonic()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def stop(self) -> None:
         self._process.terminate()

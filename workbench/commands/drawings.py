@@ -42,7 +42,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     Raises:
         InputError: a name that is neither a part with a drawing nor one of its sheets.
     """
-    from drawings.made_sheets import PROCEDURE, make_sheets
+    from drawings.made_sheets import make_sheets
     from drawings.sheet_names import chosen_sheets
     from stagecad.solids.cache import Store
     from stagecad.solids.outputs import DamagedError, write_manifest, write_stored
@@ -53,17 +53,15 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     def draw() -> tuple[list[MadeSheet], list[str]]:
         with run.progress() as progress:
             task = progress.add_task("drawings", total=len(wanted))
-            values = _procedure_values(store, run.design) if PROCEDURE in wanted else None
             made = make_sheets(
                 store,
                 wanted,
                 run.design,
                 lambda name: progress.update(task, advance=1, description=name),
-                values=values,
+                calculate=procedure_values,
             )
         sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
-        files = {file: sheet.entry for sheet in sheets for file in sheet.files}
-        return sheets, write_stored(run.out, files)
+        return sheets, write_stored(run.out, {file: sheet.entry for sheet in sheets for file in _files(sheet)})
 
     try:
         sheets, changed = draw()
@@ -72,7 +70,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         store.drop(damage.entry)
         run.note("a stored result was damaged; it is made again")
         sheets, changed = draw()
-    hashes = {file: sheet.entry.hashes[file] for sheet in sheets for file in sheet.files}
+    hashes = {file: sheet.entry.hashes[file] for sheet in sheets for file in _files(sheet)}
     write_manifest(run.out / MANIFEST, hashes)
     return {
         "sheets": {
@@ -81,7 +79,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
                 "paper": sheet.paper,
                 "scale": sheet.scale,
                 "views": list(sheet.views),
-                "files": [str(run.out / file) for file in sheet.files],
+                "files": [str(run.out / file) for file in _files(sheet)],
                 "hits": list(sheet.hits),
             }
             for sheet in sheets
@@ -91,7 +89,13 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     }
 
 
-def _procedure_values(store: Store, design: Design) -> ProcedureValues:
+def _files(sheet: MadeSheet) -> tuple[str, ...]:
+    """The sheet in its formats, and its part's model with tolerances where there is one."""
+    return (*sheet.files, sheet.model) if sheet.model else sheet.files
+
+
+def procedure_values(store: Store, design: Design) -> ProcedureValues:
+    """The calculated numbers of the assembly procedure, kept in the store."""
     from workbench.procedure_values import stored_values
     from workbench.weighing import weigh
 
