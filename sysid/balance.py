@@ -144,6 +144,15 @@ def runs(mask: np.ndarray) -> list[tuple[int, int]]:
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
+def longer_than(mask: np.ndarray, length: float) -> np.ndarray:
+    """`mask` (n,) where it holds for more than `length` samples on end."""
+    out = np.zeros_like(mask)
+    for start, stop in runs(mask):
+        if stop - start > length:
+            out[start:stop] = True
+    return out
+
+
 def spread(mask: np.ndarray, reach: int) -> np.ndarray:
     """`mask` (n,) grown by `reach` samples on both sides."""
     if reach <= 0 or not mask.any():

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.effect import Axis
 from stagecad.parameters.errors import InputError
-from sysid.balance import EDGE_WIDTHS, LAW_SHARE, Balance, filled, filter_width, make_axis, spread
+from sysid.balance import EDGE_WIDTHS, LAW_SHARE, Balance, filled, filter_width, longer_than, make_axis, spread
 from sysid.noise_floor import Noise
 from sysid.records import Record
 from sysid.reversals import sharp_direction
@@ -162,7 +162,9 @@ def driven_mass(
     )
 
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
-    bad = spread(gap_motion | hole | gap_force, reach)
+    missing = gap_motion | hole | gap_force
+    # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
+    bad = missing | spread(longer_than(missing, width / step), reach)
     bad[: reach + 1] = True
     bad[n - reach :] = True
     gain = whole.noise_gain(0, force_correlation)
