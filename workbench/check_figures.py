@@ -224,7 +224,7 @@ def tolerance_figure(study: ToleranceStudy, path: Path) -> None:
     axes.bar_label(bars, [f" {item.check}" for item in shown], fontsize=7, color="0.35")
     axes.invert_yaxis()
     axes.set_xlim(0, 210 * shown[0].share if shown else 1)
-    axes.set_xlabel("part of a margin that the tolerance alone uses up, %, and of which check")
+    axes.set_xlabel("part of a margin used up by the tolerance alone, %")
     axes.tick_params(labelsize=8)
     _save(figure, path)
 

@@ -139,7 +139,7 @@ def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path)
 
     names = moved(points)
     table = Table(title=f"margins over {wanted.key}", pad_edge=False)
-    table.add_column(wanted.key, justify="right")
+    table.add_column(wanted.key, justify="right", no_wrap=True)
     for name in names[:6]:
         table.add_column(name, justify="right")
     unit = {"mm": "m", "deg": "rad"}.get(wanted.unit, wanted.unit)
