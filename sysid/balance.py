@@ -31,7 +31,8 @@ class Balance:
 
     `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that
     filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`,
-    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step). `finer` makes the
+    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step).
+    `heading` is the sign of a velocity that was given, at the sample; zero where it is not sure. `finer` makes the
     axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
     """
 
@@ -49,6 +50,7 @@ class Balance:
     whole: GaussianFilter | None = None
     direction: np.ndarray | None = None
     turns: np.ndarray | None = None
+    heading: np.ndarray | None = None
     force_channel: str = ""
     jitter: float = 0.0
     inputs: dict[str, np.ndarray] = field(default_factory=dict)

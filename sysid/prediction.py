@@ -115,7 +115,11 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
         p = values_of(core, values)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
-        return forces + core.core.along(axis.position, axis.velocity, axis.time, level, p), None
+        held = core.core.along(axis.position, axis.velocity, axis.time, level, p)
+        if core.core.name == "coulomb" and balance.heading is not None and axis.position is balance.axis.position:
+            # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
+            held = np.where(balance.heading != 0.0, balance.heading * level, held)
+        return forces + held, None
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
     assert balance.direction is not None and balance.turns is not None
     sharp = sharp_friction(

@@ -11,6 +11,7 @@ from sim.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.balance import EDGE_WIDTHS, LAW_SHARE, Balance, filled, filter_width, longer_than, make_axis, spread
 from sysid.noise_floor import Noise
+from sysid.quantum import find_quantum
 from sysid.records import Record
 from sysid.reversals import sharp_direction
 from sysid.smoothing import GaussianFilter
@@ -18,6 +19,10 @@ from sysid.uniform import uniform
 
 REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is rest."""
+
+SURE_SIGMAS = 6.0
+SURE_STEPS = 2.5
+"""A given velocity has a sign from so many deviations of its noise, and steps of its rounding, on."""
 
 
 def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
@@ -60,12 +65,22 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> Balance:
     valid = ~(gap | hole | missing)
     valid[0] = False
     sigma = noise["friction_force"].value
+    heading = _heading(velocity) if "velocity" in channels else None
     return Balance(
         name=record.name, role=record.role, kind="velocity-drive", step=step, axis=axis,
         measured={"friction_force": force}, valid={"friction_force": valid}, noise={"friction_force": sigma},
         acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, n), force_channel="friction_force",
-        jitter=0.5 * step, stretch=max(1e-8 * float(np.ptp(position)), 12.0 * sigma_position),
+        heading=heading, jitter=0.5 * step, stretch=max(1e-8 * float(np.ptp(position)), 12.0 * sigma_position),
     )  # fmt: skip
+
+
+def _heading(velocity: np.ndarray) -> np.ndarray:
+    """Sign of a velocity (n,) that was given, zero where its own noise or rounding could have made the sign."""
+    change = np.abs(np.diff(velocity, 2))
+    noise = float(np.median(change)) / 0.6745 / np.sqrt(6.0)
+    quantum = find_quantum([velocity]) or 0.0
+    sure = max(SURE_SIGMAS * noise, SURE_STEPS * quantum, 1e-9 * float(np.max(np.abs(velocity))))
+    return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)
 
 
 def driven_mass(
