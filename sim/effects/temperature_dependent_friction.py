@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from sim.effect import Axis, Effect, Parameter
 
@@ -11,7 +14,11 @@ def _factor(axis: Axis, p: Any) -> Any:
     return 1.0 + p.coefficient * (axis.temperature - p.reference)
 
 
-EFFECT = Effect(
+def _exponential(axis: Axis, p: Any) -> Any:
+    return np.exp(p.coefficient * (axis.temperature - p.reference))
+
+
+_LINEAR = Effect(
     name="temperature_dependent_friction",
     meaning="the friction level changes with temperature",
     equation="level * (1 + coefficient * (T - reference))",
@@ -35,3 +42,14 @@ EFFECT = Effect(
     ),
     factor=_factor,
 )
+
+_EXPONENTIAL = replace(
+    _LINEAR,
+    name="temperature_dependent_friction:exponential",
+    meaning="the friction level changes by the same part with every kelvin, as the viscosity of a lubricant does",
+    equation="level * exp(coefficient * (T - reference))",
+    source="Reynolds, Phil. Trans. R. Soc. 177 (1886) 157: viscosity falls exponentially with temperature",
+    factor=_exponential,
+)
+
+EFFECT = replace(_LINEAR, variants=(_EXPONENTIAL,))
