@@ -10,6 +10,7 @@ import numpy as np
 
 from sim.effect import Axis, Effect
 from sysid.balance import Balance
+from sysid.first_rest import along_from_rest
 from sysid.reversals import sharp_friction
 
 Values = Mapping[str, float]
@@ -115,7 +116,7 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
         p = values_of(core, values)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
-        held = core.core.along(axis.position, axis.velocity, axis.time, level, p)
+        held = along_from_rest(balance, core, axis, level, p, forces)
         if core.core.name == "coulomb" and balance.heading is not None and axis.position is balance.axis.position:
             # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
             held = np.where(balance.heading != 0.0, balance.heading * level, held)

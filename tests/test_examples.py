@@ -104,15 +104,15 @@ def test_emps_is_asymmetric_as_published(tmp_path: Path) -> None:
 
 
 def test_tribometer_needs_presliding_then_a_bias(tmp_path: Path) -> None:
-    # Quick fits with another law and solver left 1.24, 0.158 and 0.122 N. Here the robust error counts: the bristles'
-    # stretch at the first row is not known, and the plain rms is mostly what that does before the first reversal.
+    # Quick fits with another law and solver left 1.24, 0.158 and 0.122 N on the held-out record.
     rig = _rig(TRIBOMETER, tmp_path)
     channel = "friction_force"
     _, base = _held_out(rig, channel)
-    _, presliding = _held_out(rig, channel, "presliding")
-    _, biased = _held_out(rig, channel, "constant_bias")
-    assert presliding / base == pytest.approx(0.158 / 1.24, rel=0.15)
-    assert biased / presliding == pytest.approx(0.122 / 0.158, rel=0.1)
+    presliding, _ = _held_out(rig, channel, "presliding")
+    biased, _ = _held_out(rig, channel, "constant_bias")
+    assert base > 25.0
+    assert presliding == pytest.approx(0.158, rel=0.07)
+    assert biased == pytest.approx(0.122, rel=0.07)
 
 
 def _first(found: Diagnosis, count: int) -> list[str]:
