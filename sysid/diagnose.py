@@ -157,10 +157,10 @@ def judge(
     after = excess(best.after_fit, best.after_validate)
     left = _left(over, after)
     share = explained_share(base, best)
-    if over <= enough and (share < 0.5 or best.family in AT_REVERSALS):
+    to_the_noise = best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
+    if over <= enough and (share < 0.5 or (best.family in AT_REVERSALS and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
-    to_the_noise = best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
     if case.form == "force_balance" and best.family in AT_REVERSALS and not patterned and not to_the_noise:
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if after <= NEARLY_NOISE:
