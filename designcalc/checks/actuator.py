@@ -17,7 +17,7 @@ from designcalc.checks.machine import (
     usable_ellipse,
     weight,
 )
-from designcalc.checks.reading import Reading, show
+from designcalc.checks.reading import Reading, over, show
 from designcalc.friction_drive import frequency_for, resonance, stack_current, stack_heat
 from designcalc.piezo_stack import drive_pull, side_load, stack_tension, tilt_stress
 
@@ -122,7 +122,7 @@ def heat(r: Reading) -> Check:
     voltage, loss = r("piezo.highest_voltage"), r("piezo.loss_factor")
     watts = 2 * float(stack_heat(r("piezo.capacitance"), voltage, f, loss))
     limit = r("actuator.heat_limit")
-    duty = limit / watts
+    duty = over(limit, watts)
     return r.check(
         "heat of the piezos at full speed",
         watts,

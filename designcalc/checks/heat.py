@@ -8,7 +8,7 @@ from functools import partial
 
 from designcalc.checks.check import Check
 from designcalc.checks.machine import holding_stiffness, moved_mass, pads_stiffness, rail, stroke_ellipse
-from designcalc.checks.reading import Reading, show
+from designcalc.checks.reading import Reading, over, show
 from designcalc.friction_drive import resonance
 from designcalc.thermal import bow_of_layers, differential_growth, loop_drift, vibration_at_tip
 
@@ -83,7 +83,7 @@ def way_growth(r: Reading) -> Check:
         "difference of free growth; 1 um, the finish of the joint, is taken up without a ratchet",
         "|alpha_way - alpha_base| L dT <= 1 um",
         f"{show(growth, 'm')} over {show(length, 'm')} and {change:.3g} K",
-        f"hold the temperature to {change * 1e-6 / growth:.2g} K, or pin the way at its middle and let it slide",
+        f"hold the temperature to {over(change * 1e-6, growth):.2g} K, or pin the way at its middle and let it slide",
         note=f"on a base of {other}: {show(beside, 'm')}",
         requirement="Table 2: low thermal expansion",
     )
@@ -152,7 +152,7 @@ def bow(r: Reading) -> Check:
         "Timoshenko (1925), two layers that cannot slip: an upper bound",
         "sagitta = curvature L^2/8 <= straightness",
         f"{show(here, 'm')} over {show(way.length, 'm')} and {change:.3g} K",
-        f"hold the temperature to {change * limit / here:.2g} K, or a base of silicon carbide or alumina",
+        f"hold the temperature to {over(change * limit, here):.2g} K, or a base of silicon carbide or alumina",
         note=f"on a base of {other}: {show(beside, 'm')}",
         requirement="Table 2: low thermal expansion",
     )

@@ -11,6 +11,7 @@ from designcalc.checks.machine import stroke_ellipse
 from designcalc.checks.reading import Reading, show
 from designcalc.fastener import preload_of_torque
 from designcalc.height_adjustment import WedgeDrive, clamp_shift, wedge_drive
+from stagecad.parameters.errors import InputError
 
 
 def checks(r: Reading) -> Iterator[partial[Check]]:
@@ -143,7 +144,10 @@ def clamping(r: Reading) -> Check:
     force = preload_of_torque(
         r("screws.clamp_long.torque"), r("screws.clamp_long.diameter"), r("screws.clamp_long.nut_factor")
     )
-    start = math.acos(r("base.clamp_slot_1") / (r("base.pocket_diameter") / 2))
+    slot, radius = r("base.clamp_slot_1"), r("base.pocket_diameter") / 2
+    if slot >= radius:
+        raise InputError("height adjustment: base.clamp_slot_1: the gap slot must cross the pocket")
+    start = math.acos(slot / radius)
     wrap = r("base.clamp_neck_angle_1") - start
     shift = clamp_shift(
         screw_force=force,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, SupportsFloat
 
@@ -20,6 +21,11 @@ _SI = {"mm": "m", "deg": "rad"}
 def show(value: SupportsFloat, unit: str = "") -> str:
     """A number for a formula with numbers put in."""
     return format_quantity(float(value), unit, 4)
+
+
+def over(value: SupportsFloat, divisor: SupportsFloat) -> float:
+    """`value/divisor` of a proposal, infinite where nothing is in the way."""
+    return float(value) / float(divisor) if float(divisor) != 0 else math.inf
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from designcalc.checks.check import Check
-from designcalc.checks.reading import Reading, show
+from designcalc.checks.reading import Reading, over, show
 from designcalc.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
 
 _DATASHEET = "thesis 2.3.4, data sheets"
@@ -250,9 +250,9 @@ def cosine(r: Reading) -> Check:
         "beam at an angle to the travel",
         "travel (1 - cos(angle)) <= 10 nm",
         f"{show(travel, 'm')} at {show(angle, 'rad')}: {show(error, 'm')}",
-        f"align the beam to {show(angle * (limit / error) ** 0.5, 'rad')}",
+        f"align the beam to {show(angle * over(limit, error) ** 0.5, 'rad')}",
         note=f"the finest resolution, {show(r('requirements.resolution'), 'm')}, needs "
-        f"{show(angle * (r('requirements.resolution') / error) ** 0.5, 'rad')}",
+        f"{show(angle * over(r('requirements.resolution'), error) ** 0.5, 'rad')}",
         requirement="Table 2: sensor resolution",
     )
 

@@ -92,9 +92,13 @@ def preload_share(r: Reading) -> Check:
     work = teeth(r)
     pull = CIRCUITS * work.point.attraction
     wanted = r("preload.force")
-    gap = gap_for(work, 1.2 * wanted)
-    length = magnet_area_for(work, 1.2 * wanted) / r("magnet.height")
-    wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
+    if wanted > 0:
+        gap = gap_for(work, 1.2 * wanted)
+        length = magnet_area_for(work, 1.2 * wanted) / r("magnet.height")
+        wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
+        proposal = f"magnets {show(length, 'm')} long, {wider}, or ask for the preload that the magnets give"
+    else:
+        proposal = "no magnets (teeth.fitted = false), or ask for the preload that they give"
     return r.check(
         "attraction of the magnets beyond the preload asked for",
         pull,
@@ -104,7 +108,7 @@ def preload_share(r: Reading) -> Check:
         _FIELD + ", magnet on its recoil line",
         "F <= 1.5 x preload asked for (friction grows with it)",
         f"two pockets pull {show(pull, 'N')}, asked for {show(wanted, 'N')}",
-        f"magnets {show(length, 'm')} long, {wider}, or ask for the preload that the magnets give",
+        proposal,
         note="leakage beside the gap is left out: the real pull is smaller",
     )
 

@@ -7,7 +7,7 @@ from functools import partial
 
 from designcalc.checks.check import Check
 from designcalc.checks.machine import heaviest_pad, weight
-from designcalc.checks.reading import Reading, show
+from designcalc.checks.reading import Reading, over, show
 from designcalc.sliding_bearing import crown_wear_depth, crown_wear_distance, friction_heat
 
 
@@ -91,7 +91,7 @@ def heat(r: Reading) -> Check:
         "friction power",
         "mu N v",
         f"{show(load, 'N')}: {show(watts, 'W')}",
-        f"full speed for {100 * min(limit / watts, 1.0):.2g} % of the time, or less preload",
+        f"full speed for {100 * min(over(limit, watts), 1.0):.2g} % of the time, or less preload",
         note=f"the worst friction the thesis allows, mu = {r('bearing.dynamic_friction_high'):.2g}, makes it "
         f"{show(watts * r('bearing.dynamic_friction_high') / r('bearing.dynamic_friction'), 'W')}",
     )

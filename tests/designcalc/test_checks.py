@@ -21,6 +21,7 @@ from designcalc.checks.tolerance import tolerance_study, weighed_of
 from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.mass_properties import MassProperties
+from workbench.options import finite
 
 CASES = tomllib.loads((Path(__file__).parents[1] / "reference" / "contradictions.toml").read_text())["check"]
 BODY = MassProperties(8e-4, 2.1, (0.0, 0.0, 0.033), np.eye(3) * 0.01, ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)))
@@ -95,6 +96,28 @@ def test_a_calculator_out_of_its_range_says_so_and_the_rest_goes_on():
     troubled = [check for check in checks if check.verdict == "out_of_range"]
     assert troubled and all("gap over pitch" in check.note for check in troubled)
     assert any(check.subject == "sensors" and check.verdict == "passes" for check in checks)
+
+
+@pytest.mark.parametrize(
+    "override",
+    [
+        ("preload.force=0 N", "payload.mass=0 kg"),
+        ("environment.temperature_change=0 K", "environment.storage_change=0 K", "environment.floor_velocity=0 m/s"),
+        ("piezo.loss_factor=0", "piezo.moving_mass=0 g", "piezo.strain_limit=0 MPa"),
+        ("sensors.interferometer.misalignment=0 rad", "bearing.way_waviness=0 m"),
+        ("actuator.phase=0 deg",),
+        ("base.clamp_slot_1=45 mm",),
+        ("actuator.fitted=3", "sea.whole_underside=true", "teeth.fitted=false", "stage.travel=20 mm"),
+    ],
+    ids=lambda override: override[0],
+)
+def test_extreme_designs_get_their_verdicts(override):
+    """Nothing to heat, to shake or to preload: the checks still say something, and no check gets lost."""
+    checks = run_checks(load(*override), WEIGHED)
+    lost = 0 if "teeth.fitted=false" not in override else 8
+    assert len(checks) == len(named()) - lost
+    json.dumps([finite(check.as_json()) for check in checks], allow_nan=False)
+    assert "| tip contact pressure |" in markdown(checks)
 
 
 def test_mass_from_the_solids_is_used_and_named():
