@@ -224,15 +224,21 @@ def _angular(d: Angular, view: View) -> Iterator[Ink]:
     yield _centred(d.text, (d.arc_at[0] + out[0] * away, d.arc_at[1] + out[1] * away))
 
 
+def callout_box(c: Callout, number: int) -> Box2:
+    """Room of one of a callout's lines, symbols included, paper."""
+    width, away = line_width(c.lines[number]), LANDING + GAP
+    x = c.elbow[0] - away - width if c.leftward else c.elbow[0] + away
+    y = c.elbow[1] - TEXT / 2 - number * LINE_PITCH * TEXT
+    return (x, y, x + width, y + TEXT)
+
+
 def _callout(c: Callout, view: View) -> Iterator[Ink]:
     at = view.to_paper(c.at)
-    side = -1.0 if c.leftward else 1.0
-    end = (c.elbow[0] + side * LANDING, c.elbow[1])
+    end = (c.elbow[0] + (-LANDING if c.leftward else LANDING), c.elbow[1])
     yield arrow(at, _unit(c.elbow, at))
     yield Stroke((at, c.elbow, end))
     for number, line in enumerate(c.lines):
-        x = end[0] + side * GAP - (line_width(line) if c.leftward else 0.0)
-        yield from line_ink(line, (x, c.elbow[1] - TEXT / 2 - number * LINE_PITCH * TEXT))
+        yield from line_ink(line, callout_box(c, number)[:2])
 
 
 def _control_frame(f: ControlFrame, view: View) -> Iterator[Ink]:

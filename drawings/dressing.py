@@ -22,7 +22,7 @@ from drawings.annotation import (
     Round,
     SectionMark,
 )
-from drawings.annotation_ink import annotation_ink, text_box
+from drawings.annotation_ink import annotation_ink, callout_box, text_box
 from drawings.asked import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
 from drawings.candidates import Candidate, of_angle, of_callout, of_distance, of_frame, of_round
 from drawings.field import Field, Line, Lines, arc_points, around, curve_points, grown, pieces, reaches
@@ -326,6 +326,10 @@ def _parts(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line], 
         cells = [item.points for item in ink if isinstance(item, Stroke) and len(item.points) == 5]
         boxes = [around((*points[0], *points[2]) for points in cells)]
         lines = [line for line in lines if not _within(line, grown(boxes[0], 0.1))]
+    if isinstance(annotation, Callout):
+        # Symbols within the lines are as good as text; what is left is the leader.
+        boxes = [callout_box(annotation, number) for number in range(len(annotation.lines))]
+        lines = [line for line in lines if not any(_within(line, grown(box, 0.5)) for box in boxes)]
     lanes: list[Line] = []
     if isinstance(annotation, Linear):
         lanes = [_lane(annotation, lines)]
