@@ -36,6 +36,7 @@ class Score:
         shape: the grid point.
         moves: parameter values of each move, amplitudes away from zero.
         columns: what each move does to the residual beyond what the base parameters can do, (n, k).
+        barred: drop that amplitudes beyond their bounds (a negative drag) would have made.
     """
 
     drop: float
@@ -43,6 +44,7 @@ class Score:
     shape: dict[str, float]
     moves: list[dict[str, float]]
     columns: np.ndarray
+    barred: float = 0.0
 
 
 def _project_out(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
@@ -105,12 +107,23 @@ def linear_scores(
             continue
         scaled = free / np.maximum(norms, 1e-300)
         coefficients, *_ = np.linalg.lstsq(scaled, target, rcond=1e-8)
-        drop = 1.0 - float(np.sum((target - scaled @ coefficients) ** 2)) / total
+        drop, barred = 1.0 - float(np.sum((target - scaled @ coefficients) ** 2)) / total, 0.0
+        if _out_of_bounds(effect, moves, coefficients):
+            drop, barred = 0.0, drop
         start = start_for(effect, shape, moves, coefficients / np.maximum(norms, 1e-300))
-        scores.append(Score(drop, start, shape, moves, free))
+        scores.append(Score(drop, start, shape, moves, free, barred))
         if len(scores) > KEPT_SCORES:
-            scores.remove(min(scores, key=lambda s: s.drop))
+            scores.remove(min(scores, key=lambda s: (s.drop, s.barred)))
     return sorted(scores, key=lambda s: -s.drop)
+
+
+def _out_of_bounds(effect: Effect, moves: list[dict[str, float]], coefficients: np.ndarray) -> bool:
+    """Whether the one amplitude of an effect, zero at its bound, would have to go beyond that bound."""
+    amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
+    if effect.core is not None or len(amplitudes) != 1 or len(moves) != 1:
+        return False
+    wanted = float(coefficients[0])
+    return (wanted < 0.0 <= amplitudes[0].low) or (wanted > 0.0 >= amplitudes[0].high)
 
 
 def start_for(
@@ -156,11 +169,19 @@ def target_of(base: Fitted) -> tuple[np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True)
 class Candidate:
-    """One effect tried on top of a base model."""
+    """One effect tried on top of a base model.
+
+    Args:
+        effect: tried.
+        expected_drop: share of the squared residual that its linear score promised.
+        fitted: the model with it.
+        barred: share that only amplitudes beyond their bounds would have taken.
+    """
 
     effect: Effect
     expected_drop: float
     fitted: Fitted
+    barred: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -170,6 +191,11 @@ class Look:
     effect: Effect
     scores: list[Score]
     fitted: Fitted
+
+    @property
+    def barred(self) -> float:
+        """Largest drop that only an amplitude beyond its bounds would make."""
+        return max((score.barred for score in self.scores), default=0.0)
 
     @property
     def error(self) -> float:
@@ -207,7 +233,7 @@ def refined(
         fitted = fit_model(start, records, base.weights, iterations)
         if fitted.fit.cost < best.fit.cost:
             best = fitted
-    return Candidate(look.effect, look.scores[0].drop, best)
+    return Candidate(look.effect, look.scores[0].drop, best, look.barred)
 
 
 def try_effect(
@@ -227,7 +253,7 @@ def try_effect(
 
 def as_it_looks(look: Look) -> Candidate:
     """The effect as the first look left it."""
-    return Candidate(look.effect, look.scores[0].drop, look.fitted)
+    return Candidate(look.effect, look.scores[0].drop, look.fitted, look.barred)
 
 
 def _spread(scores: list[Score], count: int) -> list[Score]:

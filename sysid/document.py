@@ -22,7 +22,17 @@ from sysid.rigs import CHANNELS
 
 SCHEMA = 1
 LEAST_P = 0.001
-RIG_UNITS = {"mass": ("kg", "kg*m^2"), "pull_stiffness": ("N/m", "N*m/rad"), "gain": ("m/V", "m/V")}
+WORTH_SAYING = 0.1
+"""Share of the squared residual from which it is said that an effect with an unphysical value would take it."""
+
+RIG_UNITS = {
+    "mass": ("kg", "kg*m^2"),
+    "pull_stiffness": ("N/m", "N*m/rad"),
+    "gain": ("m/V", "m/V"),
+    "contact_stiffness": ("N/m", "N/m"),
+    "contact_damping": ("N*s/m", "N*s/m"),
+    "press": ("m", "m"),
+}
 
 
 def channel_unit(case: Case, channel: str) -> str:
@@ -148,6 +158,8 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
         row["p_value"] = p_value_json(trial.p_value)
         row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.candidate.expected_drop)))
         row["loss_reduction"] = 1.0 - trial.error / max(ranking_error(diagnosis.base.residual), 1e-300)
+        if trial.candidate.barred >= WORTH_SAYING:
+            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.candidate.barred, 1.0)))
         if trial.name != trial.family:
             row["law"] = trial.name
         if after is not None:

@@ -12,7 +12,7 @@ from stagecad.parameters.quantities import format_quantity
 from sysid.case import Case
 from sysid.compare import Comparison
 from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, excess
-from sysid.document import channel_unit, worst_channel
+from sysid.document import WORTH_SAYING, channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit
@@ -201,7 +201,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
         depends = [m for m in diagnosis.maps if m.share > 0.02][:2]
         words = " and ".join(COORDINATE_WORDS[m.coordinate] for m in depends) or "nothing that was recorded"
         run.say(f"unexplained: {diagnosis.reason}. What is left depends on {words}.")
-    for line in (*swap_lines(diagnosis), *document["not_identifiable"]):
+    for line in (*swap_lines(diagnosis), *unphysical_lines(diagnosis), *document["not_identifiable"]):
         run.say(line)
 
 
@@ -216,6 +216,21 @@ def swap_lines(diagnosis: Diagnosis) -> list[str]:
             lines.append(
                 f"{swap.new} in the place of {swap.old}, added earlier, explains more {change}: "
                 f"add {swap.new} --drop {swap.old}"
+            )
+    return lines
+
+
+def unphysical_lines(diagnosis: Diagnosis) -> list[str]:
+    """Effects that would explain something only with a value beyond what is physical, in words."""
+    lines = []
+    for trial in diagnosis.trials[:12]:
+        amplitude = next((p for p in trial.candidate.effect.parameters if p.role == "amplitude"), None)
+        barred = trial.candidate.barred
+        if amplitude is not None and barred >= WORTH_SAYING and barred > 2.0 * trial.candidate.expected_drop:
+            error = 100.0 * (1.0 - (1.0 - min(barred, 1.0)) ** 0.5)
+            lines.append(
+                f"{trial.family} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
+                f"{amplitude.low:g} {amplitude.unit}, which is not physical."
             )
     return lines
 
