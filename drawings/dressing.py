@@ -31,7 +31,7 @@ from drawings.lettering import LARGE
 from drawings.symbols import line_width
 from drawings.view import Box2, Curve, Point2, View
 
-CLEAR = 0.8
+CLEAR = 1.2
 """Room round a text, mm."""
 LANE = 6.0
 """Least distance of parallel dimension lines, mm."""
@@ -335,6 +335,10 @@ def _parts(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line], 
         lanes = [_lane(annotation, lines)]
         if boxes:
             boxes = [around(boxes)]
+    if isinstance(annotation, SectionMark):
+        # The arrows' stems are taken for dimension lines when they run beside one.
+        u, v = annotation.sight
+        lanes = [(x, y, x + 9.0 * u, y + 9.0 * v) for x, y in (annotation.start, annotation.end)]
     return boxes, lines, lanes
 
 
