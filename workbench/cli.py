@@ -16,7 +16,7 @@ from stagecad import __version__
 from stagecad.parameters.errors import InputError, nearest
 
 COMMANDS = {
-    "make": "Everything from the parameter file: parts, bill of materials, checks, simulations, one HTML report.",
+    "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
     "params": "The parameters with unit, tolerance and origin.",
     "parts": "STEP, STL and GLB of parts and assembly, and their mass properties.",
     "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",

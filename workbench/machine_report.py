@@ -36,6 +36,7 @@ def write_report(
     bill: Sequence[Mapping[str, Any]],
     meetings: Sequence[Meeting],
     procedure: Procedure,
+    drawings: Mapping[str, Any],
 ) -> Path:
     """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked.
 
@@ -49,6 +50,7 @@ def write_report(
         bill: rows of the bill of materials.
         meetings: pairs of parts that touch, fit, or overlap.
         procedure: steps of the assembly.
+        drawings: document of `write_drawings`.
 
     Returns:
         The page.
@@ -95,6 +97,7 @@ def write_report(
         parts=parts,
         bill=bill,
         procedure=procedure,
+        sheets=_sheets(drawings, target),
         subjects=[(subject, [row for row in rows if row["subject"] == subject]) for subject in subjects],
         counted=counted(checks),
         failing=sum(check.verdict == "fails" for check in checks),
@@ -113,12 +116,40 @@ def versions() -> dict[str, str]:
     from importlib.metadata import PackageNotFoundError, version
 
     found = {"stagecad": __version__}
-    for name in ("cadquery", "cadquery-ocp", "numpy", "scipy", "numba", "trimesh", "matplotlib"):
+    for name in ("cadquery", "cadquery-ocp", "ezdxf", "numpy", "scipy", "numba", "trimesh", "matplotlib"):
         try:
             found[name] = version(name)
         except PackageNotFoundError:
             continue
     return found
+
+
+def _sheets(drawings: Mapping[str, Any], page: Path) -> list[dict[str, Any]]:
+    """The drawing sheets, each as a small picture that leads to the one that can be magnified."""
+    shown = []
+    for name, sheet in drawings["sheets"].items():
+        files = {Path(file).suffix: Path(file) for file in sheet["files"]}
+        shown.append(
+            {
+                "title": name.replace("_", " "), "paper": sheet["paper"], "scale": sheet["scale"],
+                "picture": _reduced(files[".png"]), "opens": _link(files[".svg"], page)["href"],
+                "files": [_link(Path(file), page) for file in sheet["files"]], "hits": sheet["hits"],
+            }
+        )  # fmt: skip
+    return shown
+
+
+def _reduced(path: Path, width: int = 900) -> str:
+    """A sheet's picture, small enough for an overview."""
+    import io
+
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        small = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
+    stream = io.BytesIO()
+    small.quantize(16).save(stream, "png", optimize=True)
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
 
 
 def _embedded(path: Path) -> str:

@@ -23,7 +23,7 @@ STAMP = "made_from.json"
 @click.option("--simulations/--no-simulations", default=True, help="Run the thesis's friction experiments too.")
 @common_options
 def command(run: Run, simulations: bool) -> None:
-    """Make everything from the parameter file: parts, assembly, bill of materials, checks, simulations, report.
+    """Make everything from the parameter file: parts, assembly, drawings, list of parts, checks, simulations, report.
 
     Exit status 0 once all is built, whatever the checks say.
     """
@@ -38,6 +38,7 @@ def command(run: Run, simulations: bool) -> None:
     from stagecad.solids.outputs import write_stored
     from stagecad.solids.registry import chosen
     from workbench.check_report import write_check_files
+    from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
     from workbench.machine_report import write_report
     from workbench.procedure_values import procedure_values
@@ -56,6 +57,9 @@ def command(run: Run, simulations: bool) -> None:
         progress.update(task, description="interference")
         meetings = make_meetings(store, machine.parts, design)
     run.say(f"interference: {len(clashes(meetings))} clashes, {len(meetings)} contacts, fits and near places looked at")
+    drawings = write_drawings(run)
+    hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
+    run.say(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
     weighed = Weighed(machine.moving_body, machine.masses["tip"])
     checks = run_checks(design, weighed)
     run.say(f"checks: {counted(checks)}")
@@ -64,13 +68,16 @@ def command(run: Run, simulations: bool) -> None:
     figures = _simulate(run) if simulations else []
     bill = machine.bill_of_materials
     steps = procedure(design, bill, procedure_values(design, weighed))
-    page = write_report(run, document, pictures, checks, check_figures, figures, bill_document(bill), meetings, steps)
+    page = write_report(
+        run, document, pictures, checks, check_figures, figures, bill_document(bill), meetings, steps, drawings
+    )
     run.say(f"report: {page}")
     run.emit(
         {
             "parts": document["parts"],
             "moving_body": document["moving_body"],
             "measures": document["measures"],
+            "drawings": drawings["sheets"],
             "checks": [check.as_json() for check in checks],
             "report": str(page),
         }
