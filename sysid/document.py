@@ -17,8 +17,10 @@ from sysid.identifiability import correlation_json, open_words, public_key
 from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
 from sysid.prediction import split_channel
+from sysid.principal_angles import stand_in_angle
 from sysid.residual_maps import ResidualMap
 from sysid.rigs import CHANNELS
+from sysid.trials import Trial
 
 SCHEMA = 1
 LEAST_P = 0.001
@@ -164,8 +166,23 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["law"] = trial.name
         if after is not None:
             row["parameters"] = parameters_json(case, trial.candidate.fitted, only=trial.name)
+        angle = angle_to_best(diagnosis, trial)
+        if angle is not None:
+            row["angle"] = as_json(angle, "rad")
         rows.append(row)
     return rows
+
+
+def angle_to_best(diagnosis: Diagnosis, trial: Trial) -> float | None:
+    """Angle, rad, between what the effect named takes from the residual and what this one could make."""
+    best, base = diagnosis.best, diagnosis.base.fitted
+    if best is None or trial is best:
+        return None
+    one, other = best.candidate.fitted, trial.candidate.fitted
+    if not one.fit.residual.size == other.fit.residual.size == base.fit.residual.size:
+        # The grid of a sensor's values is judged with other deviations: there is nothing to hold it against.
+        return None
+    return stand_in_angle(one, other, base)
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -24,7 +24,7 @@ from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
 from sysid.trials import Trial
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
-from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, near_noise, noise_line, plain, shape_words
+from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, angle_words, near_noise, noise_line, plain, shape_words
 
 Section = dict[str, Any]
 
@@ -333,6 +333,7 @@ def ranking_rows(ranking: Sequence[Mapping[str, Any]], before: float) -> list[di
             "over": _times(over),
             "bar": 100.0 * min(1.0, max(0.0, math.log(max(over, 1.0)) / span)),
             "chance": f"< {chance['below']}" if isinstance(chance, Mapping) else f"{chance:.3f}",
+            "angle": angle_words(row),
             "parameters": "; ".join(
                 f"{key.rpartition('.')[2].replace('_', ' ')} {plain(q['value'], q['unit'])}"
                 + (" (at its bound)" if q.get("at_bound") else "")

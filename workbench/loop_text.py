@@ -95,6 +95,11 @@ def where_table(maps: Sequence[Any]) -> Table:
     return table
 
 
+def angle_words(row: Mapping[str, Any]) -> str:
+    """Angle between what the effect named does and what this one could do, in degrees; below 15 it could stand in."""
+    return f"{math.degrees(row['angle']['value']):.0f}°" if "angle" in row else ""
+
+
 def near_noise(diagnosis: Diagnosis) -> bool:
     """Whether the model, with the effect found in it, leaves little more than the noise."""
     best = diagnosis.best
@@ -164,7 +169,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
         run.note(f"note: {note}")
     run.say(noise_line(case))
     table = Table(title="Effects tried, best on the held-out records first", title_justify="left")
-    for name in ("effect", "error it would leave", "over noise", "reduction", "expected", "chance", "law"):
+    for name in ("effect", "error it would leave", "over noise", "reduction", "expected", "chance", "angle", "law"):
         table.add_column(name, justify="left" if name in ("effect", "law") else "right")
     for row in ranking[:8]:
         error = row.get("validate_error")
@@ -176,6 +181,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
             f"{100 * row['reduction']:.1f} %" if row.get("reduction") is not None else "",
             f"{100 * row['expected_reduction']:.1f} %",
             f"< {chance['below']}" if isinstance(chance, dict) else f"{chance:.3f}",
+            angle_words(row),
             row.get("law", ""),
         )
     run.console.print(table)

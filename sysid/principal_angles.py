@@ -1,0 +1,69 @@
+"""How far apart two effects point: principal angles between what they add to a model that neither is part of yet.
+
+    A, B: sensitivities of the residual to each effect's own values, the base model's taken out of both
+    cos(angle_k) = k-th singular value of Q_A^T Q_B,   Q orthonormal
+
+(Bjorck and Golub, Math. Comp. 27 (1973) 579). The largest of them is the angle between the effects: where it is small,
+the one with more values can do all that the other can, to first order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sysid.base_fit import Fitted
+from sysid.candidates import orthonormal
+
+ONE_GROUP = np.deg2rad(15.0)
+"""Angle, rad, up to which two effects are one group."""
+
+LEAST_OWN = 1e-4
+"""Part of a sensitivity that the base model does not make itself, below which it is no direction of its own."""
+
+
+def principal_angles(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Angles (min(p, q),), rad, rising, between the spans of orthonormal bases (n, p) and (n, q)."""
+    cosines = np.linalg.svd(one.T @ other, compute_uv=False)
+    # An arc cosine loses half its digits near one: small angles come from their sines.
+    small, large = (one, other) if one.shape[1] <= other.shape[1] else (other, one)
+    sines = np.linalg.svd(small - large @ (large.T @ small), compute_uv=False)[::-1]
+    angles = np.arccos(np.clip(cosines, -1.0, 1.0))
+    return np.where(angles < 0.1, np.arcsin(np.clip(sines[: angles.size], 0.0, 1.0)), angles)
+
+
+def own_directions(fitted: Fitted, base: Fitted) -> np.ndarray:
+    """Orthonormal basis (n, p) of what a grown model's new values do that no value of the base model does.
+
+    Both fits score the same samples with the same deviations.
+    """
+    new = np.array([key not in base.fit.keys for key in fitted.fit.keys], dtype=bool)
+    columns = fitted.fit.jacobian[:, new]
+    norms = np.linalg.norm(columns, axis=0)
+    alive = norms > 0.0
+    columns = columns[:, alive] / norms[alive]
+    basis = orthonormal(base.fit.jacobian)
+    free = columns - basis @ (basis.T @ columns)
+    return orthonormal(free[:, np.linalg.norm(free, axis=0) > LEAST_OWN])
+
+
+def angle_between(one: Fitted, other: Fitted, base: Fitted) -> float | None:
+    """Largest principal angle, rad, between two effects added to one base model; none where either adds nothing."""
+    a, b = own_directions(one, base), own_directions(other, base)
+    if a.shape[1] == 0 or b.shape[1] == 0:
+        return None
+    return float(principal_angles(a, b)[-1])
+
+
+def stand_in_angle(effect: Fitted, other: Fitted, base: Fitted) -> float | None:
+    """Angle, rad, between what an effect takes from the residual and what another could make; none where it is nothing.
+
+    Of two effects with unlike numbers of values the one may be able to do all that the other does, and not the other
+    way round: this asks whether `other` could stand in for `effect`.
+    """
+    taken = base.fit.residual - effect.fit.residual
+    basis = orthonormal(base.fit.jacobian)
+    free = taken - basis @ (basis.T @ taken)
+    size, could = float(np.linalg.norm(free)), own_directions(other, base)
+    if size <= LEAST_OWN * float(np.linalg.norm(taken)) or could.shape[1] == 0:
+        return None
+    return float(principal_angles(free[:, None] / size, could)[0])
