@@ -2,9 +2,9 @@
 
     python -m benchmarks.drawings [RUNS]
 
-Times are of fresh processes with a cache of their own, the best of RUNS (default 2); cold once, from no parts at all, and
-once with the parts made but no sheet drawn. Beside the time of day stands the processor time of all processes together,
-which says more on a busy machine.
+Times are of fresh processes with a cache of their own, the best of RUNS (default 2); cold once, from no parts at all,
+and once with the parts made but no sheet drawn. Beside the time of day stands the processor time of all processes
+together, which says more on a busy machine.
 """
 
 from __future__ import annotations
