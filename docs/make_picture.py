@@ -1,4 +1,4 @@
-"""Put the README's picture together: python docs/make_picture.py [BUILD], after `stagecad make` and `stagecad demo`."""
+"""Put the README's pictures together, after `stagecad make` and `stagecad demo`: python docs/make_picture.py [BUILD]."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from PIL import Image
 from stagecad.parameters.atomic import atomic_write_bytes
 
 PICTURE = Path(__file__).parent / "images" / "stagecad.png"
+SHEET = Path(__file__).parent / "images" / "tip_sheet.png"
+SHEET_WIDTH = 1400
 HEIGHT = 480
 COLOURS = 255
 
@@ -36,9 +38,16 @@ def picture(build: Path) -> bytes:
     return file.getvalue()
 
 
-def _as_high(image: Image.Image) -> Image.Image:
-    return image.resize((round(image.width * HEIGHT / image.height), HEIGHT), Image.Resampling.LANCZOS)
+def sheet(build: Path) -> bytes:
+    """The sheet of the tip, small, as a PNG of few greys."""
+    drawn = Image.open(next(build.rglob("tip.png"))).convert("L")
+    small = drawn.resize((SHEET_WIDTH, round(drawn.height * SHEET_WIDTH / drawn.width)), Image.Resampling.LANCZOS)
+    file = BytesIO()
+    small.quantize(16).save(file, "PNG", optimize=True)
+    return file.getvalue()
 
 
 if __name__ == "__main__":
-    atomic_write_bytes(PICTURE, picture(Path(sys.argv[1] if len(sys.argv) > 1 else "build")))
+    build = Path(sys.argv[1] if len(sys.argv) > 1 else "build")
+    atomic_write_bytes(PICTURE, picture(build))
+    atomic_write_bytes(SHEET, sheet(build))
