@@ -8,12 +8,13 @@ told in a callout.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from drawings.asked import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
-from drawings.view import Point2, View
+from drawings.face_lines import SQUARE, face_line
+from drawings.view import View, degrees_of, dot
 from drawings.wording import DIAMETER, callout, number, plain, times
 from stagecad.parameters.dimension import (
     DatumFeature,
@@ -27,9 +28,6 @@ from stagecad.solids.measure import Gauge, Surface
 
 EXACT = 1e-6
 """How near the solid must come to what is printed, before rounding, mm."""
-
-SQUARE = 1e-6
-"""Sine of the angle under which two directions still count as square or parallel."""
 
 LONGEST_BESIDE = 12
 """A note longer than this many letters does not go beside its number; it goes into a callout or the sheet's notes."""
@@ -166,17 +164,17 @@ class _Maker:
             return True
         match dimension.kind:
             case "linear" | "depth":
-                return abs(_dot(along, eye)) < SQUARE
+                return abs(dot(along, eye)) < SQUARE
             case "angle":
                 return abs(abs(eye[2]) - 1) < SQUARE
             case "radius":
-                return self._surface(dimension).kind != "CYLINDER" or abs(abs(_dot(along, eye)) - 1) < SQUARE
+                return self._surface(dimension).kind != "CYLINDER" or abs(abs(dot(along, eye)) - 1) < SQUARE
             case _:
                 return True
 
     def _seen_as_circle(self, view: View, dimension: Dimension) -> bool:
         assert dimension.direction is not None
-        return abs(abs(_dot(dimension.direction, view.projection.towards_eye)) - 1) < SQUARE
+        return abs(abs(dot(dimension.direction, view.projection.towards_eye)) - 1) < SQUARE
 
     def _text(self, dimension: Dimension) -> str:
         """Text with its note beside it where that is short, else with the number of a note."""
@@ -198,7 +196,7 @@ class _Maker:
     def _distance(self, view: View, d: Dimension) -> None:
         first, second = (view.projection.to_view(point) for point in d.points)
         assert d.direction is not None
-        angle = _degrees(view.projection.to_view(d.direction)) % 180
+        angle = degrees_of(view.projection.to_view(d.direction)) % 180
         self.asked.append(
             AskedDistance(
                 view.name, first, second, _tidy(angle), self._text(d).replace("{depth}", ""), d.value, (d.name,)
@@ -213,7 +211,7 @@ class _Maker:
         square = (-axis[1] / size, axis[0] / size)
         at, half = view.projection.to_view(d.points[0]), d.value / 2
         ends = [(at[0] + side * half * square[0], at[1] + side * half * square[1]) for side in (-1, 1)]
-        angle = _tidy(_degrees(square) % 180)
+        angle = _tidy(degrees_of(square) % 180)
         self.asked.append(AskedDistance(view.name, ends[0], ends[1], angle, self._text(d), d.value, (d.name,)))
 
     def _round(self, view: View, d: Dimension) -> None:
@@ -226,7 +224,7 @@ class _Maker:
             centre3 = _centre_of_round(self._surface(d), on)
             centre, radius = view.projection.to_view(centre3), d.value
             at = view.projection.to_view(on)
-            towards, spread = _degrees((at[0] - centre[0], at[1] - centre[1])), 20.0
+            towards, spread = degrees_of((at[0] - centre[0], at[1] - centre[1])), 20.0
         self.asked.append(
             AskedRound(view.name, kind, centre, radius, towards, spread, self._text(d), d.value, (d.name,))
         )
@@ -263,7 +261,7 @@ class _Maker:
         """A datum, a tolerance or a texture on the line as which its face is seen."""
         views = _preferred(self.views, requirement.view, requirement.points)
         for view in views:
-            line = self._line_of(view, requirement)
+            line = face_line(view, requirement, self.gauge)
             if line:
                 break
         else:
@@ -294,51 +292,6 @@ class _Maker:
                 made = AskedCallout(view.name, places[0], 0.0, lines, (name,), places[1:])
         self.asked.append(made)
 
-    def _line_of(self, view: View, requirement: FaceRequirement) -> tuple[Point2, Point2, float] | None:
-        """Ends of the line as which the face is seen, and the direction out of it; none where it is seen otherwise."""
-        eye = view.projection.towards_eye
-        point = next((p for p in requirement.points if view.cut and view.cut.holds(p)), requirement.points[0])
-        if not isinstance(requirement, SurfaceTexture) and requirement.round:
-            return self._outline_of(view, requirement)
-        if abs(_dot(requirement.normal, eye)) > SQUARE:
-            return None
-        for surface in self.gauge.surfaces:
-            if surface.holds(point):
-                u, v = view.projection.to_view(requirement.normal)
-                at, side = view.projection.to_view(point), (-v, u)
-                reach = [
-                    _along(view.projection.to_view(corner), at, side) for corner in _corners(surface.low, surface.high)
-                ]
-                low, high = max(min(reach), -40 / view.scale), min(max(reach), 40 / view.scale)
-                ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
-                return ends[0], ends[1], _degrees((u, v))
-        return None
-
-    def _outline_of(
-        self, view: View, requirement: DatumFeature | GeometricTolerance
-    ) -> tuple[Point2, Point2, float] | None:
-        """The outline, to the right or above, of a round face seen from the side."""
-        axis = requirement.normal
-        if abs(_dot(axis, view.projection.towards_eye)) > SQUARE:
-            return None
-        for surface in self.gauge.surfaces:
-            if surface.kind == "CYLINDER" and surface.off_axis(requirement.points[0]) < 1e-6:
-                low, high = surface.extent(axis)
-                at = _dot(requirement.points[0], axis)
-                if not low - 1e-6 <= at <= high + 1e-6:
-                    continue
-                u, v = view.projection.to_view(axis)
-                middle = view.projection.to_view(requirement.points[0])
-                corners = [view.projection.to_view(corner) for corner in _corners(surface.low, surface.high)]
-                for square in ((v, -u), (-v, u)):
-                    # A flat may have taken the outline away on one side.
-                    if max(_along(corner, middle, square) for corner in corners) > surface.radius - 1e-6:
-                        break
-                rim = (middle[0] + surface.radius * square[0], middle[1] + surface.radius * square[1])
-                ends = [(rim[0] + (end - at) * u, rim[1] + (end - at) * v) for end in (low, high)]
-                return ends[0], ends[1], _degrees(square)
-        return None
-
 
 def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> list[View]:
     """Views that may show something declared for the view `name`, the best first; details left out.
@@ -359,7 +312,7 @@ def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> lis
 
 
 def _parallel(one: View, other: View) -> bool:
-    return _dot(one.projection.towards_eye, other.projection.towards_eye) > 1 - SQUARE
+    return dot(one.projection.towards_eye, other.projection.towards_eye) > 1 - SQUARE
 
 
 def _centre_of_round(surface: Surface, on: Point) -> Point:
@@ -367,7 +320,7 @@ def _centre_of_round(surface: Surface, on: Point) -> Point:
     if surface.kind == "SPHERE":
         return surface.origin
     to = (on[0] - surface.origin[0], on[1] - surface.origin[1], on[2] - surface.origin[2])
-    along = _dot(to, surface.axis)
+    along = dot(to, surface.axis)
     on_axis = tuple(o + along * a for o, a in zip(surface.origin, surface.axis, strict=True))
     if surface.kind == "CYLINDER":
         return (on_axis[0], on_axis[1], on_axis[2])
@@ -378,22 +331,6 @@ def _centre_of_round(surface: Surface, on: Point) -> Point:
     size = math.hypot(*away)
     x, y, z = (o + major * a / size for o, a in zip(surface.origin, away, strict=True))
     return (x, y, z)
-
-
-def _corners(low: Point, high: Point) -> Iterable[Point]:
-    return ((x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2]))
-
-
-def _along(point: Point2, origin: Point2, direction: Point2) -> float:
-    return (point[0] - origin[0]) * direction[0] + (point[1] - origin[1]) * direction[1]
-
-
-def _dot(a: Point, b: Point) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _degrees(vector: Point2) -> float:
-    return math.degrees(math.atan2(vector[1], vector[0]))
 
 
 def _tidy(angle: float) -> float:

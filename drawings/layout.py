@@ -13,10 +13,11 @@ from dataclasses import dataclass, replace
 
 from drawings.annotation import Annotation, DetailMark, SectionMark
 from drawings.asked import Asked
-from drawings.dressing import Dressed, dress, moved, view_outline
+from drawings.dressing import Dressed, dress
 from drawings.field import around, grown, overlap
+from drawings.occupied import moved, view_outline
 from drawings.sheet import SheetArea
-from drawings.view import Box2, Point2, View
+from drawings.view import Box2, Point2, View, dot
 
 APART = 9.0
 """Least distance of what stands round two views, mm."""
@@ -125,7 +126,7 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
     for other in (*first, *whole):
         if view.clip and other.projection == view.projection:
             return other
-        if view.cut and abs(_dot(view.cut.normal, other.projection.towards_eye)) < 1e-6 and not other.cut:
+        if view.cut and abs(dot(view.cut.normal, other.projection.towards_eye)) < 1e-6 and not other.cut:
             return other
     return None
 
@@ -157,7 +158,7 @@ def _in_line(dressed: Sequence[Dressed]) -> dict[str, Point2]:
 def _side(view: View, parent: View) -> Point2:
     """Where third angle puts a view: on the side it is seen from; a parallel one to the right, or above."""
     eye = view.projection.towards_eye
-    across, up = _dot(eye, parent.projection.right), _dot(eye, parent.projection.up)
+    across, up = dot(eye, parent.projection.right), dot(eye, parent.projection.up)
     if abs(across) > 0.5:
         return (math.copysign(1.0, across), 0.0)
     if abs(up) > 0.5:
@@ -219,7 +220,3 @@ def _free(room: Box2, area: SheetArea, placed: Sequence[Box2]) -> bool:
 
 def _at(room: Box2, place: Point2) -> Box2:
     return (room[0] + place[0], room[1] + place[1], room[2] + place[0], room[3] + place[1])
-
-
-def _dot(a: tuple[float, ...], b: tuple[float, ...]) -> float:
-    return sum(x * y for x, y in zip(a, b, strict=True))

@@ -24,6 +24,16 @@ Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH"]
 """
 
 
+def dot(a: Point, b: Point) -> float:
+    """Product of two vectors: of unit vectors, the cosine of the angle between them."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def degrees_of(vector: Point2) -> float:
+    """Direction of a vector in the plane, degrees from u."""
+    return math.degrees(math.atan2(vector[1], vector[0]))
+
+
 @dataclass(frozen=True)
 class Segment:
     """A straight line."""
