@@ -78,9 +78,8 @@ def main(runs: int) -> None:
             for run in range(runs)
         )
         times["nothing changed"] = min(seconds(draw, cache) for _ in range(runs))
-    print(
-        f"{'stagecad drawings':28} {'time [s]':>9} {'processor [s]':>14} {'target [s]':>11}   ({os.cpu_count()} processors)"
-    )
+    heads = f"{'time [s]':>9} {'processor [s]':>14} {'target [s]':>11}"
+    print(f"{'stagecad drawings':28} {heads}   ({os.cpu_count()} processors)")
     for name, (value, processor) in times.items():
         missed = "" if value < TARGETS[name] else "missed"
         print(f"{name:28} {value:9.2f} {processor:14.2f} {TARGETS[name]:11.2f}   {missed}")

@@ -200,14 +200,21 @@ def _height_pin_2(design: Any) -> tuple[SheetPlan, ...]:
 _FRONT_ALONE = ViewPlan("front", "front", hidden=True)
 
 
+_SMALL = (
+    ViewPlan("front", "front"),
+    ViewPlan("top", "top", "front"),
+    ViewPlan("right", "right", "front"),
+    ViewPlan("iso", "iso", scale=2.0),
+)
+"""Views of a part that is drawn larger than it is."""
+
+
 def _magnet(design: Any) -> tuple[SheetPlan, ...]:
-    views = (ViewPlan("front", "front"), ViewPlan("top", "top", "front"), ViewPlan("right", "right", "front"), _ISO)
-    return (SheetPlan("magnet", ("A3",), 2.0, views),)
+    return (SheetPlan("magnet", ("A3", "A2"), 5.0, _SMALL),)
 
 
 def _tooth_iron(design: Any) -> tuple[SheetPlan, ...]:
-    views = (ViewPlan("front", "front"), ViewPlan("top", "top", "front"), ViewPlan("right", "right", "front"), _ISO)
-    return (SheetPlan("tooth_iron", ("A3",), 2.0, views),)
+    return (SheetPlan("tooth_iron", ("A3", "A2"), 5.0, _SMALL),)
 
 
 def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:

@@ -80,7 +80,7 @@ def test_a_sheet_comes_in_four_formats_with_its_model(drawn: tuple[Path, Path, d
     assert [Path(file).name for file in sheet["files"]] == names
     assert all((folder / name).stat().st_size > 1000 for name in names)
     assert sheet["hits"] == []
-    assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "2:1")
+    assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
     manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
     assert set(manifest["files"]) == set(names)
 
