@@ -1,4 +1,4 @@
-"""Put the README's pictures together, after `stagecad make` and `stagecad demo`: python docs/make_picture.py [BUILD]."""
+"""Put the README's pictures together, after `stagecad make` and `demo`: python docs/make_picture.py [BUILD]."""
 
 from __future__ import annotations
 
