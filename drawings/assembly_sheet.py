@@ -282,7 +282,7 @@ def title_of(machine: Assembled, design: Any, sheet: str) -> TitleBlock:
     return TitleBlock(
         title=sheet if drawn else f"assembly {sheet}",
         supplement=design.drawing.title,
-        number=f"THS_STG_{sheet.upper()}",
+        number=getattr(design.drawing, f"file_{sheet}"),
         material="",
         mass=machine.mass if drawn else "",
         scale=scale_text(SCALE),

@@ -200,7 +200,7 @@ def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: in
     return TitleBlock(
         title=f"{words} {number}/{count}" if count > 1 else words,
         supplement=drawing.title,
-        number=getattr(drawing, f"file_{part.name}", f"THS_STG_{part.name.upper()}"),
+        number=getattr(drawing, f"file_{part.name}"),
         material=part.material,
         mass=part.mass,
         scale=scale_text(plan.scale),
@@ -209,7 +209,7 @@ def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: in
         revision=part.revision,
         parameters=part.digest,
         kind="Part drawing",
-        finish="Ra 3.2; edges broken 0.2",
+        finish=f"Ra {1e6 * drawing.roughness:g}, edges deburred",
         tolerances=tolerances_of(design),
     )
 
