@@ -137,7 +137,7 @@ def judge(
     enough = ADEQUATE_OVER_NOISE[case.form]
     pattern = max((m.share for m in maps), default=0.0)
     if best is None or not worthwhile:
-        if over <= enough:
+        if over <= enough or ranking_error(base.residual) <= NOISE_ALONE:
             return done(
                 "adequate", None, (), 0.0, "what is left is noise, and no effect lowers it on the held-out record"
             )
@@ -157,7 +157,8 @@ def judge(
     after = excess(best.after_fit, best.after_validate)
     left = _left(over, after)
     share = explained_share(base, best)
-    to_the_noise = best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
+    clear = case.form == "output" or over >= CLEARLY_ABOVE
+    to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
     if over <= enough and (share < 0.5 or (best.family in AT_REVERSALS and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
@@ -197,6 +198,10 @@ def judge(
 
 NEARLY_NOISE = 1.5
 """Error over noise that an effect may leave without anything else being looked for beside it."""
+
+CLEARLY_ABOVE = 2.7
+"""Error over noise of a force balance above which that is believed: below, a law that sees a smoothed velocity may be
+off by as much."""
 
 NOISE_ALONE = 1.1
 """Ranking error, in deviations, from which an effect has left nothing but noise: no accident of timing does that."""
@@ -309,7 +314,9 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
         as_good = simpler and excess(other.after_fit, other.after_validate) <= 1.03 * least
         if as_good and before - other.error**2 >= 0.97 * gained:
             best = other
-    names = [t.family for t in group if t is not best and parameter_count(t) <= parameter_count(best)][:2]
+    names = [t.family for t in group if t is not best and (t is first or parameter_count(t) <= parameter_count(best))][
+        :2
+    ]
     return tuple(names), best
 
 
