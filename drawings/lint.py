@@ -23,6 +23,8 @@ Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "v
 
 PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH")
 """Layers of the part's own lines."""
+SYMBOL = 6.0
+"""Closed or bent lines beside the views that are smaller than this are symbols, mm on paper."""
 TOUCH = 0.05
 """By how much a text must go into something to touch it, mm on paper."""
 
@@ -102,7 +104,7 @@ class _Ink:
         self.view_lines: list[Line] = []
         self.view_texts: list[_Text] = []
         self.part_lines: list[Line] = []
-        self.small_frames: list[Box2] = []
+        self.symbols: list[Box2] = []
         self.lost: list[str] = []
         paper = document.paperspace()
         self.windows = list(_windows(paper))
@@ -130,8 +132,11 @@ class _Ink:
             self.view_lines += lines
             if entity.dxf.layer in PART:
                 self.part_lines += lines
-            elif entity.dxftype() == "LWPOLYLINE" and len(points) == 5 and math.dist(points[0], points[4]) < 1e-9:
-                self.small_frames.append(_box(map(window.to_paper, points)))
+            elif entity.dxftype() in ("LWPOLYLINE", "CIRCLE"):
+                box = _box(map(window.to_paper, points))
+                framed = len(points) == 5 and math.dist(points[0], points[4]) < 1e-9
+                if framed or max(box[2] - box[0], box[3] - box[1]) < SYMBOL:
+                    self.symbols.append(box)
 
 
 def lint(document: Drawing) -> list[Hit]:
@@ -141,7 +146,7 @@ def lint(document: Drawing) -> list[Hit]:
         *_lost(ink),
         *_texts_on_texts(ink),
         *_texts_on_lines(ink),
-        *_frames_on_parts(ink),
+        *_symbols_on_parts(ink),
         *_off_the_sheet(document, ink),
         *_shared_lines(document, ink),
         *_values(document, ink),
@@ -190,13 +195,13 @@ def _texts_on_lines(ink: _Ink) -> Iterator[Hit]:
                 break
 
 
-def _frames_on_parts(ink: _Ink) -> Iterator[Hit]:
-    """Frames of tolerances and datum letters that stand on the part."""
+def _symbols_on_parts(ink: _Ink) -> Iterator[Hit]:
+    """Symbols, and frames of tolerances and datum letters, that stand on the part."""
     lines = Lines()
     lines.add(ink.part_lines)
-    for frame in ink.small_frames:
-        if lines.touching((frame[0] + TOUCH, frame[1] + TOUCH, frame[2] - TOUCH, frame[3] - TOUCH)):
-            yield Hit("line", "the frame of a tolerance or datum is over the part", frame[:2])
+    for box in ink.symbols:
+        if lines.touching((box[0] + TOUCH, box[1] + TOUCH, box[2] - TOUCH, box[3] - TOUCH)):
+            yield Hit("line", "a symbol, or the frame of a tolerance or datum, is over the part", box[:2])
 
 
 def _reaches(line: Line, half: Point2) -> bool:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 NAME = "holder"
 
 NOTES = (
-    "Bores at the corners of an equilateral triangle about the axis, clamp holes in line with them.",
+    "Bores on an equilateral triangle about the axis; clamp holes in line with them, through to the bore.",
     "Lifting holes midway between the bores; index notches on the diameter parallel to the line of two bores.",
 )
 

@@ -70,6 +70,13 @@ def test_the_frame_of_a_tolerance_on_the_part_is_found() -> None:
     assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
 
 
+def test_a_symbol_on_the_part_is_found_although_it_is_no_text() -> None:
+    over = replace(HOLE, at=(150.0, 50.0), elbow=(194.0, 190.0), lines=("{surface}",))
+    assert hits(replace(CLEAN, annotations=(over,)), "line")
+    off = replace(over, elbow=(210.0, 190.0))
+    assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
+
+
 def test_what_leaves_the_frame_or_stands_on_the_title_block_is_found() -> None:
     assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
     low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())

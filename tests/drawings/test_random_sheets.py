@@ -70,6 +70,7 @@ def faults(design: Design) -> list[str]:
     return found
 
 
+@pytest.mark.xdist_group("sheets of random designs")
 @pytest.mark.parametrize("seed", range(3))
 def test_sheets_of_some_random_designs_are_free_of_hits(seed: int) -> None:
     design, overrides = random_design(seed)

@@ -19,6 +19,9 @@ from stagecad.solids.measure import Gauge
 from stagecad.solids.reading import Reading
 from stagecad.solids.registry import MADE, module_of
 
+pytestmark = pytest.mark.xdist_group("sheets of the thesis")
+"""One process draws each sheet once for all these tests."""
+
 NOT_DIMENSIONS = {
     "teeth.fitted": "whether pockets and tapped holes for the teeth are there: seen from their being there",
     "sea.whole_underside": "whether grooves bound the sea: seen from their being there",
