@@ -10,6 +10,7 @@ from sim.effect import Effect
 from sim.library import find, library
 from sysid.balance import Balance
 from sysid.case import Case
+from sysid.friction_drive import FrictionDriveRecord, can_show, contact_candidates
 from sysid.model import base_name
 
 EVERYONES = (
@@ -56,8 +57,11 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
         for variant in effect.variants:
             if variant.core is not None and variant.name.endswith((":maxwell_slip", ":lugre_causal")):
                 continue
+            if not _can_show(case, variant):
+                continue
             found.extend(_on_channels(case, find(variant.name, case.custom), present))
-    return found
+    driven = [r for r in case.fit_records if isinstance(r, FrictionDriveRecord)]
+    return [*found, *contact_candidates(driven, present)] if driven else found
 
 
 def _another_channel(case: Case, name: str, present: Sequence[str]) -> bool:
@@ -77,6 +81,8 @@ def _can_show(case: Case, effect: Effect) -> bool:
         return False
     if kind == "actuator-tip":
         return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
+    if isinstance(records[0], FrictionDriveRecord):
+        return can_show(records[0], effect)
     if acts == "piezo":
         return False
     if acts == "drive":

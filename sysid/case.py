@@ -17,7 +17,7 @@ from sysid.base_fit import Fitted, fit_model
 from sysid.experiment import DesignValues, Experiment, load_experiment
 from sysid.first_fit import first_fit
 from sysid.fit import Prior, Unknown
-from sysid.friction_drive import CONTACT_STIFFNESS, friction_drive_record, gain_and_press
+from sysid.friction_drive import CONTACT_STIFFNESS, contact_damping, friction_drive_record, gain_and_press
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model, Prepared, Scales, scales_of, with_effect
 from sysid.noise_floor import Noise, estimate_noise
@@ -167,8 +167,8 @@ def _rig_numbers(
     values: dict[str, float] = {}
     unknowns: list[Unknown] = []
 
-    def put(name: str, guess: Callable[[], float]) -> None:
-        given = known.get(name)
+    def put(name: str, guess: Callable[[], float], known_as: str | None = None) -> None:
+        given = known.get(known_as or name)
         value = given.value if given is not None else guess()
         values[f"rig.{name}"] = value
         if given is None:
@@ -189,9 +189,12 @@ def _rig_numbers(
             known["contact_stiffness"].value if "contact_stiffness" in known else (CONTACT_STIFFNESS)
         )
         put("mass", lambda: 1.0)
-        values["rig.gain"] = gain
-        if "piezo_gain" not in known:
-            unknowns.append(Unknown("rig.gain", gain, 0.0, np.inf, gain))
+        damping = contact_damping(values["rig.contact_stiffness"], values["rig.mass"])
+        put("contact_damping", lambda: damping)
+        if "contact_damping" not in known:
+            # Ten times that is a third of critical: a fit that wants more wants something else.
+            unknowns[-1] = replace(unknowns[-1], low=0.0, high=10.0 * damping)
+        put("gain", lambda: gain, "piezo_gain")
         if press is not None:
             put("press", lambda: press)
     if kind == "actuator-tip":

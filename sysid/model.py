@@ -11,6 +11,7 @@ import numpy as np
 from sim.effect import Effect, Parameter
 from sysid.balance import Balance
 from sysid.fit import Unknown
+from sysid.friction_drive import CONTACT, FrictionDriveRecord, predict_friction_drive
 from sysid.prediction import predict_balance, split_channel
 from sysid.tip import TipRecord, predict_tip
 
@@ -24,8 +25,9 @@ def predict(
     at: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, np.ndarray]:
     """Predicted channels of a prepared record of any rig, (n,), or at the samples `at` of each channel, (k,)."""
-    if isinstance(record, TipRecord):
-        predicted = predict_tip(record, effects, values)
+    if isinstance(record, TipRecord | FrictionDriveRecord):
+        whole = predict_tip if isinstance(record, TipRecord) else predict_friction_drive
+        predicted = whole(record, effects, values)  # pyright: ignore[reportArgumentType]
         return predicted if at is None else {channel: predicted[channel][index] for channel, index in at.items()}
     return predict_balance(record, effects, values, at)
 
@@ -72,7 +74,11 @@ def scales_of(records: Sequence[Prepared]) -> Scales:
             continue
         axis = record.axis
         y = record.measured[record.force_channel]
-        found["force"].append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
+        if isinstance(record, FrictionDriveRecord):
+            found["force"].append(record.force_scale)
+            found["input"].append(max(float(np.ptp(u)) for u in record.drives))
+        else:
+            found["force"].append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
         found["channel"].append(float(np.max(np.abs(y))))
         found["position"].append(float(np.ptp(axis.position)))
         found["velocity"].append(float(np.max(np.abs(axis.velocity))))
@@ -208,18 +214,32 @@ def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
     return found
 
 
+CONTACT_OVER_PADS = 1.03
+"""What a contact holds over the pads' friction, where a fit of it begins."""
+
+
+def in_contact(effect: Effect) -> bool:
+    """Whether an effect acts between tip and stage, and not on the axis."""
+    return effect.name.startswith(CONTACT)
+
+
 def with_effect(model: Model, effect: Effect, scales: Scales, start: Mapping[str, float] | None = None) -> Model:
     """The model with one more effect; a core takes the place of the one before it, and starts from its level."""
     effects, values = list(model.effects), dict(model.values)
     unknowns = list(model.unknowns)
     if effect.core is not None:
-        for old in [e for e in effects if e.core is not None]:
+        for old in [e for e in effects if e.core is not None and in_contact(e) == in_contact(effect)]:
             effects.remove(old)
             unknowns = [u for u in unknowns if not u.key.startswith(f"{old.name}.")]
             carried = {k.partition(".")[2]: v for k, v in values.items() if k.startswith(f"{old.name}.")}
             values = {k: v for k, v in values.items() if not k.startswith(f"{old.name}.")}
             if "force" in carried:
                 start = {f"{effect.name}.force": carried["force"], **(start or {})}
+        beside = next((e for e in effects if e.core is not None), None)
+        if in_contact(effect) and beside is not None and f"{effect.name}.force" not in (start or {}):
+            # A contact that holds less than the pads moves nothing, one that holds far more never slips: either way
+            # nothing shows what it holds.
+            start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{beside.name}.force"], **(start or {})}
         effects.insert(0, effect)
     else:
         effects.append(effect)

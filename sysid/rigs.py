@@ -141,6 +141,9 @@ RIGS: dict[str, RigKind] = {
                 "normal_load": KnownQuantity("N", "N"),
                 "preload": KnownQuantity("N", "N"),
                 "piezo_gain": KnownQuantity("m/V", "m/V"),
+                "contact_stiffness": KnownQuantity("N/m", "N/m"),
+                "contact_damping": KnownQuantity("N*s/m", "N*s/m", positive=False),
+                "press": KnownQuantity("m", "m"),
             },
         ),
     )

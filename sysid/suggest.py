@@ -23,6 +23,7 @@ from sysid.case import Case, load_case, make_case
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment import DesignValues
 from sysid.fit import least_squares
+from sysid.friction_drive import FrictionDriveRecord, driven_by
 from sysid.ladder_files import read_ladder
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model, Prepared, predict
@@ -230,9 +231,9 @@ def _away_from_turns(record: Prepared, pick: np.ndarray) -> np.ndarray:
 def motions_for(case: Case) -> list[Motion]:
     """The family of motions for a case's rig, within what its records have shown."""
     first = case.fit_records[0]
-    if isinstance(first, TipRecord):
+    if isinstance(first, TipRecord | FrictionDriveRecord):
         drives = [
-            np.concatenate([r.drives[k] for r in case.fit_records if isinstance(r, TipRecord)])
+            np.concatenate([r.drives[k] for r in case.fit_records if isinstance(r, TipRecord | FrictionDriveRecord)])
             for k in range(len(first.drives))
         ]
         return tip_motions([float(u.min()) for u in drives], [float(u.max()) for u in drives], first.step)
@@ -268,9 +269,11 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
     n = next(iter(motion.signals.values())).size
     time = np.arange(n) * motion.step
     scored = np.arange(n) >= 1
-    if isinstance(first, TipRecord):
+    if isinstance(first, TipRecord | FrictionDriveRecord):
         bias = case.experiment.rig.known.get("bias_voltage")
         drives = [motion.signals[f"voltage_{k + 1}"] - (bias.value if bias else 0.0) for k in range(len(first.drives))]
+        if isinstance(first, FrictionDriveRecord):
+            return driven_by(first, motion.name, motion.step, drives), _independent(case, first, motion.step)
         record: Prepared = replace(
             first, name=motion.name, step=motion.step, time=time, drives=drives, memo={},
             measured={c: np.zeros(n) for c in first.measured}, valid=dict.fromkeys(first.measured, scored),

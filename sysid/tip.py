@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -22,6 +22,14 @@ from sysid.noise_floor import Noise
 from sysid.prediction import Values, remember, sensed, values_of
 from sysid.records import Record
 from sysid.uniform import uniform
+
+
+class DrivenPiezos(Protocol):
+    """A prepared record with the voltages of one actuator from their bias, V, each (n,)."""
+
+    drives: list[np.ndarray]
+    step: float
+    memo: dict[tuple[object, ...], object]
 
 
 @dataclass
@@ -70,7 +78,7 @@ def tip_record(record: Record, known: Mapping[str, float], noise: Mapping[str, N
     )  # fmt: skip
 
 
-def _stretch(record: TipRecord, effects: Sequence[Effect], values: Values, index: int) -> np.ndarray:
+def stretch_of(record: DrivenPiezos, effects: Sequence[Effect], values: Values, index: int) -> np.ndarray:
     """Stretch (n,) of one piezo over its gain, V, after every effect on drive and piezo."""
     signal, key = record.drives[index], ("stretch", index)
     for effect in effects:
@@ -86,7 +94,7 @@ def _stretch(record: TipRecord, effects: Sequence[Effect], values: Values, index
 
 def predict_tip(record: TipRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
     """Predicted tip channels (n,), m."""
-    stretches = [_stretch(record, effects, values, k) for k in range(len(record.drives))]
+    stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
     gain, lever = values["rig.gain"], record.tip_height / record.piezo_spacing
     first, second = stretches[0], stretches[1]
     out: dict[str, np.ndarray] = {"tip_x": -lever * gain * (second - first), "tip_y": 0.5 * gain * (first + second)}

@@ -1,0 +1,296 @@
+"""A friction-drive record: voltages of one actuator in, position of the stage out, along one axis.
+
+    tip:      along = -h (d2 - d1)/D,   up = (d1 + d2)/2  (with a third piezo, the mean of all three),
+              d_i = gain * (voltage_i - bias_voltage), after every effect on drive and piezo
+    contact:  force T on the stage while the tip touches, 1 + up/press > 0; without a contact effect a spring and a
+              dashpot that never slip, T = k (tip - x) + c (tip' - x'); with one, friction between tip and stage
+    stage:    m x'' = T - (friction of the pads) - (other forces of the pads' effects)
+
+The stage's motion is predicted, from rest, and compared with the measured position: the form is `output`. Friction
+sticks and slips as bristles that yield at their share of a level (one for `coulomb`, many for `presliding`); their
+stretch follows the predicted motion. What sets the level (speed, position, load, distance, age) is read off the
+measured motion: it is known far better than any level changes with it, and the prediction stays one pass.
+
+The contact's stiffness k scales every force and none of the motion, so it is held: at the user's value, or at 10 N/um.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from sim.cores.maxwell_slip import elements_of
+from sim.effect import Axis, Effect
+from sim.library import find
+from stagecad.parameters.errors import InputError
+from sysid.balance import Balance, filled, make_axis
+from sysid.follow import follow
+from sysid.noise_floor import Noise
+from sysid.prediction import Values, axis_force, friction_level, remember, sensed, values_of
+from sysid.records import Record
+from sysid.smoothing import GaussianFilter
+from sysid.tip import stretch_of
+from sysid.uniform import uniform
+
+CONTACT = "contact."
+CONTACT_STIFFNESS = 1e7
+"""N/m, where the user gives none: the order of a Hertz contact under some newtons."""
+CONTACT_DAMPING = 0.03
+"""Damping ratio of the stage on its contact, where a fit of the dashpot begins."""
+GRAVITY = 9.80665
+PAD_FRICTION = 0.05
+"""Friction over weight of a run-in pad: where a fit of the pads' level begins."""
+LONGEST_STEP = 1e-4
+"""s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""
+REST_SIGMAS = 5.0
+LIGHT = 4.0
+"""Width in steps of the filter through which the motion is seen that sets the levels."""
+RIGID_STRETCH = 1e-9
+"""m: of a Coulomb bristle, far below what the contact itself gives."""
+CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_asymmetry", "load_dependent_friction")
+
+
+@dataclass
+class FrictionDriveRecord(Balance):
+    """One friction-drive record, prepared; the axis is the pads'.
+
+    Args:
+        drives: voltages from the bias, V, each (n,).
+        lever: h/D.
+        force_scale: size of a pad friction, N.
+    """
+
+    drives: list[np.ndarray] = field(default_factory=list)
+    lever: float = 0.0
+    force_scale: float = 1.0
+
+    @property
+    def time(self) -> np.ndarray:
+        """s, shape (n,)."""
+        return self.axis.time
+
+
+def friction_drive_record(
+    record: Record, known: Mapping[str, float], noise: Mapping[str, Noise]
+) -> FrictionDriveRecord:
+    """A record of the rig kind `friction-drive`; of what is known, `piezo_spacing` and `tip_height` are needed, m."""
+    time, step, channels, hole = uniform(record)
+    drives, missing = [], hole.copy()
+    for name in ("voltage_1", "voltage_2", "voltage_3"):
+        if name in channels:
+            voltage, gap = filled(channels[name])
+            missing |= gap
+            drives.append(voltage - known.get("bias_voltage", 0.0))
+    position, gap = filled(channels["position"])
+    valid = ~(gap | missing)
+    valid[0] = False
+    sigma = noise["position"].value
+    light = GaussianFilter(LIGHT * step, step, time.size)
+    velocity = light(position, 1)
+    rest = REST_SIGMAS * sigma * light.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
+    load, temperature = (_optional(channels, name) for name in ("normal_load", "temperature"))
+    return FrictionDriveRecord(
+        name=record.name, role=record.role, kind="friction-drive", step=step,
+        axis=make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest),
+        measured={"position": position}, valid={"position": valid}, noise={"position": sigma},
+        acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, time.size), force_channel="position",
+        drives=drives, lever=known["tip_height"] / known["piezo_spacing"],
+        force_scale=PAD_FRICTION * GRAVITY * known.get("mass", 1.0),
+    )  # fmt: skip
+
+
+def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
+    values = channels.get(name)
+    return None if values is None or not np.isfinite(values).any() else filled(values)[0]
+
+
+def tip_of(record: FrictionDriveRecord, stretches: Sequence[np.ndarray], gain: float) -> tuple[np.ndarray, np.ndarray]:
+    """Motion of the tip along and up, m, each (n,), from the stacks' stretch over their gain."""
+    along = -record.lever * gain * (stretches[1] - stretches[0])
+    return along, gain * np.mean(stretches, axis=0)
+
+
+def contact_damping(stiffness: float, mass: float) -> float:
+    """Where a fit of the contact's dashpot begins, N s/m."""
+    return CONTACT_DAMPING * 2.0 * float(np.sqrt(stiffness * mass))
+
+
+def gain_and_press(records: Sequence[Record], known: Mapping[str, float]) -> tuple[float, float | None]:
+    """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and how far the tip is pressed in, m.
+
+    The press is none where the tip goes neither up nor down: then it cannot be told.
+    """
+    lever = known["tip_height"] / known["piezo_spacing"]
+    across, common, travel = [], [], []
+    for record in records:
+        volts = [record.channels[name] for name in ("voltage_1", "voltage_2", "voltage_3") if name in record.channels]
+        across.append(float(np.nanstd(volts[1] - volts[0])))
+        common.append(float(np.ptp(np.nanmean(volts, axis=0))))
+        travel.append(float(np.nanstd(record.channels["position"])))
+    gain = known.get("piezo_gain", max(travel) / max(lever * max(across), 1e-300))
+    goes_up = max(common) > 0.02 * max(across)
+    return gain, gain * max(common) if goes_up else None
+
+
+def predict_friction_drive(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values
+) -> dict[str, np.ndarray]:
+    """Predicted position of the stage (n,), m."""
+    stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
+    along, up = tip_of(record, stretches, values["rig.gain"])
+    press = values.get("rig.press", np.inf)
+    load = 1.0 + up / press
+    pads = [e for e in effects if not e.name.startswith(CONTACT)]
+    pad_level = np.broadcast_to(friction_level(record, pads, values), (record.size,))
+    pad_reach, pad_weights = _bristles(_core(pads), values)
+    contact = [e for e in effects if e.name.startswith(CONTACT)]
+    level, push = _contact(record, contact, values, along, load)
+    reach, weights = _bristles(_core(contact), values)
+    position = follow(
+        np.ascontiguousarray(along),
+        np.ascontiguousarray(push - axis_force(record, pads, values)),
+        level,
+        reach,
+        weights,
+        values["rig.contact_stiffness"],
+        values["rig.contact_damping"],
+        np.ascontiguousarray(pad_level, dtype=float) if pad_weights.size else np.zeros(record.size),
+        pad_reach,
+        pad_weights,
+        values["rig.mass"],
+        record.step,
+        max(1, int(np.ceil(record.step / LONGEST_STEP))),
+    )
+    ok = record.valid["position"]
+    measured = record.measured["position"]
+    seen = sensed(effects, values, {"position": position + measured[int(np.argmax(ok))]}, record.step)["position"]
+    # Where a record begins is read with the noise of one sample; its mean is read with all of them.
+    return {"position": seen + float(np.mean(measured[ok] - seen[ok]))}
+
+
+def _core(effects: Sequence[Effect]) -> Effect | None:
+    return next((e for e in effects if e.core is not None), None)
+
+
+def _bristles(core: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarray]:
+    """Stretches at which the bristles of a core slip, m, and the parts of the level they carry; none without a core.
+
+    Raises:
+        InputError: a core whose bristles do not yield at a stretch of their own.
+    """
+    if core is None:
+        return np.empty(0), np.empty(0)
+    if core.core.name == "coulomb":
+        return np.array([RIGID_STRETCH]), np.ones(1)
+    if core.core.name == "maxwell_slip":
+        p = values_of(core, values)
+        return elements_of(float(p.stretch), float(p.curvature))
+    raise InputError(
+        f"model.effects: '{core.name}' cannot be used on a friction-drive; its cores are 'coulomb' and 'presliding'"
+    )
+
+
+def _contact(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Most that the contact holds (n,), N, infinite where it never slips, and what its other forces add to the push."""
+    touches = load > 0.0
+    core = _core(effects)
+    if core is None:
+        return np.where(touches, np.inf, 0.0), np.zeros(record.size)
+    axis = _sliding(record, along, load)
+    total: Any = 0.0
+    factor: Any = 1.0
+    push = np.zeros(record.size)
+    for effect in effects:
+        p = values_of(effect, values)
+        if effect.level is not None:
+            total = total + effect.level(axis, p)
+        if effect.factor is not None:
+            factor = factor * effect.factor(axis, p)
+        if effect.force is not None:
+            push = push + np.where(touches, effect.force(axis, p), 0.0)
+    return np.where(touches, np.maximum(total * factor, 0.0), 0.0), push
+
+
+def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -> Axis:
+    """The contact's own axis: the tip's motion over the stage, and its load, in means of the pads' recorded one."""
+    rest = float(np.mean(record.axis.load))
+
+    def made() -> Axis:
+        relative = along - record.axis.position
+        light = GaussianFilter(LIGHT * record.step, record.step, record.size)
+        speed = light(relative, 1)
+        still = 1e-3 * float(np.max(np.abs(speed))) + 1e-300
+        return make_axis(
+            record.time, relative, speed, light(relative, 2), rest * np.maximum(load, 0.0),
+            record.axis.temperature, still,
+        )  # fmt: skip
+
+    return remember(record.memo, ("sliding", along.tobytes(), load.tobytes()), made)
+
+
+def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
+    """Whether a friction-drive's prediction has a place for an effect of pads, drive, piezos or sensor."""
+    if effect.acts_on in ("drive", "piezo", "sensor"):
+        return effect.signal is not None
+    if effect.core is not None:
+        return effect.core.name in ("coulomb", "maxwell_slip")
+    has_law = effect.level is not None or effect.factor is not None or effect.force is not None
+    return (effect.acts_on in ("friction", "axis") and has_law) or effect.name == "frictional_lag"
+
+
+def contact_candidates(records: Sequence[FrictionDriveRecord], present: Sequence[str]) -> list[Effect]:
+    """Effects between tip and stage to try on top of a model: first that it slips, then how."""
+    cores = {CONTACT + "coulomb", CONTACT + "presliding"}
+    taken = set(present)
+    names = []
+    for name in CONTACT_EFFECTS:
+        full = CONTACT + name
+        if full in taken:
+            continue
+        if full in cores:
+            # Presliding may take the place of plain slip; nothing else takes the place of presliding.
+            allowed = not taken & cores or (name == "presliding" and CONTACT + "coulomb" in taken)
+        else:
+            allowed = bool(taken & cores)
+        if name == "load_dependent_friction" and not any(_goes_up(r) for r in records):
+            allowed = False
+        if allowed:
+            names.append(full)
+    return [find(name) for name in names]
+
+
+def _goes_up(record: FrictionDriveRecord) -> bool:
+    common = np.mean(record.drives, axis=0)
+    return float(np.ptp(common)) > 0.02 * float(np.ptp(record.drives[1] - record.drives[0]))
+
+
+def driven_by(record: FrictionDriveRecord, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
+    """A record as if the rig had been given other voltages, its stage following the tip; V, each (n,)."""
+    n = drives[0].size
+    time = np.arange(n) * step
+    follows = -record.lever * (drives[1] - drives[0])
+    axis = make_axis(
+        time, follows, np.gradient(follows, step), np.zeros(n), np.full(n, np.mean(record.axis.load)),
+        np.full(n, np.mean(record.axis.temperature)), 1e-9,
+    )  # fmt: skip
+    return replace(
+        record, name=name, step=step, axis=axis, drives=drives, memo={}, smooth=GaussianFilter(0.0, step, n),
+        measured={"position": np.zeros(n)}, valid={"position": np.arange(n) >= 1},
+    )  # fmt: skip
+
+
+__all__ = [
+    "FrictionDriveRecord",
+    "can_show",
+    "contact_candidates",
+    "contact_damping",
+    "driven_by",
+    "friction_drive_record",
+    "gain_and_press",
+    "predict_friction_drive",
+]
