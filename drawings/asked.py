@@ -84,6 +84,7 @@ class AskedFrame:
         first, second: ends of that line.
         outward: direction out of the material, degrees.
         letter: of a datum; a characteristic is none then.
+        diameter: of the round face whose axis the datum is, mm: its mark goes on that dimension line; else 0.
     """
 
     view: str
@@ -95,6 +96,7 @@ class AskedFrame:
     tolerance: str = ""
     datums: tuple[str, ...] = ()
     letter: str = ""
+    diameter: float = 0.0
 
 
 Asked = AskedDistance | AskedRound | AskedAngle | AskedCallout | AskedFrame

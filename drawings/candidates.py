@@ -253,6 +253,23 @@ def of_frame(asked: AskedFrame, view: View, *, harder: bool = False) -> Iterator
                 )
 
 
+def of_axis(asked: AskedFrame, view: View, across: Linear) -> Iterator[Candidate]:
+    """A datum's mark in line with the dimension of a diameter: the datum is its axis (ISO 5459)."""
+    turn = math.radians(across.angle)
+    u = (math.cos(turn), math.sin(turn))
+    base = _dot(across.line_at, u)
+    for point, out in ((across.first, 1.0), (across.second, 1.0), (across.first, -1.0), (across.second, -1.0)):
+        step = _dot(view.to_paper(point), u) - base
+        other = across.second if point is across.first else across.first
+        if out * (_dot(view.to_paper(other), u) - base - step) > 0.0:
+            continue
+        foot = (across.line_at[0] + step * u[0], across.line_at[1] + step * u[1])
+        on = ((foot[0] - view.place[0]) / view.scale, (foot[1] - view.place[1]) / view.scale)
+        for length in (10.0, 14.0, 18.0, 24.0, 32.0, 44.0):
+            frame_at = (foot[0] + out * length * u[0], foot[1] + out * length * u[1])
+            yield 0.5 * length, DatumMark(asked.view, on, frame_at, asked.letter)
+
+
 def _between(first: Point2, second: Point2, share: float) -> Point2:
     return (first[0] + share * (second[0] - first[0]), first[1] + share * (second[1] - first[1]))
 

@@ -271,7 +271,10 @@ class _Maker:
         match requirement:
             case DatumFeature():
                 name = f"datum {requirement.letter}"
-                made = AskedFrame(view.name, first, second, outward, (name,), letter=requirement.letter)
+                diameter = self._diameter(requirement) if requirement.round else 0.0
+                made = AskedFrame(
+                    view.name, first, second, outward, (name,), letter=requirement.letter, diameter=diameter
+                )
             case GeometricTolerance():
                 text = f"{requirement.value:g}"
                 if requirement.combined:
@@ -291,6 +294,10 @@ class _Maker:
                 name = f"texture {requirement.name}"
                 made = AskedCallout(view.name, places[0], 0.0, lines, (name,), places[1:])
         self.asked.append(made)
+
+    def _diameter(self, datum: DatumFeature) -> float:
+        bore = Dimension("datum", "diameter", 1.0, datum.letter, datum.points, datum.normal)
+        return self.gauge.measure(bore) or 0.0
 
 
 def _preferred(views: Sequence[View], name: str, points: Sequence[Point]) -> list[View]:

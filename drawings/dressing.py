@@ -11,14 +11,15 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotation import Annotation, Callout, SectionMark
+from drawings.annotation import Annotation, Callout, Linear, SectionMark
 from drawings.asked import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
-from drawings.candidates import Candidate, of_angle, of_callout, of_distance, of_frame, of_round
+from drawings.candidates import Candidate, of_angle, of_axis, of_callout, of_distance, of_frame, of_round
 from drawings.field import Field, Line, Lines, around, grown, reaches
 from drawings.lettering import LARGE
 from drawings.occupied import about, curve_lines, keeps_off_itself, occupied, tip_of, view_outline
 from drawings.symbols import line_width
 from drawings.view import Box2, Point2, View
+from drawings.wording import DIAMETER
 
 CLEAR = 1.2
 """Room round a text, mm."""
@@ -228,6 +229,9 @@ class _Placer:
             case AskedAngle():
                 return of_angle(asked, self.view, harder=harder)
             case AskedFrame():
+                across = self._across(asked)
+                if across and not harder:
+                    return of_axis(asked, self.view, across)
                 return of_frame(asked, self.view, harder=harder)
             case AskedCallout():
                 room = self.room()
@@ -237,6 +241,11 @@ class _Placer:
                     asked = replace(asked, at=drawn[0], choices=tuple(drawn[1:]))
                 columns = (room[0] - 3.0, room[2] + 3.0)
                 return of_callout(asked, self.view, self.outline, columns, harder=harder)
+
+    def _across(self, asked: AskedFrame) -> Linear | None:
+        """The dimension of the diameter whose axis a datum is, where it stands in this view."""
+        lines = (one for one in self.kept if isinstance(one, Linear) and one.text.startswith(DIAMETER))
+        return next((one for one in lines if abs(one.measured - asked.diameter) < 1e-6), None)
 
     def _extra(self, annotation: Annotation, most: float) -> tuple[float, int]:
         """What a place costs for what is there already, and how many texts are touched; stops beyond `most`."""

@@ -122,7 +122,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
     (x1, y1), (x2, _), (_, y3) = piezo_places(design)
     top, outside, middle = h.height, h.diameter / 2, (h.height + h.floor) / 2
     d.diameter(
-        "diameter", "holder.diameter", (0, 0, h.floor / 2), on=X, view="top", note="sliding fit in the base's pocket"
+        "diameter", "holder.diameter", (0, 0, h.floor / 2), on=X, view="front", note="sliding fit in the base's pocket"
     )
     d.linear("height", "holder.height", (0, 0, 0), (0, -outside + 4, top), Z, view="front")
     d.linear(

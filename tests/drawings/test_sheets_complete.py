@@ -125,3 +125,11 @@ def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
 def test_the_sheets_of_the_thesis_are_free_of_hits(part: str) -> None:
     for sheet in sheets(part):
         assert [str(hit) for hit in lint(document_of(sheet))] == [], sheet.name
+
+
+def test_a_datum_that_is_an_axis_stands_in_line_with_its_diameter() -> None:
+    (sheet,) = sheets("holder")
+    (mark,) = (a for a in sheet.annotations if isinstance(a, DatumMark))
+    diameter = next(a for a in sheet.annotations if isinstance(a, Linear) and a.names == ("diameter",))
+    assert mark.frame_at[1] == pytest.approx(diameter.line_at[1])
+    assert sheet.view(mark.view).to_paper(mark.at)[1] == pytest.approx(diameter.line_at[1])
