@@ -33,11 +33,16 @@ SHEETS = "sheets.json"
 PROCEDURE = "procedure"
 """The sheet that tells how the machine is put together."""
 
+WHOLE = (ASSEMBLY, PROCEDURE)
+"""Sheets that need every part."""
+MAKE = "make "
+"""Begins the name of a task that makes a part and draws nothing."""
+
 Calculate = Callable[[Store, Any], "ProcedureValues"]
 """Gives what the procedure of a design has to calculate, once its parts are in the store; it must pickle."""
 
 SLOWEST_FIRST = ("base", "stage", "holder", "tip", "tooth_bar", "bearing_way")
-"""Order in which parts are begun, so that no long one is left for the end; the assembly needs them all."""
+"""Order in which parts are begun, so that no long one is left for the end."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +97,7 @@ def find_sheets(
     Args:
         calculate: for the procedure.
     """
-    if part in (ASSEMBLY, PROCEDURE):
+    if part in WHOLE:
         machine = find_machine(design, store)
         if machine is None:
             return None
@@ -158,21 +163,30 @@ def make_sheets(
             found[part] = sheets
             advance(part)
     missing = sorted((part for part in wanted if part not in found), key=_slowness)
-    if missing:
-        found |= run_tasks(missing, partial(_draw_elsewhere, store.folder, design, calculate), advance, workers=workers)
+    tasks = [part for part in missing if part not in WHOLE]
+    if len(tasks) < len(missing):
+        # The whole machine needs parts that have no sheet to draw, or whose sheet is there: better side by side, too.
+        others = [name for name in part_names(design) if name not in tasks]
+        tasks += [f"{MAKE}{name}" for name in others if find_part(store, name, design) is None]
+        tasks += [part for part in missing if part in WHOLE]
+    if tasks:
+        work = partial(_draw_elsewhere, store.folder, design, calculate)
+        drawn = run_tasks(tasks, work, lambda task: None if task.startswith(MAKE) else advance(task), workers=workers)
+        found |= {task: sheets for task, sheets in drawn.items() if not task.startswith(MAKE)}
     return {part: found[part] for part in wanted}
 
 
 def _slowness(part: str) -> int:
-    if part in (ASSEMBLY, PROCEDURE):
-        return len(SLOWEST_FIRST) + 1
     return SLOWEST_FIRST.index(part) if part in SLOWEST_FIRST else len(SLOWEST_FIRST)
 
 
 def _draw_elsewhere(
     folder: Path, design: Any, calculate: Calculate | None, part: str, late: bool
 ) -> tuple[MadeSheet, ...]:
-    if part in (ASSEMBLY, PROCEDURE):
+    if part.startswith(MAKE):
+        make_part(Store(folder), part.removeprefix(MAKE), design)
+        return ()
+    if part in WHOLE:
         return draw_whole(Store(folder), part, design, calculate)
     return draw_part(Store(folder), part, design, exact=not late)
 
@@ -251,10 +265,12 @@ def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tu
     def make(reading: Any, folder: Path) -> None:
         from drawings.ap242 import write_ap242
         from drawings.part_sheets import sheets_of
+        from stagecad.solids.measure import Gauge
 
         described = describe(made, reading)
-        write_ap242(part, reading, described.solid, folder / f"{part}_ap242.step")
-        documents = [write_sheet(sheet, folder) for sheet in sheets_of(described, reading, exact=exact)]
+        gauge = Gauge(described.solid)
+        write_ap242(part, reading, described.solid, folder / f"{part}_ap242.step", gauge)
+        documents = [write_sheet(sheet, folder) for sheet in sheets_of(described, reading, gauge, exact=exact)]
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
     return _sheets(store.make(f"drawing of {part}", design, _modules(part), make, _depends(made)))

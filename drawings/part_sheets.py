@@ -112,17 +112,18 @@ class Described:
     revision: str
 
 
-def sheets_of(part: Described, design: Any, *, exact: bool = True) -> tuple[Sheet, ...]:
+def sheets_of(part: Described, design: Any, gauge: Gauge | None = None, *, exact: bool = True) -> tuple[Sheet, ...]:
     """The sheets of a part.
 
     Args:
         part: what is drawn.
         design: for scales that depend on it, tolerances and the title.
+        gauge: of the solid, where it has been read before.
         exact: how lines are hidden (`drawings.projection.project`).
     """
     plans = sheet_plans(part.name, design)
     views = Views(part.solid.wrapped, exact=exact)
-    gauge = Gauge(part.solid)
+    gauge = gauge or Gauge(part.solid)
     return tuple(
         _sheet(part, design, plans, number, views.of(plan), gauge) for number, plan in enumerate(plans, start=1)
     )

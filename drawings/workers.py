@@ -6,6 +6,7 @@ is sure to end.
 
 from __future__ import annotations
 
+import gc
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -124,7 +125,11 @@ class _Worker:
 
 
 def _serve(pipe: Connection, work: Work) -> None:
-    """Do what comes through the pipe until it closes."""
+    """Do what comes through the pipe until it closes.
+
+    Garbage is not collected: a worker lives for some seconds, and looking through what it holds takes a fifth of them.
+    """
+    gc.disable()
     while True:
         try:
             name, late = pipe.recv()
