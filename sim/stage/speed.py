@@ -14,8 +14,8 @@ from sim.stage.machine import StageMachine
 from sim.stage.waveforms import two_piezo_ellipse
 
 LAWS = {"stopping": 1.0, "coasting": 2.0, "apex": math.pi}
-HOLDS = 0.15
-"""A law holds where the speed is within this part of it."""
+NEAR = 0.15
+"""A law is met where the speed is within this part of it."""
 FREQUENCIES = (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0, 7000.0, 8000.0)
 HEIGHTS = {"grazing": -0.6, "halfway": -0.3, "level": 0.0}
 """Height of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
@@ -45,16 +45,23 @@ class SpeedStudy:
         """Speed over X f, shape (n,)."""
         return self.speed(height) / (self.travel * self.frequencies)
 
-    def holds(self, law: str) -> np.ndarray:
-        """Frequencies at which a tip set level, which touches for half of each turn, obeys the law within 15 %, Hz."""
-        return self.frequencies[np.abs(self.ratio("level") / LAWS[law] - 1.0) <= HOLDS]
+    def reached(self, law: str) -> np.ndarray:
+        """Frequencies at which a tip set level, which touches for half of each turn, is at least as fast as a law."""
+        return self.frequencies[self.ratio("level") >= (1.0 - NEAR) * LAWS[law]]
+
+    def stopping_to(self) -> float | None:
+        """Frequency up to which a tip set level obeys the law of stopping, Hz."""
+        near = np.abs(self.ratio("level") - 1.0) <= NEAR
+        return float(self.frequencies[int(np.argmin(near)) - 1 if not near.all() else -1]) if near[0] else None
 
     def features(self) -> dict[str, tuple[float, str] | None]:
         found: dict[str, tuple[float, str] | None] = {"ellipse_travel": (self.travel, "m")}
         for law in LAWS:
-            where = self.holds(law)
-            found[f"{law}_holds_from"] = (float(where.min()), "Hz") if where.size else None
-            found[f"{law}_holds_to"] = (float(where.max()), "Hz") if where.size else None
+            where = self.reached(law)
+            found[f"{law}_reached_from"] = (float(where.min()), "Hz") if where.size else None
+            found[f"{law}_reached_to"] = (float(where.max()), "Hz") if where.size else None
+        stopping = self.stopping_to()
+        found["stopping_obeyed_to"] = None if stopping is None else (stopping, "Hz")
         best = max(self.points, key=lambda height: float(self.ratio(height).max()))
         at = int(np.argmax(self.ratio(best)))
         found["largest_ratio"] = (float(self.ratio(best)[at]), "1")
