@@ -19,89 +19,15 @@ This module imports numba: import it only when something is simulated.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from sim.compilation import compile_function
+from sim.stage import state as state_module
 
 ELEMENTS = 4
 HEAD, PER_ACTUATOR, PER_PAD = 18, 13, 5
 """Columns of a row: time, position (6), velocity (6), energy kept and works (5); then of each actuator, of each pad."""
-
-
-class Constants(NamedTuple):
-    """Numbers of the machine for the kernel, SI; see `constants.py` for what each comes from."""
-
-    step: float
-    mass: float
-    inertia: np.ndarray  # (3, 3)
-    inertia_inverse: np.ndarray  # (3, 3)
-    weight: float
-    preload: float
-    preload_at: np.ndarray  # (3,) from the centre of mass
-    pad_at: np.ndarray  # (pads, 3) from the centre of mass
-    pad_rate: float
-    pad_damping: float
-    pad_bristle: float  # tangential stiffness per load, 1/m
-    pad_lag: float  # s, of the film's force behind its stretch
-    pad_static: float
-    pad_dynamic: float
-    pad_stribeck: float
-    pad_stiffness_shares: np.ndarray  # (elements,)
-    pad_cap_shares: np.ndarray  # (elements,)
-    guide_at: np.ndarray  # (irons, 3) from the centre of mass
-    guide_stiffness: float
-    guide_yaw: float  # stiffness against yaw of one iron's length, N m/rad
-    centre_start: np.ndarray  # (3,) of the centre of mass, from the middle of the base
-    tip_at: np.ndarray  # (actuators, 2) from the middle of the base
-    apex_rest: np.ndarray  # (actuators,) height of an unloaded apex at mid-stroke over the unloaded sea
-    tip_mass: float
-    tip_inertia: float
-    tip_height: float
-    piezo_at: np.ndarray  # (3, 2)
-    piezo_stiffness: float
-    piezo_damping: float
-    contact_rate: float
-    contact_damping: float
-    contact_friction: float
-    contact_ratio: float
-    contact_stiffness_shares: np.ndarray
-    contact_cap_shares: np.ndarray
-    amplifier_rate: float  # 1/s
-    voltage_rate: float  # V/s
-    voltage_high: float
-    bias: float
-    gain: float
-    strength: float
-    thresholds: np.ndarray
-    weights: np.ndarray
-    creep_weights: np.ndarray
-    creep_rates: np.ndarray
-
-
-class State(NamedTuple):
-    """What changes; every array is written in place."""
-
-    position: np.ndarray  # (6,) x, y, z, turn about x, y, z
-    velocity: np.ndarray  # (6,)
-    acceleration: np.ndarray  # (6,)
-    tip: np.ndarray  # (actuators, 3) z, a, b
-    tip_velocity: np.ndarray
-    tip_acceleration: np.ndarray
-    voltage: np.ndarray  # (actuators, 3)
-    play: np.ndarray  # (actuators, 3, plays)
-    creep: np.ndarray  # (actuators, 3, lags)
-    stretch: np.ndarray  # (actuators, 3) free stretch from mid-stroke, m
-    piezo_force: np.ndarray  # (actuators, 3)
-    pad_force: np.ndarray  # (pads, elements, 2) on the stage
-    pad_tangent: np.ndarray  # (pads,) tangential stiffness of the step before
-    contact_force: np.ndarray  # (actuators, elements, 2) on the stage
-    contact_tangent: np.ndarray  # (actuators,)
-    totals: np.ndarray  # works: drive, heat of pads, heat of tip contacts, heat of damping
-    actuator_totals: np.ndarray  # (actuators, 4): impulses x, y, z on the stage, time in contact
-    pad_totals: np.ndarray  # (pads, 2): time lifted, slid distance
-    clock: np.ndarray  # (1,) s
 
 
 def _slip(force, tangent_before, tangent, cap, stiffness_shares, cap_shares, dx, dy, lag):
@@ -388,4 +314,4 @@ def _advance(c, s, commands, rows, stride):
 
 _slip = compile_function(_slip)
 _stretch_piezo = compile_function(_stretch_piezo)
-advance = compile_function(_advance)
+advance = compile_function(_advance, [state_module.__file__])

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from sim.stage.constants import STEP, make_constants
-from sim.stage.kernel import Constants
 from sim.stage.machine import StageMachine
 from sim.stage.piezo_response import piezo_response
 from sim.stage.run import StageRun
 from sim.stage.simulation import drive_stage
+from sim.stage.state import Constants
 from sim.stage.statics import Rest, rest_with_load
 from sim.stage.waveforms import knots_wave, step_times
 
