@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sysid.case import fit_case, load_case
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.ladder_files import read_ladder
 from sysid.smoothing import GaussianFilter
+from sysid.swaps import find_swaps
 
 NOISE = 0.02
 ROWS = 4000
@@ -75,7 +77,8 @@ def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
 def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
     rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v, '"coulomb"')
     add_effects(rig, ["quadratic_drag"])
-    swaps = diagnose(rig).swaps
+    case = load_case(rig)
+    swaps = find_swaps(case, fit_case(case), ["quadratic_drag"])
     assert [(swap.old, swap.new) for swap in swaps] == [("quadratic_drag", "viscous")]
     assert swaps[0].after < swaps[0].before
     step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
