@@ -13,11 +13,14 @@ from stagecad.parameters.errors import InputError
 from workbench.cli import run
 from workbench.cluster import run_all
 
+# One cluster for all of them: they go to one test process.
+pytestmark = pytest.mark.xdist_group("cluster")
+
 
 @pytest.fixture(scope="module")
 def cluster():
     with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
+        n_workers=1, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0"
     ) as made:
         yield made.scheduler_address
 
