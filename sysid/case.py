@@ -90,6 +90,7 @@ def load_case(path: str | Path, design: DesignValues | None = None) -> Case:
 
 def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequence[str] | None = None) -> Case:
     """Prepare an experiment already read; `effects` stand in place of the model's where given."""
+    _need_tip(experiment)
     names = tuple(experiment.effects if effects is None else effects)
     custom = tuple(load_all_custom(experiment.custom))
     noise, notes = _noise(experiment, records)
@@ -116,6 +117,18 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     return Case(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
+
+
+def _need_tip(experiment: Experiment) -> None:
+    """A rig with a tip needs its two lengths: without them voltages say nothing about motion."""
+    if experiment.rig.kind not in ("actuator-tip", "friction-drive"):
+        return
+    for name, like in (("piezo_spacing", "46 mm"), ("tip_height", "20 mm")):
+        if name not in experiment.rig.known:
+            raise InputError(
+                f"{experiment.path}: rig.known.{name} is missing; a rig of kind '{experiment.rig.kind}' needs it, like "
+                f'{name} = "{like}", or "design"'
+            )
 
 
 def _measured(experiment: Experiment, records: Sequence[Record]) -> list[str]:

@@ -142,6 +142,16 @@ def test_a_core_without_bristles_of_its_own_is_refused(tmp_path):
         fit_case(load_case(folder))
 
 
+def test_a_tip_without_its_lengths_is_one_line(tmp_path, capsys):
+    folder = write_experiment(tmp_path / "rig", Truth(), ["coulomb"])
+    file = folder / "experiment.toml"
+    file.write_text("\n".join(line for line in file.read_text().splitlines() if "piezo_spacing" not in line))
+    assert run(["compare", str(folder), "--out", str(tmp_path / "out")]) == 2
+    message = capsys.readouterr().err.strip()
+    assert "rig.known.piezo_spacing is missing" in message
+    assert len(message.splitlines()) == 1
+
+
 def test_compare_as_a_user_runs_it(tmp_path, capsys):
     folder = write_experiment(tmp_path / "rig", Truth(mismatch=0.08), ["coulomb"], lift=15.0)
     target = tmp_path / "compare.json"
