@@ -15,7 +15,8 @@ HEAD = """\
 Made from the declarations in `sim/effects/` and `sim/cores/` by `python docs/make_effects.py`; `stagecad effects NAME`
 prints the same for one effect, `stagecad effects NAME --json` for a script. A name picks a law with `:`
 (`stribeck:rational`), a measured channel with `@` (`sensor_lag@position`). An effect of your own is declared the same
-way: see [the tutorial](tutorial.md#7-an-effect-of-your-own).
+way: see [the tutorial](tutorial.md#7-an-effect-of-your-own). The figures are drawn by `python
+docs/make_effect_figures.py`: along one made-up record, with the effect plain to see.
 
 Friction effects meet in one level: `level = (sum of levels) * (product of factors)`, and one core turns the level into
 a force. Forces are counted as friction is: positive where they oppose positive motion. Units are those of a linear
@@ -46,6 +47,8 @@ def _section(effect: Effect) -> str:
     if effect.equation:
         lines += [f"    {line.strip()}" for line in effect.equation.splitlines()]
         lines.append("")
+    if (PAGE.parent / "effects" / f"{effect.name}.svg").is_file():
+        lines += [f"![{effect.name} in a measurement](effects/{effect.name}.svg)", ""]
     facts = [
         ("Shows", _sentence(effect.shows) if effect.shows else ""),
         ("Seen against", ", ".join(effect.coordinates)),
