@@ -17,10 +17,11 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.workers import run_tasks
 from stagecad import __version__
+from stagecad.parameters.mass_properties import combined
 from stagecad.solids.cache import Entry, Store
-from stagecad.solids.machine import Machine, find_machine, make_machine, part_mass
-from stagecad.solids.made_assembly import MadeAssembly
+from stagecad.solids.machine import part_mass
 from stagecad.solids.made_part import MadePart, find_part, make_part
+from stagecad.solids.mass import placed
 from stagecad.solids.registry import ASSEMBLY, module_name, module_of, part_names
 
 if TYPE_CHECKING:
@@ -85,8 +86,12 @@ def _modules(part: str) -> tuple[str, ...]:
     return (*_OF_ALL, "drawings.part_sheets", "drawings.ap242", module_name(part))
 
 
-def _depends(made: MadePart | MadeAssembly) -> tuple[str, ...]:
-    return (made.entry.key, *(f"{name} {version(name)}" for name in ("ezdxf", "matplotlib", "fonttools")))
+def _depends(made: MadePart) -> tuple[str, ...]:
+    return (made.entry.key, *_libraries())
+
+
+def _libraries() -> tuple[str, ...]:
+    return tuple(f"{name} {version(name)}" for name in ("ezdxf", "matplotlib", "fonttools"))
 
 
 def find_sheets(
@@ -98,10 +103,11 @@ def find_sheets(
         calculate: for the procedure.
     """
     if part in WHOLE:
-        machine = find_machine(design, store)
-        if machine is None:
+        parts = {name: find_part(store, name, design) for name in part_names(design)}
+        if None in parts.values():
             return None
-        modules, depends = _whole(machine, part, _values(store, part, design, calculate))
+        keys = [found.entry.key for found in parts.values() if found]
+        modules, depends = _whole(keys, part, _values(store, part, design, calculate))
         entry = store.find(f"drawing of {part}", design, modules, depends)
         return _sheets(entry) if entry else None
     made = find_part(store, part, design)
@@ -115,11 +121,11 @@ def _values(store: Store, part: str, design: Any, calculate: Calculate | None) -
     return calculate(store, design) if part == PROCEDURE and calculate is not None else None
 
 
-def _whole(machine: Machine, part: str, values: ProcedureValues | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Modules and results that a sheet of the whole machine is made from."""
+def _whole(keys: Sequence[str], part: str, values: ProcedureValues | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Modules and results that a sheet of the whole machine is made from; the assembly's own files are not needed."""
     if part == ASSEMBLY:
-        return _OF_ASSEMBLY, _depends(machine.assembly)
-    return _OF_PROCEDURE, (*_depends(machine.assembly), repr(values))
+        return _OF_ASSEMBLY, (*keys, *_libraries())
+    return _OF_PROCEDURE, (*keys, *_libraries(), repr(values))
 
 
 def _sheets(entry: Entry) -> tuple[MadeSheet, ...]:
@@ -199,16 +205,14 @@ def draw_whole(store: Store, part: str, design: Any, calculate: Calculate | None
         calculate: for the procedure.
     """
     # A process that draws may start no others: what the cache still lacks is made here, one by one.
-    for name in part_names(design):
-        make_part(store, name, design)
-    machine = make_machine(design, store)
+    parts = {name: make_part(store, name, design) for name in part_names(design)}
     values = _values(store, part, design, calculate)
-    modules, depends = _whole(machine, part, values)
+    modules, depends = _whole([made.entry.key for made in parts.values()], part, values)
 
     def make(reading: Any, folder: Path) -> None:
         from drawings.assembly_sheet import assembly_sheet
 
-        assembled = _assembled(machine, reading)
+        assembled = _assembled(parts, reading)
         if part == ASSEMBLY:
             sheet = assembly_sheet(assembled, reading)
         else:
@@ -218,20 +222,21 @@ def draw_whole(store: Store, part: str, design: Any, calculate: Calculate | None
     return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
 
 
-def _assembled(machine: Machine, design: Any) -> Assembled:
+def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
     """The machine as its sheets need it."""
     from drawings.assembly_sheet import Assembled
+    from stagecad.solids.assembly import assemble
+    from stagecad.solids.bill_of_materials import bill_of_materials
     from stagecad.solids.made_assembly import shapes_of
 
-    read = Machine(design, machine.parts, machine.assembly)
-    instances = machine.assembly.instances
-    shapes = shapes_of(instances, machine.parts, design)
-    reads = sorted({name for part in machine.parts.values() for name in part.entry.reads})
+    instances = assemble(parts, design)
+    masses = {name: part_mass(made, design) for name, made in parts.items()}
+    reads = sorted({name for made in parts.values() for name in made.entry.reads})
     return Assembled(
         instances,
-        {name: shape.wrapped for name, shape in shapes.items()},
-        read.bill_of_materials,
-        _shown_mass(read.whole.mass),
+        {name: shape.wrapped for name, shape in shapes_of(instances, parts, design).items()},
+        bill_of_materials(instances, parts, masses, design),
+        _shown_mass(combined(placed(masses[i.part], i.frame) for i in instances).mass),
         digest(design, reads),
         __version__,
     )
