@@ -366,6 +366,9 @@ def _viewport(paper: Any, box: Box2, place: _Place) -> None:
 def dxf_bytes(doc: Drawing) -> bytes:
     """The document as a file, the same bytes for the same document."""
     stream = io.StringIO()
+    # ezdxf adds the classes it needs in the order of a set, which differs from process to process.
+    doc.classes.add_required_classes(doc.dxfversion)
+    doc.classes.classes = dict(sorted(doc.classes.classes.items(), key=lambda item: str(item[0])))
     with _without_the_time():
         doc.write(stream)
     return stream.getvalue().encode("utf-8")

@@ -156,6 +156,12 @@ def test_the_file_is_sound_and_the_same_twice(document, tmp_path) -> None:
     assert len(again.modelspace().query("DIMENSION")) == 6
 
 
+def test_the_order_of_a_set_does_not_reach_the_file(document) -> None:
+    names = re.findall(rb"  0\r?\nCLASS\r?\n  1\r?\n(\S+)", dxf_bytes(document))
+    assert len(names) > 5
+    assert names == sorted(names)
+
+
 @pytest.fixture(scope="module")
 def made(document) -> Renderings:
     return render(document, "A3")
