@@ -23,11 +23,13 @@ from sim import axis_forces as axis_forces_module
 from sim import axis_rates as axis_rates_module
 from sim import kernel_calls, rodas5p
 from sim import step_output as step_output_module
+from sim import tangent_step as tangent_step_module
 from sim.axis_forces import BY, NAXIS, OUT, axis_forces
 from sim.axis_rates import drive_at, right_side
 from sim.compilation import compile_function
 from sim.rodas5p import GAMMA, STAGES, TIME, TIME_SLOPE, A, C
 from sim.step_output import HISTORY, PAST_STEPS, at_part, dense_of, holds, past_speed
+from sim.tangent_step import EASY, advance, spread
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 NWORK = 3
@@ -35,7 +37,7 @@ NWORK = 3
 
 def _steps(
     start, head, outputs, knots, values, rates, wave, body, modes, effects, groups, n, base, relative, absolute,
-    longest, most_steps, states, forces, report, work, addresses, history,
+    longest, most_steps, states, forces, report, work, addresses, history, tangent,
 ):  # fmt: skip
     """All of the integration, in arrays that are given: `work` as `_integrate` makes it. Compiled without counting of
     references, which would cost more than the arithmetic."""
@@ -330,8 +332,8 @@ def _steps(
         due = next_output
         while due < outputs.size and outputs[due] <= after:
             due += 1
-        if part < 1.0 or due > next_output:
-            for j in range(size if part < 1.0 else kept):
+        if part < 1.0 or due > next_output or tangent is not None:
+            for j in range(size if part < 1.0 or tangent is not None else kept):
                 dense_of(K, j, dense)
         block = outputs[next_output:due]
         for j in range(kept):
@@ -341,6 +343,16 @@ def _steps(
                 share = (block[o] - t) * over_h
                 rest = 1.0 - share
                 found[o] = rest * before + share * (end_of + rest * (d0 + share * (d1 + share * d2)))
+        if tangent is not None:
+            parameters, by_effect, by_group, derived, derived_at, S, K5, before_step, u, fp, sensed = tangent
+            inside = due > next_output and outputs[next_output] < after
+            advance(
+                t, h, part, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws,
+                elements, here, slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group,
+                derived, derived_at[0], row, by_head, into, own, past, ratio, effective, u, fp, S, K5, before_step,
+                inside, error < EASY,
+            )  # fmt: skip
+            spread(S, K5, before_step, block, t, part * h, sensed[:, :, next_output:due])
         if forces.shape[0] > 0:
             for o in range(next_output, due):
                 at = outputs[o]
@@ -390,14 +402,21 @@ def _steps(
 
 _SOURCES = [
     str(module.__file__)
-    for module in (rodas5p, kernel_calls, axis_forces_module, axis_rates_module, step_output_module)
+    for module in (
+        rodas5p,
+        kernel_calls,
+        axis_forces_module,
+        axis_rates_module,
+        step_output_module,
+        tangent_step_module,
+    )
 ]
 _compiled_steps = compile_function(_steps, _SOURCES, _nrt=False, fastmath={"contract"})
 
 
 def _integrate(
     start, head, outputs, knots, values, rates, wave, body, modes, effects, groups, n, base, relative, absolute,
-    longest, most_steps, states, forces, report,
+    longest, most_steps, states, forces, report, tangent,
 ):  # fmt: skip
     """Integrate from the first to the last of `outputs`; see `sim.plan` for what the arrays hold."""
     size, m = start.size, max(n, 1)
@@ -412,9 +431,9 @@ def _integrate(
     history = np.zeros((PAST_STEPS if body[6] > 0.0 else 1, HISTORY))
     _compiled_steps(
         start, head, outputs, knots, values, rates, wave, body, modes, effects, groups, n, base, relative, absolute,
-        longest, most_steps, states, forces, report, work, addresses, history,
+        longest, most_steps, states, forces, report, work, addresses, history, tangent,
     )  # fmt: skip
 
 
-integrate: Any = compile_function(_integrate, _SOURCES)
+integrate: Any = compile_function(_integrate, _SOURCES, nogil=True)
 """The compiled integration; `report` = [outcome, time, steps, rejected, reversals cut to, *state]."""

@@ -1,0 +1,253 @@
+"""Sensitivities of the motion to parameters, carried along step by step beside the integration, in compiled code.
+
+S = dy/dp follows S' = J(t) S + df/dp(t), linear, with J and df/dp exact on the dense output of the step just accepted.
+One step of an L-stable SDIRK method, of order 4 with five stages, or of order 3 with three where the steps are shorter
+than they need be; J is the arrowhead of `sim.integrator`, so a stage costs O(states) for each parameter, without
+iteration. What is found is the derivative of the solution itself, not of the steps that were taken.
+
+Source: Hairer and Wanner, Solving ODEs II (1996), table IV.6.5 (SDIRK4, gamma = 1/4); Alexander, SIAM J. Numer. Anal.
+14 (1977) 1006.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim import axis_forces as axis_forces_module
+from sim import axis_rates, kernel_calls, step_output
+from sim.axis_forces import OUT, axis_forces
+from sim.axis_rates import drive_at
+from sim.compilation import compile_function
+from sim.kernel_calls import call_effect, call_elements
+from sim.step_output import at_part
+
+OF_EFFECT, OF_MASS, OF_STIFFNESS, OF_MEMORY_LENGTH = 0, 1, 2, 3
+STAGES = 5
+EASY = 1e-6
+"""Below this error of the integrator's own step, in units of its tolerance, three stages do for the derivatives."""
+_G = 0.43586652150845967
+# Row 0: SDIRK4; row 1: Alexander's method of order 3, in the first three stages.
+_GAMMA = np.array([0.25, _G])
+_A = np.zeros((2, STAGES, STAGES))
+_A[0] = [
+    [1 / 4, 0.0, 0.0, 0.0, 0.0],
+    [1 / 2, 1 / 4, 0.0, 0.0, 0.0],
+    [17 / 50, -1 / 25, 1 / 4, 0.0, 0.0],
+    [371 / 1360, -137 / 2720, 15 / 544, 1 / 4, 0.0],
+    [25 / 24, -49 / 48, 125 / 16, -85 / 12, 1 / 4],
+]
+_A[1, :3, :3] = [
+    [_G, 0.0, 0.0],
+    [(1.0 - _G) / 2.0, _G, 0.0],
+    [-(6.0 * _G**2 - 16.0 * _G + 1.0) / 4.0, (6.0 * _G**2 - 20.0 * _G + 5.0) / 4.0, _G],
+]
+_C = np.array([[1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0], [_G, (1.0 + _G) / 2.0, 1.0, 0.0, 0.0]])
+
+
+def _slopes_at(
+    part, t, h, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws, elements, here,
+    slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group, derived, derived_at, row,
+    by_head, into, own, ages, fp,
+):  # fmt: skip
+    """The arrowhead and df/dp (parameters, states) at a part of the step."""
+    per_mass, spring, feedback, memory_length = body[0], body[1], body[2], body[3]
+    size = head + n
+    at = t + part * h
+    for j in range(size):
+        stage[j] = at_part(part, y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2])
+    for k in range(n):
+        z[k] = stage[head + k]
+    axis_forces(
+        at, stage, z, head, direction, 0.0, 0.0, 1, base, effects, groups, addresses, axis, laws, elements, here, slope
+    )
+    v = stage[1]
+    for j in range(head):
+        row[j] = -feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * per_mass
+    row[0] -= spring * per_mass
+    ages[0], ages[1] = 0.0, 0.0
+    if head > 2:
+        ages[0], ages[1] = -direction * stage[3] / memory_length, -direction * v / memory_length
+    for k in range(n):
+        own[k] = elements[k, 2]
+        into[k] = -feedback * elements[k, 5] * per_mass
+        for j in range(head):
+            by_head[k, j] = elements[k, 4] * slope[0, j]
+        by_head[k, 1] += elements[k, 3]
+    pushed = drive_at(at, knots, values, rates, wave, segment)[0] - spring * stage[0]
+    force_g = 0.0
+    for k in range(n):
+        force_g += elements[k, 7]
+    # Derivatives of every law by its own parameters, and what a change of a level or factor does to the whole level.
+    total = base[1]
+    for i in range(effects.shape[0]):
+        derived[i] = 1.0
+        if by_effect[i, 3] != 0:
+            call_effect(effects[i, 0], addresses[0], effects[i, 1], addresses[1], 0)
+            total *= laws[OUT]
+            derived[i] = laws[OUT]
+        if by_effect[i, 0] != 0:
+            at_i = derived_at + 8 * by_effect[i, 1]
+            call_effect(by_effect[i, 0], addresses[0], effects[i, 1], at_i, by_effect[i, 2])
+    for i in range(groups.shape[0]):
+        if by_group[i, 0] != 0 and groups[i, 3] > 0:
+            call_elements(
+                by_group[i, 0], addresses[2] + 8 * groups[i, 2], v, direction, here[0], groups[i, 1],
+                derived_at + 8 * by_group[i, 1], groups[i, 3], by_group[i, 2],
+            )  # fmt: skip
+    for q in range(parameters.shape[0]):
+        for j in range(size):
+            fp[q, j] = 0.0
+        kind, i, group, own_j, own_size = (
+            parameters[q, 0], parameters[q, 1], parameters[q, 2], parameters[q, 3], parameters[q, 4],
+        )  # fmt: skip
+        if kind == OF_MASS:
+            fp[q, 1] = -feedback * per_mass * per_mass * (pushed - here[1] - here[2] - here[3])
+            continue
+        if kind == OF_STIFFNESS:
+            fp[q, 1] = per_mass * pushed / spring
+            continue
+        if kind == OF_MEMORY_LENGTH:
+            fp[q, 3] = direction * v * stage[3] / (memory_length * memory_length)
+            continue
+        if i >= 0:
+            out = by_effect[i, 1]
+            dg, df = 0.0, 0.0
+            if effects[i, 2] & 1:
+                dg = total * derived[out + own_j] + here[0] / derived[i] * derived[out + own_size + own_j]
+            if effects[i, 2] & 2:
+                df = derived[out + 2 * own_size + own_j]
+            fp[q, 1] -= feedback * per_mass * (force_g * dg + df)
+            for k in range(n):
+                fp[q, head + k] += elements[k, 4] * dg
+        if group >= 0:
+            out = by_group[group, 1]
+            first = groups[group, 2]
+            for k in range(groups[group, 3]):
+                fp[q, head + first + k] += derived[out + 2 * k * own_size + own_j]
+                fp[q, 1] -= feedback * per_mass * derived[out + (2 * k + 1) * own_size + own_j]
+
+
+_slopes_at = compile_function(
+    _slopes_at, [str(m.__file__) for m in (kernel_calls, axis_forces_module, axis_rates, step_output)], _nrt=False
+)
+
+
+def _rate(u, q, head, n, direction, row, by_head, into, own, ages, fp, out):
+    """out = J u + df/dp of parameter q."""
+    out[0] = u[1]
+    total = fp[q, 1]
+    for j in range(head):
+        total += row[j] * u[j]
+    for k in range(n):
+        total += into[k] * u[head + k]
+        change = fp[q, head + k] + own[k] * u[head + k]
+        for j in range(head):
+            change += by_head[k, j] * u[j]
+        out[head + k] = change
+    out[1] = total
+    if head > 2:
+        out[2] = direction * u[1]
+        out[3] = fp[q, 3] + ages[0] * u[1] + ages[1] * u[3]
+
+
+_rate = compile_function(_rate, _nrt=False)
+
+
+def _advance(
+    t, h, part, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws, elements, here,
+    slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group, derived, derived_at, row,
+    by_head, into, own, ages, ratio, effective, u, fp, S, K, before, inner, easy,
+):  # fmt: skip
+    """Carry S (parameters, states) to the part of the step that was accepted; K[:, 4] is S' there.
+
+    With `inner`, `before` (parameters, 4) holds S of position and velocity at the start of the step, and S' there.
+    """
+    size = head + n
+    count = parameters.shape[0]
+    length = part * h
+    if inner:
+        _slopes_at(
+            0.0, t, h, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws,
+            elements, here, slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group,
+            derived, derived_at, row, by_head, into, own, ages, fp,
+        )  # fmt: skip
+        for q in range(count):
+            _rate(S[q], q, head, n, direction, row, by_head, into, own, ages, fp, u)
+            before[q, 0], before[q, 1], before[q, 2], before[q, 3] = S[q, 0], S[q, 1], u[0], u[1]
+    which, stages = (1, 3) if easy else (0, STAGES)
+    s = 1.0 / (_GAMMA[which] * length)
+    for i in range(stages):
+        _slopes_at(
+            _C[which, i] * part, t, h, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses,
+            axis, laws, elements, here, slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect,
+            by_group, derived, derived_at, row, by_head, into, own, ages, fp,
+        )  # fmt: skip
+        for j in range(head):
+            effective[j] = row[j]
+        for k in range(n):
+            ratio[k] = 1.0 / (s - own[k])
+            for j in range(head):
+                effective[j] += into[k] * by_head[k, j] * ratio[k]
+        pivot = s - effective[1] - effective[0] / s
+        if head > 2:
+            pivot -= effective[2] * direction / s + effective[3] * ages[0] / (s - ages[1])
+        for q in range(count):
+            for j in range(size):
+                total = 0.0
+                for m in range(i):
+                    total += _A[which, i, m] * K[q, m, j]
+                stage[j] = S[q, j] + length * total
+            _rate(stage, q, head, n, direction, row, by_head, into, own, ages, fp, u)
+            for j in range(size):
+                u[j] *= s
+            right = u[1] + effective[0] * u[0] / s
+            if head > 2:
+                right += effective[2] * u[2] / s + effective[3] * u[3] / (s - ages[1])
+            for k in range(n):
+                right += into[k] * u[head + k] * ratio[k]
+            kv = right / pivot
+            u[1] = kv
+            u[0] = (u[0] + kv) / s
+            if head > 2:
+                u[2] = (u[2] + direction * kv) / s
+                u[3] = (u[3] + ages[0] * kv) / (s - ages[1])
+            for k in range(n):
+                total = u[head + k]
+                for j in range(head):
+                    total += by_head[k, j] * u[j]
+                u[head + k] = total * ratio[k]
+            for j in range(size):
+                K[q, i, j] = u[j]
+    for q in range(count):
+        for j in range(size):
+            total = 0.0
+            for i in range(stages):
+                total += _A[which, stages - 1, i] * K[q, i, j]
+            S[q, j] += length * total
+            K[q, STAGES - 1, j] = K[q, stages - 1, j]
+
+
+def _spread(S, K, before, block, t, length, found):
+    """S of position and velocity at instants within the step, by Hermite's cubic; found (2, parameters, instants)."""
+    for q in range(S.shape[0]):
+        for w in range(2):
+            for o in range(block.size):
+                part = (block[o] - t) / length
+                rest = 1.0 - part
+                if part >= 1.0:
+                    found[w, q, o] = S[q, w]
+                    continue
+                found[w, q, o] = (
+                    (1.0 + 2.0 * part) * rest * rest * before[q, w]
+                    + part * rest * rest * length * before[q, 2 + w]
+                    + part * part * (3.0 - 2.0 * part) * S[q, w]
+                    - part * part * rest * length * K[q, 4, w]
+                )
+
+
+spread: Any = compile_function(_spread, _nrt=False)
+advance: Any = compile_function(
+    _advance, [str(m.__file__) for m in (kernel_calls, axis_forces_module, axis_rates, step_output)], _nrt=False
+)
