@@ -39,10 +39,8 @@ OUT = 1 + len(BY)
 T = TypeVar("T")
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
-_EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
-_CORE_TYPE = ctypes.CFUNCTYPE(
-    None, _DOUBLES, *[ctypes.c_double] * 3, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64
-)
+EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
+CORE_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, *[ctypes.c_double] * 3, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64)
 
 # Sizes over which a quantity of the axis changes, for differences where a slope is not declared.
 _DIFFERENCE = {"position": 1e-9, "velocity": 1e-9, "travelled": 1e-9, "contact_age": 1e-7, "time": 1e-7}
@@ -130,7 +128,7 @@ def takes(effect: Effect) -> tuple[bool, bool]:
 def is_constant(effect: Effect) -> bool:
     """Whether none of a built-in effect's laws changes in the course of a simulation."""
     moving = (*BY, "direction", "acceleration", "reversal_distance")
-    return _is_built_in(effect) and not any(depends_on(effect, law, by) for law in LAWS for by in moving)
+    return is_built_in(effect) and not any(depends_on(effect, law, by) for law in LAWS for by in moving)
 
 
 @_ByIdentity
@@ -169,7 +167,7 @@ def _slope_plan(effect: Effect) -> list[tuple[int, int, str]]:
     return plan
 
 
-def _load(text: str, name: str, files: list[str]) -> Any:
+def load_generated(text: str, name: str, files: list[str]) -> Any:
     """Write a generated module into the cache folder, keyed by all it depends on, and import it."""
     folder = compilation.key_folder([*files, __file__, compilation.__file__])
     path = folder / f"{name}.py"
@@ -246,12 +244,12 @@ def _effect_text(effect: Effect, held: bool) -> str:
     )
 
 
-def _source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
+def source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
     return [f.__code__.co_filename for f in functions if f is not None and inspect.isfunction(f)]
 
 
 @_ByIdentity
-def _is_built_in(effect: Effect) -> bool:
+def is_built_in(effect: Effect) -> bool:
     base = effect.name.removeprefix("contact.").partition("@")[0].partition(":")[0]
     built_in = library().get(base)
     if built_in is None:
@@ -267,10 +265,12 @@ def _compiled_effect(name: str, held: bool) -> Kernel | None:
     from sim.library import find
 
     effect = find(name)
-    files = _source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
+    files = source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
     signature = types.void(*[types.CPointer(types.double)] * 3, types.int64)
     try:
-        module = _load(_effect_text(effect, held), f"effect_{effect.values_type.__name__}{'_held' * held}", files)
+        module = load_generated(
+            _effect_text(effect, held), f"effect_{effect.values_type.__name__}{'_held' * held}", files
+        )
         callback = compilation.compile_callback(module.kernel, signature, files)
     except Exception as error:
         if not type(error).__module__.startswith("numba"):
@@ -285,7 +285,7 @@ def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
     With parameter values `p` in which every one that is held has its default, the kernel has those written into it: a
     square is much cheaper than a power.
     """
-    if _is_built_in(effect):
+    if is_built_in(effect):
         fixed = [q for q in effect.parameters if q.fixed]
         held = p is not None and bool(fixed) and all(getattr(p, q.name) == q.default for q in fixed)
         compiled = _compiled_effect(effect.name, held)
@@ -323,7 +323,7 @@ def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
             for i in range(len(LAWS)):
                 out[i * OUT] = math.nan
 
-    callback = _EFFECT_TYPE(kernel)
+    callback = EFFECT_TYPE(kernel)
     address = ctypes.cast(callback, ctypes.c_void_p).value
     assert address is not None
     return Kernel(address, False, callback, errors)
@@ -363,11 +363,11 @@ def _compiled_core(name: str) -> Kernel | None:
     core: Core = effect.core or effect.element
     size = len(effect.parameters)
     text = _CORE_TEXT.format(name=name, size=max(size, 1), values=", ".join(f"q[{i}]" for i in range(size)))
-    files = _source_files([core.law, core.slopes])
+    files = source_files([core.law, core.slopes])
     pointer = types.CPointer(types.double)
     signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
     try:
-        module = _load(text, f"core_{effect.values_type.__name__}", files)
+        module = load_generated(text, f"core_{effect.values_type.__name__}", files)
         callback = compilation.compile_callback(module.kernel, signature, files)
     except Exception as error:
         if not type(error).__module__.startswith("numba"):
@@ -381,7 +381,7 @@ def core_kernel(effect: Effect) -> Kernel:
     core: Core = effect.core or effect.element
     if core is None:
         raise InputError(f"effect '{effect.name}' has no core: it does not turn a friction level into a force")
-    if _is_built_in(effect):
+    if is_built_in(effect):
         compiled = _compiled_core(effect.name)
         if compiled is not None:
             return compiled
@@ -401,7 +401,7 @@ def core_kernel(effect: Effect) -> Kernel:
             for k in range(n):
                 out[8 * k] = math.nan
 
-    callback = _CORE_TYPE(kernel)
+    callback = CORE_TYPE(kernel)
     address = ctypes.cast(callback, ctypes.c_void_p).value
     assert address is not None
     return Kernel(address, False, callback, errors)

@@ -37,6 +37,7 @@ class Plan:
         memory_length: of the contact age, m.
         carried: quantities that the laws depend on.
         kernels, tables: kept alive, since the rest holds their addresses.
+        row_of, group_of: row of `effects` and of `groups` that each effect of the model has.
     """
 
     drive: Drive
@@ -55,6 +56,8 @@ class Plan:
     carried: frozenset[str]
     kernels: list[kernels.Kernel]
     tables: list[np.ndarray]
+    row_of: dict[int, int]
+    group_of: dict[int, int]
 
     def body(self, memory_length: float) -> tuple[float, ...]:
         """1 / mass, spring, feedback, memory length, half the play in N, lag of the drive, lag of the friction."""
@@ -88,8 +91,8 @@ class Plan:
         return start, absolute
 
 
-def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: float) -> Plan:
-    """Lay a model out for the integrator.
+def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: float, whole: bool = False) -> Plan:
+    """Lay a model out for the integrator; `whole` keeps the effects that never change among those that do.
 
     Raises:
         InputError: an effect that cannot be integrated, or not with this drive.
@@ -102,6 +105,8 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
     tables = [np.array(p if len(p) else (0.0,), dtype=float) for _, p in acting]
     kept: list[kernels.Kernel] = []
     rows: list[tuple[int, int, int, int]] = []
+    row_of: dict[int, int] = {}
+    group_of: dict[int, int] = {}
     groups: list[tuple[int, int, int, int]] = [(0, 0, 0, 0)]
     scales: list[float] = []
     modes: list[tuple[float, float, float]] = []
@@ -133,7 +138,7 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
     if ridden >= 1.0:
         raise InputError(f"simulation: {ridden:g} of the mass rides on modes; must be below 1")
     count = 0
-    for (effect, p), table in zip(acting, tables):
+    for i, ((effect, p), table) in enumerate(zip(acting, tables)):
         if effect.core is not None or effect.element is not None:
             declared = effect.core or effect.element
             kernel = kernels.core_kernel(effect)
@@ -143,18 +148,21 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
                 if count:
                     groups = [groups[0], *[(a, q, first + n, m) for a, q, first, m in groups[1:]]]
                 groups[0] = (kernel.address, table.ctypes.data, 0, n)
+                group_of[i] = 0
                 scales = [float(declared.scale(p))] * n + scales
             else:
+                group_of[i] = len(groups)
                 groups.append((kernel.address, table.ctypes.data, count, n))
                 scales += [float(declared.scale(p))] * n
             count += n
         friction, force = kernels.takes(effect)
         if not (friction or force):
             continue
-        if kernels.is_constant(effect):
+        if kernels.is_constant(effect) and not whole:
             _fold(effect, p, base)
             continue
         carried |= kernels.carried(effect)
+        row_of[i] = len(rows)
         kernel = kernels.effect_kernel(effect, p)
         kept.append(kernel)
         row = (kernel.address, table.ctypes.data)
@@ -180,6 +188,8 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
         carried=frozenset(carried),
         kernels=kept,
         tables=tables,
+        row_of=row_of,
+        group_of=group_of,
     )
 
 

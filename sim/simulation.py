@@ -142,9 +142,10 @@ def simulate(
         states,
         found,
         report,
+        None,
     )
     if report[0] != integrator.DONE:
-        _fail(int(report[0]), report, model, [error for kernel in plan.kernels for error in kernel.errors])
+        raise failure(int(report[0]), report, model, [error for kernel in plan.kernels for error in kernel.errors])
     bristles = states[plan.head : plan.head + plan.elements].T
     work = states[-integrator.NWORK :] if energy else np.empty((3, 0))
     return Simulation(
@@ -178,7 +179,8 @@ def _stored(model: Model, bristles: np.ndarray, level: np.ndarray) -> np.ndarray
     return stored
 
 
-def _fail(outcome: int, report: np.ndarray, model: Model, errors: list[BaseException]) -> None:
+def failure(outcome: int, report: np.ndarray, model: Model, errors: list[BaseException]) -> SimulationError:
+    """What went wrong in an integration, with the time, the state and the reason."""
     reasons = {
         1: "the step became too small: the model is stiffer or rougher there than can be resolved",
         2: "a law gave a number that is not finite",
@@ -187,7 +189,9 @@ def _fail(outcome: int, report: np.ndarray, model: Model, errors: list[BaseExcep
     reason = reasons.get(outcome, "unknown reason")
     if errors:
         reason += f" ({type(errors[0]).__name__}: {' '.join(str(errors[0]).split())})"
-    raise SimulationError(
+    error = SimulationError(
         f"simulation of {', '.join(model.names)} stopped at t = {report[1]:.9g} s, position {report[5]:.6g} m, "
         f"velocity {report[6]:.6g} m/s: {reason}"
-    ) from (errors[0] if errors else None)
+    )
+    error.__cause__ = errors[0] if errors else None
+    return error
