@@ -10,8 +10,9 @@ The value is an upper bound of the true co-energy (Dirichlet's principle) and fa
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,10 @@ _MODES = 4096
 _FUNCTIONS, _FUNCTIONS_NARROW = 14, 24
 
 
+Number = Any
+"""A float where numbers went in, an array where arrays did."""
+
+
 @dataclass(frozen=True)
 class TeethField:
     """Co-energy of the toothed gap and its derivatives, per unit of iron area and of squared magnetic potential.
@@ -36,21 +41,21 @@ class TeethField:
     Forces follow at fixed potential from F = +dW. Multiply by potential squared (A^2) and area (m^2).
     """
 
-    coenergy: float
+    coenergy: Number
     """W, J/(m^2 A^2)"""
-    lateral_force: float
+    lateral_force: Number
     """dW/dx, N/(m^2 A^2): 0 at alignment"""
-    attraction: float
+    attraction: Number
     """-dW/de, pulling the irons together, N/(m^2 A^2)"""
-    lateral_stiffness: float
+    lateral_stiffness: Number
     """K_x = -d2W/dx2, N/(m m^2 A^2): restoring at alignment"""
-    normal_stiffness: float
+    normal_stiffness: Number
     """K_z = d2W/de2, N/(m m^2 A^2). The force falls as the gap opens: it works against the pads as a stiffness -K_z"""
-    error: float
+    error: Number
     """relative change of the worst of these when a quarter of the functions is taken away"""
 
     @property
-    def lateral_over_normal(self) -> float:
+    def lateral_over_normal(self) -> Number:
         """K_x / K_z."""
         return self.lateral_stiffness / self.normal_stiffness
 
@@ -62,15 +67,15 @@ class MagnetCircuit:
     The magnets are a source ``Br t/(mu0 mu_r)`` behind a reluctance ``t/(mu0 mu_r A)`` (straight recoil line).
     """
 
-    remanence: float
+    remanence: Number
     """Br, T"""
-    thickness: float
+    thickness: Number
     """magnet thickness t along its magnetisation, m"""
-    area: float
+    area: Number
     """magnet cross-section A, m^2"""
-    recoil_permeability: float
+    recoil_permeability: Number
     """mu_r"""
-    gap_area: float
+    gap_area: Number
     """area of one toothed gap (iron length times pitches), m^2"""
     gaps: int = 1
     """toothed gaps in series with one magnet"""
@@ -80,29 +85,29 @@ class MagnetCircuit:
 class MagnetWorkingPoint:
     """Absolute forces of one magnetic circuit, SI units."""
 
-    potential: float
+    potential: Number
     """magnetic potential difference across one toothed gap, A"""
-    gap_flux_density: float
+    gap_flux_density: Number
     """mean over the gap area, T"""
-    tooth_flux_density: float
+    tooth_flux_density: Number
     """at the root of a tooth, all the flux of its pitch gathered in its width, T"""
-    attraction: float
+    attraction: Number
     """of all gaps of the circuit, N"""
-    lateral_stiffness: float
+    lateral_stiffness: Number
     """N/m"""
-    normal_stiffness: float
+    normal_stiffness: Number
     """N/m; works as -K_z on the pads"""
 
 
 def teeth_field(
-    pitch: float,
-    tooth_width: float,
-    gap: float,
-    groove_depth: float | None = None,
-    offset: float = 0.0,
+    pitch: float | Array,
+    tooth_width: float | Array,
+    gap: float | Array,
+    groove_depth: float | Array | None = None,
+    offset: float | Array = 0.0,
     functions: int | None = None,
 ) -> TeethField:
-    """Solve the field of one cell of two equally toothed irons.
+    """Solve the field of one cell of two equally toothed irons; arrays broadcast, one solution an element.
 
     Args:
         pitch: p, m, > 0.
@@ -114,7 +119,7 @@ def teeth_field(
             pitch, whose field bunches at the corners. `error` says what that leaves: 1e-7 at e/p = 0.2.
 
     Returns:
-        `TeethField`.
+        `TeethField`: numbers for numbers, arrays of the common shape for arrays.
 
     Raises:
         InputError: outside the range.
@@ -122,7 +127,20 @@ def teeth_field(
     Source: mode matching with edge condition, Collin, Field Theory of Guided Waves (1991), chapter 8; K_x and K_z as
         the thesis's section on magnetic preload (study 36 of its references).
     """
-    depth = 0.5 * pitch if groove_depth is None else groove_depth
+    depth = 0.5 * np.asarray(pitch) if groove_depth is None else groove_depth
+    cells = np.broadcast_arrays(*(np.asarray(v, float) for v in (pitch, tooth_width, gap, depth, offset)))
+    shape = cells[0].shape
+    solved = [_one_cell(*(float(v) for v in cell), functions) for cell in zip(*(c.ravel() for c in cells), strict=True)]
+    if not shape:
+        return solved[0]
+    names = [field.name for field in fields(TeethField)]
+    return TeethField(*(np.array([getattr(one, name) for one in solved]).reshape(shape) for name in names))
+
+
+def _one_cell(
+    pitch: float, tooth_width: float, gap: float, depth: float, offset: float, functions: int | None
+) -> TeethField:
+    """The field of one cell."""
     for name, value in (("pitch", pitch), ("tooth-width", tooth_width), ("gap", gap), ("groove-depth", depth)):
         if not (value > 0 and np.isfinite(value)):
             raise InputError(f"teeth: {name}: {value:g} m must be above 0")
@@ -164,7 +182,9 @@ def ratio_map(width_ratios: Array, gap_ratios: Array, depth_ratio: float = 0.5) 
     return lateral / normal, lateral, normal
 
 
-def working_point(field: TeethField, circuit: MagnetCircuit, pitch: float, tooth_width: float) -> MagnetWorkingPoint:
+def working_point(
+    field: TeethField, circuit: MagnetCircuit, pitch: float | Array, tooth_width: float | Array
+) -> MagnetWorkingPoint:
     """Forces and stiffnesses with the magnet's own reluctance in series.
 
     With the permeance of n gaps in series ``P = 2 W A_gap/n``, the co-energy at fixed magnetomotive force is
@@ -180,7 +200,7 @@ def working_point(field: TeethField, circuit: MagnetCircuit, pitch: float, tooth
         `MagnetWorkingPoint`.
     """
     for name in ("remanence", "thickness", "area", "recoil_permeability", "gap_area"):
-        if not getattr(circuit, name) > 0:
+        if not np.all(np.asarray(getattr(circuit, name)) > 0):
             raise InputError(f"teeth: magnet {name.replace('_', ' ')} must be above 0")
     recoil = MU_0 * circuit.recoil_permeability
     source = circuit.remanence * circuit.thickness / recoil

@@ -13,6 +13,7 @@ from designcalc import (
     friction_drive,
     height_adjustment,
     hertz,
+    magnetic_teeth,
     piezo_stack,
     porous_air_bearing,
     sensors,
@@ -27,6 +28,11 @@ THREAD = fastener.UnifiedThread(9.525e-3, 25.4e-3 / 16)
 
 def of_rail(*numbers):
     return bolted_rail.total_stiffness(bolted_rail.Rail(*numbers), 4.0, 1.5)
+
+
+def of_circuit(*numbers):
+    field = magnetic_teeth.teeth_field(2e-3, 0.8e-3, 0.4e-3)
+    return magnetic_teeth.working_point(field, magnetic_teeth.MagnetCircuit(*numbers), 2e-3, 0.8e-3)
 
 
 CALLS = [
@@ -49,6 +55,8 @@ CALLS = [
     (height_adjustment.wedge_drive, (3.175e-3, 0.05, 20e-3)),
     (height_adjustment.clamp_shift, (5e3, 0.8, 76e-3, 36e-3, 50e-6, 62e-3, 141e9, 0.29)),
     (height_adjustment.screw_force, (100.0, 0.05, 0.15)),
+    (magnetic_teeth.teeth_field, (2e-3, 0.8e-3, 0.4e-3, 1e-3, 0.1e-3)),
+    (of_circuit, (1.17, 3e-3, 2e-4, 1.05, 4e-4)),
     (piezo_stack.stack_tension, (0.03, 5e3, 12e-6, 2.0)),
     (piezo_stack.drive_pull, (10.0, 20e-3, 46e-3)),
     (piezo_stack.side_load, (3.3, 36e-3, 5e-3, 25e-6, 50e9, 25e-6)),
