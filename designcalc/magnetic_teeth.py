@@ -134,7 +134,7 @@ def teeth_field(
     if not shape:
         return solved[0]
     names = [field.name for field in fields(TeethField)]
-    return TeethField(*(np.array([getattr(one, name) for one in solved]).reshape(shape) for name in names))
+    return TeethField(**{name: np.array([getattr(one, name) for one in solved]).reshape(shape) for name in names})
 
 
 def _one_cell(
