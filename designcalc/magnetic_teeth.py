@@ -130,7 +130,8 @@ def teeth_field(
     depth = 0.5 * np.asarray(pitch) if groove_depth is None else groove_depth
     cells = np.broadcast_arrays(*(np.asarray(v, float) for v in (pitch, tooth_width, gap, depth, offset)))
     shape = cells[0].shape
-    solved = [_one_cell(*(float(v) for v in cell), functions) for cell in zip(*(c.ravel() for c in cells), strict=True)]
+    rows = zip(*(c.ravel().tolist() for c in cells), strict=True)
+    solved = [_one_cell(p, width, e, d, x, functions) for p, width, e, d, x in rows]
     if not shape:
         return solved[0]
     names = [field.name for field in fields(TeethField)]
