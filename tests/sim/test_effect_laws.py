@@ -19,9 +19,7 @@ CORES = [name for name, effect in library().items() if effect.core is not None a
 BRISTLES = [name for name in CORES if name != "coulomb"]
 PASSIVE = [name for name in CORES if name != "lugre"]
 AT_ONE_INSTANT = [
-    effect
-    for effect in library().values()
-    if any(kernels.takes(effect)) and kernels.unsupported(effect) is None
+    effect for effect in library().values() if any(kernels.takes(effect)) and kernels.unsupported(effect) is None
 ]
 
 speeds = st.floats(-1.0, 1.0).filter(lambda v: abs(v) > 1e-9)
