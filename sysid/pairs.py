@@ -21,7 +21,7 @@ from sysid.case import BaseFit, Case
 from sysid.first_fit import has_shape
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect
-from sysid.starts import without_effect
+from sysid.starts import with_bounds_of, without_effect
 from sysid.trials import Trial, looks_on, trial_of
 
 GRID_POINTS = 2
@@ -67,7 +67,12 @@ class _Part:
 
 
 def best_pairs(
-    case: Case, base: BaseFit, looks: Sequence[Look], target: np.ndarray, wanted: str | None = None
+    case: Case,
+    base: BaseFit,
+    looks: Sequence[Look],
+    target: np.ndarray,
+    wanted: str | None = None,
+    given: Model | None = None,
 ) -> list[Pair]:
     """The pairs of effects that looked best together, refitted, best on the held-out records first.
 
@@ -77,6 +82,7 @@ def best_pairs(
         looks: of every effect.
         target: residual of the base model as the looks scored it, (n,).
         wanted: family that must be one of the two.
+        given: a model whose bounds, priors and held values stay, where one of the two stood in it before.
     """
     parts, blocks = [], []
     start = 0
@@ -102,7 +108,7 @@ def best_pairs(
         if families in seen or (wanted is not None and wanted not in families):
             continue
         seen.add(families)
-        pair = _refitted(case, base, (first, second), gram, right)
+        pair = _refitted(case, base, (first, second), gram, right, given)
         if pair is not None:
             pairs.append(pair)
         if len(seen) >= PAIRS_REFITTED:
@@ -127,7 +133,9 @@ def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarr
     return np.linalg.solve(block, right[index])
 
 
-def _refitted(case: Case, base: BaseFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray) -> Pair | None:
+def _refitted(
+    case: Case, base: BaseFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray, given: Model | None
+) -> Pair | None:
     weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
     model = base.fitted.model
     # A core replaces the one before it and starts from its level: it comes first.
@@ -136,6 +144,8 @@ def _refitted(case: Case, base: BaseFit, two: tuple[_Part, _Part], gram: np.ndar
         own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
         own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
         model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.moves, own))
+    if given is not None:
+        model = with_bounds_of(model, given)
     fitted = fit_model(model, case.fit_records, base.fitted.weights)
     residual = weighted_residual(fitted.model, case.validate_records, base.weights)
     if not np.isfinite(residual).all():
@@ -154,7 +164,7 @@ def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effect
         below = less(case, base, family)
         others = [name for name in present if base_name(name) != family]
         looks, target = looks_on(case, below, others, all_effects)
-        for pair in best_pairs(case, below, looks, target, wanted=family)[:2]:
+        for pair in best_pairs(case, below, looks, target, family, base.fitted.model)[:2]:
             trial = trial_of(case, base, Candidate(pair.other(family), 0.0, pair.fitted))
             if trial is not None:
                 trials.append(trial)
@@ -169,7 +179,8 @@ def added_anew(case: Case, base: BaseFit, options: Sequence[Effect]) -> list[Fit
         basis, target = target_of(below.fitted)
         own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
         found = [look_at(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)]
-        pairs = best_pairs(case, below, [look for look in found if look is not None], target, wanted=family)
+        seen = [look for look in found if look is not None]
+        pairs = best_pairs(case, below, seen, target, family, base.fitted.model)
         fits += [pair.fitted for pair in pairs[:1]]
     return fits
 

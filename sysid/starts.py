@@ -33,10 +33,10 @@ def searched(fitted: Fitted, effect: Effect, records: Sequence[Prepared], scales
     basis, target = target_of(rest)
     scores = linear_scores(rest, effect, records, scales, basis, target)
     start = with_effect(rest.model, effect, scales, scores[0].start if scores else None)
-    return fit_model(_with_bounds_of(start, fitted.model), records)
+    return fit_model(with_bounds_of(start, fitted.model), records)
 
 
-def _with_bounds_of(model: Model, given: Model) -> Model:
+def with_bounds_of(model: Model, given: Model) -> Model:
     """The model with bounds and priors as `given` has them, where it has the same unknown."""
     known = {u.key: u for u in given.unknowns}
     fixed = set(given.values) - set(known)

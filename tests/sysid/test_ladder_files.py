@@ -135,7 +135,9 @@ def test_a_comment_or_another_order_of_keys_is_no_edit(tmp_path):
     experiment = _rig(tmp_path)
     _add(experiment, "stribeck")
     experiment.path.write_text(experiment.path.read_text().replace("# dry", "# Coulomb 1785"))
-    undo(load_experiment(tmp_path))
+    rung, _ = undo(load_experiment(tmp_path))
+    assert rung.number == 0 and "stribeck" not in rung.effects
+    assert "# Coulomb 1785" in experiment.path.read_text()
 
 
 def test_add_refuses_a_file_that_changed_during_the_fit(tmp_path):

@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.library import find
 from sysid.case import fit_case, load_case
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.ladder_files import read_ladder
+from sysid.pairs import added_anew
 from sysid.smoothing import GaussianFilter
 from sysid.swaps import find_swaps
 
@@ -72,6 +74,20 @@ def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
     assert found.verdict == "adequate"
     assert found.base.fitted.model.values["position_dependent_friction.pitch"] == pytest.approx(6e-3, rel=0.01)
     assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
+
+
+def test_bounds_that_the_user_set_stay_when_an_effect_is_searched_for_anew(tmp_path: Path) -> None:
+    rig = _write(tmp_path, _uneven, '"coulomb", "viscous", "position_dependent_friction"')
+    toml = rig / "experiment.toml"
+    held = '[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n[[record]]'
+    toml.write_text(toml.read_text("utf-8").replace("[[record]]", held, 1), "utf-8")
+    case = load_case(rig)
+    grown = added_anew(case, fit_case(case), [find("cable_spring")])
+    assert grown
+    for fitted in grown:
+        unknowns = {u.key: u for u in fitted.model.unknowns}
+        assert unknowns["position_dependent_friction.amplitude"].high == 0.2
+        assert fitted.model.values["position_dependent_friction.amplitude"] <= 0.2
 
 
 def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
