@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from sysid.case import BaseFit, Case, fit_case, load_case
+from sysid.case import Case, load_case
+from sysid.case_fit import BaseFit, fit_case
 from sysid.experiment import DesignValues
 from sysid.misfit import ChannelMisfit, misfit
 from sysid.residual_maps import ResidualMap, residual_maps

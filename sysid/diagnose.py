@@ -13,7 +13,8 @@ from sim.library import find
 from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.candidates import Candidate
-from sysid.case import BaseFit, Case, fit_case, load_case, make_case
+from sysid.case import Case, load_case, make_case
+from sysid.case_fit import BaseFit, fit_case
 from sysid.experiment import DesignValues
 from sysid.ladder_files import read_ladder
 from sysid.misfit import ChannelMisfit, blocks, misfit

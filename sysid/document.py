@@ -10,7 +10,8 @@ import numpy as np
 from sim.effect import rotary_unit
 from stagecad.parameters.quantities import as_json
 from sysid.base_fit import Fitted, ranking_error
-from sysid.case import BaseFit, Case
+from sysid.case import Case
+from sysid.case_fit import BaseFit
 from sysid.detectable import Smallest, smallest_shown
 from sysid.diagnose import Diagnosis
 from sysid.identifiability import correlation_json, open_words, public_key

@@ -13,7 +13,8 @@ from stagecad.parameters.errors import InputError, nearest
 from sysid.base_fit import Fitted, fit_model
 from sysid.candidate_list import candidates_of
 from sysid.candidates import target_of, try_effect
-from sysid.case import BaseFit, Case, best_laws, clearly_better, fit_case, load_case, make_case, open_laws
+from sysid.case import Case, load_case, make_case
+from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, open_laws
 from sysid.document import both_json, noise_json, parameter_unit, parameters_json
 from sysid.experiment import DesignValues, Experiment
 from sysid.intervals import intervals

@@ -17,7 +17,8 @@ import numpy as np
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidates import Candidate, Look, Score, look_at, start_for, target_of
-from sysid.case import BaseFit, Case
+from sysid.case import Case
+from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect

@@ -9,7 +9,8 @@ import numpy as np
 
 from sysid.base_fit import ranking_error
 from sysid.candidates import refined
-from sysid.case import BaseFit, Case
+from sysid.case import Case
+from sysid.case_fit import BaseFit
 from sysid.misfit import misfit
 from sysid.model import base_name
 from sysid.pairs import less

@@ -10,7 +10,8 @@ import numpy as np
 from sysid.base_fit import ranking_error
 from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, target_of
-from sysid.case import BaseFit, Case
+from sysid.case import Case
+from sysid.case_fit import BaseFit
 from sysid.misfit import ChannelMisfit, blocks, huber_square, weighted_residual
 from sysid.model import base_name
 

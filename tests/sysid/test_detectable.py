@@ -10,7 +10,8 @@ from scipy.signal import lfilter
 from slide import NOISE, SIGN, STEP, VELOCITY, slide
 
 from sim.library import find
-from sysid.case import Case, fit_case
+from sysid.case import Case
+from sysid.case_fit import fit_case
 from sysid.detectable import Smallest, smallest_shown, smallest_sizes
 from sysid.diagnose import LEAST_GAIN, diagnose
 

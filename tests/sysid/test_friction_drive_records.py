@@ -14,7 +14,8 @@ from sim.library import find
 from stagecad.parameters.errors import InputError
 from sysid.candidate_list import candidates_of
 from sysid.candidates import target_of, try_effect
-from sysid.case import fit_case, load_case
+from sysid.case import load_case
+from sysid.case_fit import fit_case
 from sysid.follow import follow
 from sysid.misfit import misfit
 from workbench.cli import run

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sim.library import find
-from sysid.case import fit_case, load_case
+from sysid.case import load_case
+from sysid.case_fit import fit_case
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.ladder_files import read_ladder

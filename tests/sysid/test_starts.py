@@ -10,7 +10,8 @@ from slide import POSITION, VELOCITY, slide
 
 from sim.library import find
 from sysid.base_fit import fit_model
-from sysid.case import Case, best_laws, clearly_better, open_laws
+from sysid.case import Case
+from sysid.case_fit import best_laws, clearly_better, open_laws
 from sysid.starts import searched, without_effect
 
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from sysid.balance import Balance
-from sysid.case import Case, fit_case, load_case
+from sysid.case import Case, load_case
+from sysid.case_fit import fit_case
 from sysid.intervals import intervals
 from sysid.systematic import SKEW, systematic_changes
 

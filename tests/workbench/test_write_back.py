@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import workbench.design_values
-from sysid.case import fit_case, load_case
+from sysid.case import load_case
+from sysid.case_fit import fit_case
 from sysid.intervals import intervals
 from sysid.known_values import DesignValue
 from workbench.cli import run

@@ -92,7 +92,8 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
 
 
 def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
-    from sysid.case import fit_case, load_case
+    from sysid.case import load_case
+    from sysid.case_fit import fit_case
     from sysid.document import parameters_json
     from sysid.ladder_files import edited_by_hand, read_ladder
     from workbench.design_values import design_values

@@ -1,0 +1,93 @@
+"""The model of a case at its best fit, with the law of each effect that fits best."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.library import find
+from sysid.base_fit import Fitted, fit_model
+from sysid.case import Case
+from sysid.first_fit import first_fit
+from sysid.misfit import Weighting, weighted_residual, weighting
+from sysid.model import Model
+from sysid.starts import searched
+
+
+@dataclass(frozen=True)
+class BaseFit:
+    """The model of a case at its best, and what the comparison with others needs.
+
+    Args:
+        fitted: model, fit and weights on the records of the fit.
+        weights: deviations and samples of the held-out records.
+        residual: of the held-out records, in deviations, (n,).
+        laws: effects of the model whose law was chosen among variants, as `stribeck:rational`.
+    """
+
+    fitted: Fitted
+    weights: Weighting
+    residual: np.ndarray
+    laws: tuple[str, ...] = ()
+
+
+def fit_case(case: Case, model: Model | None = None) -> BaseFit:
+    """Fit the case's model; an effect named without a variant takes the law of its family that fits best."""
+    chosen: tuple[str, ...] = ()
+    if model is not None:
+        fitted = fit_model(model, case.fit_records)
+    else:
+        given = [key for key, setting in case.experiment.parameters.items() if setting.start is not None]
+        fitted = first_fit(case.start, case.fit_records, case.scales, given)
+        fitted, chosen = best_laws(case, fitted)
+    weights = weighting(fitted.model, case.validate_records)
+    residual = weighted_residual(fitted.model, case.validate_records, weights)
+    return BaseFit(fitted, weights, residual, chosen)
+
+
+def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = None) -> tuple[Fitted, tuple[str, ...]]:
+    """A fit in which effects have the best law of their family.
+
+    The law of the family's own name is taken unless another is clearly better.
+
+    Args:
+        case: whose records are fitted.
+        fitted: the model as it stands, with any law of each family.
+        families: names of the effects whose law is open; those of `open_laws` where left out.
+
+    Returns:
+        The fit, and the names of the laws that took their family's place.
+    """
+    chosen: list[str] = []
+    for name in open_laws(case) if families is None else families:
+        effect = find(name, case.custom)
+        present = {e.name for e in fitted.model.effects}
+        if effect.name not in present:
+            if not any(e.name.partition(":")[0] == name for e in fitted.model.effects):
+                continue
+            # Another law was chosen while the model still lacked something.
+            fitted = searched(fitted, effect, case.fit_records, case.scales)
+        trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in effect.variants]
+        best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
+        if clearly_better(best, fitted):
+            fitted = best
+            chosen += [e.name for e in best.model.effects if e.name.partition(":")[0] == name]
+    return fitted, tuple(chosen)
+
+
+def open_laws(case: Case) -> tuple[str, ...]:
+    """Effects whose law is for the fit to choose: named without a variant, and with no value given by the user."""
+    given = {key.rpartition(".")[0] for key in case.experiment.parameters}
+    return tuple(
+        e.name for e in case.start.effects
+        if e.core is None and ":" not in e.name and e.variants and e.name not in given
+    )  # fmt: skip
+
+
+def clearly_better(other: Fitted, fitted: Fitted) -> bool:
+    """Whether another law of an effect fits so much better that chance and its extra values do not explain it."""
+    extra = len(other.model.unknowns) - len(fitted.model.unknowns)
+    # Law by law the cost of a wrong curve is far above the noise; chance is not.
+    return other.fit.cost < 0.97 * fitted.fit.cost - 4.0 * max(extra, 0)

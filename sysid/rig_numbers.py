@@ -1,0 +1,139 @@
+"""Numbers of the rig itself: what the user knows is held, what is not known is guessed from the records and fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.balance import filled
+from sysid.experiment import Experiment
+from sysid.fit import Prior, Unknown
+from sysid.friction_drive import CONTACT_STIFFNESS, contact_damping, gain_and_press
+from sysid.noise_floor import Noise
+from sysid.prepare import driven_mass
+from sysid.records import Record
+from sysid.smoothing import GaussianFilter
+from sysid.uniform import uniform
+
+LEAST_ROWS = 200
+"""Scored rows below which a mass is not read off a record."""
+
+
+def rig_numbers(
+    experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise]
+) -> tuple[dict[str, float], list[Unknown]]:
+    """Numbers of the rig, those the user knows held, those unknown or uncertain moved by the fit."""
+    known, kind = experiment.rig.known, experiment.rig.kind
+    values: dict[str, float] = {}
+    unknowns: list[Unknown] = []
+
+    def put(name: str, guess: Callable[[], float], known_as: str | None = None) -> None:
+        given = known.get(known_as or name)
+        value = given.value if given is not None else guess()
+        values[f"rig.{name}"] = value
+        if given is None:
+            unknowns.append(Unknown(f"rig.{name}", value, 1e-3 * abs(value), 1e3 * abs(value), abs(value)))
+        elif given.std:
+            reach = 3.0 * given.std
+            prior = Prior(value, given.std)
+            unknowns.append(Unknown(f"rig.{name}", value, value - reach, value + reach, given.std, prior))
+
+    if kind == "spring-pull":
+        put("pull_stiffness", lambda: _guess_stiffness(records))
+    if kind in ("spring-pull", "force-drive"):
+        put("mass", lambda: _guess_mass(records, kind, values.get("rig.pull_stiffness"), noise))
+    if kind == "friction-drive":
+        fits = [r for r in records if r.role == "fit"]
+        gain, press = gain_and_press(fits, {name: k.value for name, k in known.items()})
+        values["rig.contact_stiffness"] = (
+            known["contact_stiffness"].value if "contact_stiffness" in known else (CONTACT_STIFFNESS)
+        )
+        put("mass", lambda: 1.0)
+        damping = contact_damping(values["rig.contact_stiffness"], values["rig.mass"])
+        put("contact_damping", lambda: damping)
+        if "contact_damping" not in known:
+            # Ten times that is a third of critical: a fit that wants more wants something else.
+            unknowns[-1] = replace(unknowns[-1], low=0.0, high=10.0 * damping)
+        put("gain", lambda: gain, "piezo_gain")
+        if press is not None:
+            put("press", lambda: press)
+    if kind == "actuator-tip":
+        fits = [r for r in records if r.role == "fit"]
+        rows = {c: np.concatenate([r.channels[c] for r in fits]) for c in fits[0].channels}
+        spread = max(float(np.nanstd(v)) for c, v in rows.items() if c.startswith("voltage"))
+        size = max(float(np.nanstd(v)) for c, v in rows.items() if c.startswith("tip"))
+        gain = size / max(spread, 1e-300)
+        values["rig.gain"] = gain
+        unknowns.append(Unknown("rig.gain", gain, 0.0, np.inf, gain))
+        for channel in ("tip_x", "tip_y", "tip_z"):
+            if channel in rows:
+                offset = float(np.nanmean(rows[channel]))
+                values[f"rig.offset_{channel}"] = offset
+                unknowns.append(Unknown(f"rig.offset_{channel}", offset, -np.inf, np.inf, size))
+    return values, unknowns
+
+
+def _guess_stiffness(records: Sequence[Record]) -> float:
+    """Slope of spring force over stretch, where both are measured."""
+    for record in records:
+        c = record.channels
+        if {"pull_position", "position", "spring_force"} <= set(c):
+            stretch, force = c["pull_position"] - c["position"], c["spring_force"]
+            ok = np.isfinite(stretch) & np.isfinite(force)
+            if np.ptp(stretch[ok]) > 0:
+                return abs(float(np.polyfit(stretch[ok], force[ok], 1)[0])) or 1.0
+    raise InputError(
+        f"{records[0].file}: without rig.known.pull_stiffness both 'position' and 'spring_force' must be recorded, "
+        "since the stiffness is then read off them"
+    )
+
+
+def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
+    """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
+    best = 1.0
+    for record in [r for r in records if r.role == "fit"][:1]:
+        best = mass = _largest_mass(record, kind, stiffness, noise)
+        for _ in range(4):
+            balance = driven_mass(record, kind, noise, mass, stiffness)
+            channel = balance.force_channel
+            y = balance.measured[channel]
+            if channel == "position":
+                y = balance.inputs["spring_force"]
+            ok = balance.valid[channel]
+            if ok.sum() < LEAST_ROWS:
+                # A filter as wide as this guess asks for leaves nothing between the gaps.
+                mass *= 0.1
+                continue
+            assert balance.acceleration is not None and balance.whole is not None and balance.direction is not None
+            columns = [balance.acceleration, balance.whole(balance.direction), balance.axis.velocity, np.ones(y.size)]
+            solution, *_ = np.linalg.lstsq(np.column_stack([c[ok] for c in columns]), y[ok], rcond=None)
+            best = float(solution[0]) if solution[0] > 0 else mass
+            if abs(best - mass) < 0.01 * best:
+                break
+            mass = best
+    return best
+
+
+def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
+    """Mass that would need all of the force: its size over that of the acceleration, where that stands off its noise.
+
+    An upper guess: it sets how wide a filter the first estimate of the mass begins with.
+    """
+    _, step, channels, _ = uniform(record)
+    position = channels.get("position")
+    force = channels.get("drive_force" if kind == "force-drive" else "spring_force")
+    if position is None or force is None:
+        return 1.0
+    position, force = filled(position)[0], filled(force)[0]
+    width = step
+    while width < position.size * step / 40.0:
+        smooth = GaussianFilter(width, step, position.size)
+        acceleration = float(np.std(smooth(position, 2)))
+        sigma = noise["position"]
+        if sigma.value * smooth.noise_gain(2, sigma.correlation) < 0.2 * acceleration:
+            return float(np.std(force)) / acceleration
+        width *= 2.0
+    return 1.0
