@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+PEERS := $(VENV)/.peers
 
 .DEFAULT_GOAL := demo
 .PHONY: demo test test-slow bench lint system clean
@@ -19,7 +20,7 @@ test: $(READY) system lint
 test-slow: $(READY) system
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
 
-bench: $(READY) system
+bench: $(PEERS) system
 	for name in parts drawings cold_start stick_slip many_effects sensitivities parameter_draws loop_growth hidden_effects; do \
 		echo "== $$name"; $(BIN)/python -m benchmarks.$$name || exit 1; done
 
@@ -34,6 +35,11 @@ $(READY): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	touch $@
+
+# Programs that a benchmark is run against.
+$(PEERS): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[peers]"
 	touch $@
 
 # Libraries that the CAD kernel loads and that no Python package brings along.

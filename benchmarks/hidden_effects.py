@@ -1,11 +1,13 @@
 """Score the loop on experiments with a hidden effect: table by rig, effect and size, with counts and intervals.
 
     python benchmarks/hidden_effects.py --cases 300 --jobs 2
-    python benchmarks/hidden_effects.py --folder ../shared/practice
+    python benchmarks/hidden_effects.py --folder FOLDER_OF_CASES
     python benchmarks/hidden_effects.py --cases 0 --coverage 40
 
 Cases come from an independent simulator (`tests/hidden_effect/generator`) unless a folder with `key.json` is given.
-Every case goes through the command line, so what is scored is what a user gets. Peers see the same records.
+Every case goes through the command line, so what is scored is what a user gets. Peers see the same records: forward
+regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a library
+of features made by hand (`benchmarks/peers`).
 """
 
 from __future__ import annotations
@@ -15,23 +17,22 @@ import contextlib
 import importlib.util
 import io
 import json
-import math
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, replace
 from multiprocessing import get_context
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "hidden_effect")]
 
+from benchmarks.result_table import Names, table  # noqa: E402
 from benchmarks.scoring import (  # noqa: E402
     Outcome,
     both_found,
@@ -39,14 +40,12 @@ from benchmarks.scoring import (  # noqa: E402
     kind_of,
     plain,
     said,
-    share,
     size_of,
     worst_over_noise,
 )
 
 ROUNDS = 3
 TIMEOUT = 300.0
-NOTHING = ("adequate", "unexplained")
 
 
 def _in_process(command: list[str]) -> dict[str, Any]:
@@ -86,8 +85,9 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
     run: Callable[[list[str]], dict[str, Any]] = _as_program if fresh else _in_process
     kind = kind_of(entry)
     out = Outcome(
-        folder.name, kind, entry["rig"], entry["effect"], size_of(entry), bool(entry.get("hard")), right=False, said=""
-    )
+        folder.name, kind, entry["rig"], entry["effect"], size_of(entry), bool(entry.get("hard")), right=False, said="",
+        accept=tuple(entry["accept"]),
+    )  # fmt: skip
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch) / folder.name
         shutil.copytree(folder, work)
@@ -121,17 +121,19 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
                 if kind == "single" and not out.right:
                     break
         except Exception as error:
-            return replace(out, failed=f"{type(error).__name__}: {error}", both=False if kind == "pair" else None)
+            failed = f"{type(error).__name__}: {error}"
+            return replace(out, failed=failed, added=tuple(added), both=False if kind == "pair" else None)
         return replace(
             out,
+            added=tuple(added),
             both=both_found(entry["effect"], added) if kind == "pair" else None,
             held_out=worst_over_noise(document.get("before", {})) if out.right else None,
             stopped=(len(added) == 1) if kind == "single" and out.right else None,
         )
 
 
-def peers(folder: Path, entry: dict[str, Any]) -> dict[str, bool]:
-    """Whether each peer's first name is right on the same records."""
+def peers(folder: Path) -> Names:
+    """Effects that each peer names on the same records, first the one that matters most."""
     from benchmarks.peers import forward_regression, sparse_library
     from benchmarks.peers.features import read_problems
 
@@ -139,73 +141,12 @@ def peers(folder: Path, entry: dict[str, Any]) -> dict[str, bool]:
     found = {"forward regression": forward_regression.name_missing(fit, held)}
     if sparse_library.available():
         found["pysindy"] = sparse_library.name_missing(fit, held)
-    return {name: (names[0] if names else "adequate") in entry["accept"] for name, names in found.items()}
+    return found
 
 
-def _job(task: tuple[Path, dict[str, Any], bool, bool, bool]) -> tuple[Outcome, dict[str, bool]]:
+def _job(task: tuple[Path, dict[str, Any], bool, bool, bool]) -> tuple[Outcome, Names]:
     folder, entry, follow, fresh, with_peers = task
-    return loop(folder, entry, follow=follow, fresh=fresh), peers(folder, entry) if with_peers else {}
-
-
-def _text(title: str, hits: Iterable[bool]) -> str:
-    return f"  {title:42s} {share(hits)}"
-
-
-def _line(title: str, outcomes: list[Outcome]) -> str:
-    return _text(title, (o.right for o in outcomes))
-
-
-def table(outcomes: list[Outcome], beside: list[dict[str, bool]]) -> str:
-    """The whole result as text."""
-    single = [o for o in outcomes if o.kind == "single"]
-    clear = [o for o in single if o.size in ("strong", "moderate")]
-    none = [o for o in outcomes if o.kind == "none"]
-    unlisted = [o for o in outcomes if o.kind == "unexplained"]
-    pairs = [o for o in outcomes if o.kind == "pair"]
-    named = [o for o in outcomes if o.kind in ("single", "pair") and o.said not in (*NOTHING, "failed")]
-    lines = ["first name right, or in a named tie of at most three"]
-    lines += [_line("3 noise deviations or more, plain", [o for o in clear if not o.hard])]
-    lines += [_line("3 noise deviations or more, hard", [o for o in clear if o.hard])]
-    lines += [_line("1 to 3 noise deviations", [o for o in single if o.size == "weak"])]
-    lines += [_line("two effects, first name", pairs)]
-    lines += [_text("two effects, both", (o.both for o in pairs if o.both is not None))]
-    lines += [_text("answers that are ties", (o.tied > 1 for o in named))]
-    lines += ["nothing hidden", _line("adequate", none)]
-    lines += [_line("adequate, plain records", [o for o in none if not o.hard])]
-    lines += ["effect of no library", _line("unexplained", unlisted)]
-    lines += [_text("with the right coordinate first", (o.right and bool(o.where_right) for o in unlisted))]
-    held = sorted(o.held_out for o in single if o.held_out is not None and not math.isnan(o.held_out))
-    if held:
-        high = held[int(0.9 * len(held))]
-        lines += ["after adding", f"  held-out error over noise: median {median(held):.2f}, 90 % {high:.2f}"]
-        stopped = (bool(o.stopped) for o in single if o.stopped is not None)
-        lines += [_text("the loop stops after the one effect", stopped)]
-    seconds = sorted(o.seconds for o in outcomes if not math.isnan(o.seconds))
-    if seconds:
-        lines += [f"seconds of a diagnosis: median {median(seconds):.1f}, 95 % {seconds[int(0.95 * len(seconds))]:.1f}"]
-    for title, group in (("rig", lambda o: o.rig), ("size", lambda o: o.size), ("effect", lambda o: o.effect)):
-        lines += [f"by {title}"]
-        chosen = [o for o in outcomes if o.kind != "pair"] if title == "effect" else outcomes
-        if title == "size":
-            chosen = single
-        for name in sorted({group(o) for o in chosen}):
-            lines += [_line(name, [o for o in chosen if group(o) == name])]
-    names = sorted({name for row in beside for name in row})
-    if names:
-        lines += ["peers on the same records: first name right (single effects), nothing found where nothing is hidden"]
-        for name in names:
-            both = [(o.kind, row[name]) for o, row in zip(outcomes, beside) if name in row]
-            lines += [
-                f"  {name:42s} {share(hit for kind, hit in both if kind == 'single')};"
-                f" {share(hit for kind, hit in both if kind == 'none')}"
-            ]
-        if "pysindy" not in names:
-            lines += ["  pysindy is not installed: left out"]
-    wrong = [o for o in outcomes if not o.right or o.failed or o.both is False]
-    lines += ["missed"]
-    for o in wrong:
-        lines += [f"  {o.case} {o.rig} {o.effect} {o.size}{' hard' if o.hard else ''}: {o.said} {o.failed}".rstrip()]
-    return "\n".join(lines)
+    return loop(folder, entry, follow=follow, fresh=fresh), peers(folder) if with_peers else {}
 
 
 def main() -> None:
@@ -218,7 +159,7 @@ def main() -> None:
     parser.add_argument("--no-follow", action="store_true", help="diagnose only; do not add and diagnose again")
     parser.add_argument("--no-peers", action="store_true")
     parser.add_argument("--fresh", action="store_true", help="a new process for every command, as a user's")
-    parser.add_argument("--coverage", type=int, default=0, help="cases for the coverage of intervals")
+    parser.add_argument("--coverage", type=int, help="cases for the coverage of intervals (a quarter of --cases)")
     parser.add_argument("--json", type=Path, help="also write every outcome here")
     a = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
@@ -229,7 +170,7 @@ def main() -> None:
             folder = Path(scratch) / "cases"
             print(f"making {a.cases} cases", file=sys.stderr)
             make_cases(folder, a.seed, a.cases, jobs=a.jobs)
-        rows: list[tuple[Outcome, dict[str, bool]]] = []
+        rows: list[tuple[Outcome, Names]] = []
         if folder is not None:
             key = json.loads((folder / "key.json").read_text(encoding="utf-8"))
             wanted = [
@@ -254,10 +195,11 @@ def main() -> None:
             print(table([row[0] for row in rows], [row[1] for row in rows]))
             if a.json:
                 a.json.write_text(json.dumps([asdict(row[0]) | {"peers": row[1]} for row in rows], indent=1))
-        if a.coverage:
+        coverage = a.coverage if a.coverage is not None else a.cases // 4 if a.folder is None else 0
+        if coverage:
             from benchmarks.interval_coverage import coverage_table
 
-            print(coverage_table(a.coverage, a.seed, Path(scratch) / "coverage", a.jobs))
+            print(f"\n{coverage_table(coverage, a.seed, Path(scratch) / 'coverage', a.jobs)}")
 
 
 if __name__ == "__main__":

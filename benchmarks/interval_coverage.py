@@ -150,7 +150,10 @@ def coverage_table(count: int, seed: int, folder: Path, jobs: int, hard: float =
     groups += [(name, [r for r in rows if r.hard == is_hard]) for name, is_hard in (("plain", False), ("hard", True))]
     groups += [(rig, [r for r in rows if r.rig == rig]) for rig in sorted({r.rig for r in rows})]
     groups += [(name, [r for r in rows if r.key == name]) for name in sorted({r.key for r in rows})]
-    lines = ["95 % intervals that hold the truth", *(_line(title, chosen) for title, chosen in groups)]
+    lines = [
+        "95 % intervals that hold the truth (asked: 90 to 98 % of them)",
+        *(_line(title, chosen) for title, chosen in groups),
+    ]
     lines += ["missed", *(
         f"  {r.case} {r.rig} {r.effect}{' hard' if r.hard else ''}: {r.key} off by {r.off:+.1f} deviations"
         for r in rows if r.covered is False

@@ -31,6 +31,8 @@ class Outcome:
         held_out: error over noise on the held-out record in the end; none where nothing was added rightly.
         stopped: after a single effect was added, whether the loop stopped; none where not followed.
         seconds: time of the first diagnosis.
+        accept: every right answer.
+        added: what was added, in order; empty where not followed.
     """
 
     case: str
@@ -49,6 +51,8 @@ class Outcome:
     stopped: bool | None = None
     seconds: float = math.nan
     failed: str = ""
+    accept: tuple[str, ...] = ()
+    added: tuple[str, ...] = ()
 
 
 def wilson(hits: int, count: int, z: float = 1.96) -> tuple[float, float]:

@@ -5,28 +5,24 @@ from __future__ import annotations
 import numpy as np
 
 from .features import Problem
+from .regression import held_out_error
 
 WORTHWHILE = 0.02
-
-
-def _held_out(fit: np.ndarray, y: np.ndarray, held: np.ndarray, target: np.ndarray) -> float:
-    scale = np.sqrt(np.mean(fit**2, axis=0))
-    scale[scale == 0.0] = 1.0
-    c, *_ = np.linalg.lstsq(fit / scale, y, rcond=1e-10)
-    return float(np.sqrt(np.mean((target - held / scale @ c) ** 2)))
 
 
 def name_missing(fit: Problem, held: Problem, most: int = 2) -> list[str]:
     """Effects in the order in which they were added; none when nothing helps."""
     a, b = fit.base, held.base
-    error = _held_out(a, fit.target, b, held.target) if a.shape[1] else float(np.sqrt(np.mean(held.target**2)))
+    error = held_out_error(a, fit.target, b, held.target)
     chosen: list[str] = []
     while len(chosen) < most:
-        trials = {}
-        for name, columns in fit.candidates.items():
-            if name not in chosen and name in held.candidates:
-                trial = np.hstack([a, columns]), np.hstack([b, held.candidates[name]])
-                trials[name] = _held_out(trial[0], fit.target, trial[1], held.target)
+        trials = {
+            name: held_out_error(
+                np.hstack([a, columns]), fit.target, np.hstack([b, held.candidates[name]]), held.target
+            )
+            for name, columns in fit.candidates.items()
+            if name not in chosen and name in held.candidates
+        }
         if not trials:
             break
         best = min(trials, key=lambda name: trials[name])
