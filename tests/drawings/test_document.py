@@ -6,6 +6,7 @@ import io
 import math
 import re
 import xml.etree.ElementTree as ET
+import zlib
 from dataclasses import replace
 from typing import get_args
 
@@ -182,6 +183,46 @@ def test_each_format_has_the_size_of_the_paper(made: Renderings) -> None:
     assert [float(value) * 25.4 / 72 for value in box.group(1).split()] == pytest.approx([0, 0, 420, 297], abs=0.01)
     picture = Image.open(io.BytesIO(made.png))
     assert picture.size == pytest.approx((420 / 25.4 * DPI["A3"], 297 / 25.4 * DPI["A3"]), abs=1.1)
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(number) for number in re.findall(r"-?\d+\.\d+", text)]
+
+
+def test_svg_pdf_and_png_show_the_same_lines(made: Renderings) -> None:
+    root = ET.fromstring(made.svg)
+    drawn, filled = [], 0
+    for group in root.findall("{*}g"):
+        outlines = [path.get("d", "") for path in group]
+        if group.get("stroke-width") is None:
+            filled += len(outlines)
+        else:
+            drawn += [(float(group.get("stroke-width", "")), outline) for outline in outlines]
+    content = zlib.decompress(made.pdf.partition(b"stream\n")[2].partition(b"\nendstream")[0]).decode()
+    assert content.count("f\n") == filled > 20
+    strokes = content.split("S\n")[:-1]
+    assert len(strokes) == len(drawn) > 50
+    pixels = np.asarray(Image.open(io.BytesIO(made.png)))
+    weight, to_pixels = 0.0, DPI["A3"] / 25.4
+    for stroke, (width, outline) in zip(strokes, drawn, strict=True):
+        *head, path = stroke.rpartition(" w\n")
+        weight = float(head[0].split()[-1]) * 25.4 / 72 if head[0] else weight
+        assert weight == pytest.approx(width, abs=1e-3)
+        if "Q" in outline:
+            continue
+        points = np.array(_numbers(outline)).reshape(-1, 2)
+        written = np.array(_numbers(path)).reshape(-1, 2) * 25.4 / 72
+        assert written == pytest.approx(np.array((0.0, 297.0)) + points * (1.0, -1.0), abs=0.005)
+        x, y = (points[0] * to_pixels).astype(int)
+        assert pixels[max(y - 2, 0) : y + 3, max(x - 2, 0) : x + 3].min() < 128
+
+
+def test_the_table_of_the_pdf_tells_where_its_objects_are(made: Renderings) -> None:
+    table = int(made.pdf.rstrip().splitlines()[-2])
+    entries = re.findall(rb"(\d{10}) 00000 n \n", made.pdf[table:])
+    assert len(entries) == 5
+    for number, entry in enumerate(entries, start=1):
+        assert made.pdf[int(entry) :].startswith(b"%d 0 obj" % number)
 
 
 def test_every_sign_and_symbol_is_drawn_and_none_as_an_empty_box() -> None:
