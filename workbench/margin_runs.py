@@ -26,11 +26,11 @@ class Source:
     name: str
     overrides: tuple[str, ...]
 
-    def design(self, override: str, rules: bool = True) -> Design:
-        """The design with one more override `KEY=VALUE`."""
+    def design(self, *more: str, rules: bool = True) -> Design:
+        """The design with `more` overrides `KEY=VALUE`."""
         from stagecad.parameters.design import design_from_text, load_design
 
-        overrides = (*self.overrides, override)
+        overrides = (*self.overrides, *more)
         if self.text is None:
             return load_design(None, overrides, rules=rules)
         return design_from_text(self.text, self.name, overrides, rules=rules)

@@ -10,6 +10,51 @@ from workbench.options import Run
 from workbench.simulation_inputs import friction_of, tip_dimensions
 
 
+def simulated(
+    run: Run, name: str, models: tuple[str, ...], mass: float, advance: Callable[[], None] = lambda: None
+) -> dict[str, Any]:
+    """Results of one experiment: by model (and case or motion); those of `tip` by stroke and phase.
+
+    Args:
+        run: whose design is simulated.
+        name: of the experiment; `stage` has a module of its own.
+        models: friction models.
+        mass: kg.
+        advance: called after each model.
+    """
+    if name == "tip":
+        from sim.experiments.tip import PHASES, STROKES, tip_ellipse
+
+        spacing, height = tip_dimensions(run)
+        ellipses = {
+            stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
+            for stroke, size in STROKES.items()
+        }
+        advance()
+        return ellipses
+    friction = friction_of(run)
+    results: dict[str, Any] = {}
+    for model in models:
+        if name == "presliding":
+            from sim.experiments.presliding import presliding
+
+            results[model] = presliding(friction, model, mass)
+        elif name == "stick-slip":
+            from sim.experiments.stick_slip import stick_slip
+
+            results[model] = stick_slip(friction, model, mass)
+        elif name == "hysteresis":
+            from sim.experiments.hysteresis import CASES, hysteresis
+
+            results[model] = {case: hysteresis(friction, model, case) for case in CASES}
+        else:
+            from sim.experiments.passivity import MOTIONS, audit
+
+            results[model] = {motion: audit(friction, model, motion) for motion in MOTIONS}
+        advance()
+    return results
+
+
 class Job:
     """One run of the command: where it writes, and what it has written."""
 
@@ -19,113 +64,28 @@ class Job:
         self.advance: Callable[[], None] = lambda: None
 
     def run_one(self, name: str, mass: float) -> dict[str, Any]:
-        steps: dict[str, Callable[[float], dict[str, Any]]] = {
-            "tip": self.tip,
-            "presliding": self.presliding,
-            "hysteresis": self.hysteresis,
-            "stick-slip": self.stick_slip,
-            "passivity": self.passivity,
-        }
-        return steps[name](mass)
+        """Simulate an experiment, write and draw what is wanted of it; its features."""
+        if name == "passivity":
+            from sim.experiments.passivity import passive_below
 
-    def tip(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.tip import PHASES, STROKES, tip_ellipse
-
-        spacing, height = tip_dimensions(self.run)
-        results = {
-            stroke: {phase: tip_ellipse(spacing, height, size, lag) for phase, lag in PHASES.items()}
-            for stroke, size in STROKES.items()
-        }
-        self.advance()
-        for stroke, phases in results.items():
-            for phase, path in phases.items():
-                columns = {"time [s]": path.time, "tip_x [m]": path.x, "tip_y [m]": path.y}
-                self.write(f"tip_{stroke}_{phase.replace('/', '_over_')}", columns)
+            below = passive_below(friction_of(self.run))
+            self.run.say(f"lugre is passive at any stretch below 4 Fc/a1 = {below * 1e3:.2f} mm/s")
+        results = simulated(self.run, name, self.models, mass, self.advance)
+        if self.forms:
+            for table, columns in tables_of(name, results).items():
+                self.write(table, columns)
         if self.figures:
-            from workbench.simulation_figures import draw_tip
+            from workbench import simulation_figures as figures
 
-            self.written += draw_tip(self.folder, results)
-        return {
-            stroke: {phase: quantities(path.features()) for phase, path in phases.items()}
-            for stroke, phases in results.items()
-        }
-
-    def presliding(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.presliding import presliding
-        from workbench.simulation_data import table_of
-
-        results = self._each(lambda model: presliding(friction_of(self.run), model, mass))
-        for model, result in results.items():
-            self.write(f"presliding_{model}", table_of(result.simulation, "drive_force"))
-        if self.figures:
-            from workbench.simulation_figures import draw_presliding
-
-            self.written += draw_presliding(self.folder, results)
-        return {model: quantities(result.features()) for model, result in results.items()}
-
-    def hysteresis(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.hysteresis import CASES, hysteresis
-        from workbench.simulation_data import table_of
-
-        results = self._each(lambda model: {case: hysteresis(friction_of(self.run), model, case) for case in CASES})
-        for model, cases in results.items():
-            for case, result in cases.items():
-                columns = table_of(result.simulation, "acceleration", rows=2001)
-                columns["acceleration [m/s^2]"] = columns.pop("acceleration [N]")
-                del columns["kinetic [J]"]
-                self.write(f"hysteresis_{model}_{case}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_hysteresis
-
-            self.written += draw_hysteresis(self.folder, results)
-        return {
-            model: {case: quantities(result.features()) for case, result in cases.items()}
-            for model, cases in results.items()
-        }
-
-    def stick_slip(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.stick_slip import PULL, SHOWN, stick_slip
-        from workbench.simulation_data import table_of
-
-        results = self._each(lambda model: stick_slip(friction_of(self.run), model, mass))
-        for model, result in results.items():
-            columns = table_of(result.simulation, "spring_force", SHOWN)
-            columns["pull_position [m]"] = PULL * columns["time [s]"]
-            self.write(f"stick-slip_{model}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_stick_slip
-
-            self.written += draw_stick_slip(self.folder, results)
-        return {model: quantities(result.features()) for model, result in results.items()}
-
-    def passivity(self, mass: float) -> dict[str, Any]:
-        from sim.experiments.passivity import MOTIONS, audit, passive_below
-        from workbench.simulation_data import table_of
-
-        friction = friction_of(self.run)
-        self.run.say(f"lugre is passive at any stretch below 4 Fc/a1 = {passive_below(friction) * 1e3:.2f} mm/s")
-        results = self._each(lambda model: {motion: audit(friction, model, motion) for motion in MOTIONS})
-        for model, motions in results.items():
-            for motion, result in motions.items():
-                columns = table_of(result.simulation, "acceleration", rows=2001)
-                del columns["acceleration [N]"], columns["kinetic [J]"]
-                self.write(f"passivity_{model}_{motion}", columns)
-        if self.figures:
-            from workbench.simulation_figures import draw_passivity
-
-            self.written += draw_passivity(self.folder, results)
-        return {
-            model: {motion: quantities(result.features()) for motion, result in motions.items()}
-            for model, motions in results.items()
-        }
-
-    def _each(self, simulated: Callable[[str], Any]) -> dict[str, Any]:
-        """What `simulated` gives for every model."""
-        results = {}
-        for model in self.models:
-            results[model] = simulated(model)
-            self.advance()
-        return results
+            draw = {
+                "tip": figures.draw_tip,
+                "presliding": figures.draw_presliding,
+                "hysteresis": figures.draw_hysteresis,
+                "stick-slip": figures.draw_stick_slip,
+                "passivity": figures.draw_passivity,
+            }
+            self.written += draw[name](self.folder, results)
+        return features_of(results)
 
     def write(self, name: str, columns: dict[str, Any]) -> None:
         """Write a table in the forms wanted."""
@@ -133,6 +93,47 @@ class Job:
 
         if self.forms:
             self.written += write_table(self.folder / name, columns, self.forms)
+
+
+def tables_of(name: str, results: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """The tables of an experiment, by the name of their file."""
+    from workbench.simulation_data import table_of
+
+    tables: dict[str, dict[str, Any]] = {}
+    if name == "tip":
+        for stroke, phases in results.items():
+            for phase, path in phases.items():
+                columns = {"time [s]": path.time, "tip_x [m]": path.x, "tip_y [m]": path.y}
+                tables[f"tip_{stroke}_{phase.replace('/', '_over_')}"] = columns
+    elif name == "presliding":
+        for model, result in results.items():
+            tables[f"presliding_{model}"] = table_of(result.simulation, "drive_force")
+    elif name == "stick-slip":
+        from sim.experiments.stick_slip import PULL, SHOWN
+
+        for model, result in results.items():
+            columns = table_of(result.simulation, "spring_force", SHOWN)
+            columns["pull_position [m]"] = PULL * columns["time [s]"]
+            tables[f"stick-slip_{model}"] = columns
+    else:
+        for model, cases in results.items():
+            for case, result in cases.items():
+                # The motion is imposed: what drives it is an acceleration, and no mass has a kinetic energy.
+                columns = table_of(result.simulation, "acceleration", rows=2001)
+                columns["acceleration [m/s^2]"] = columns.pop("acceleration [N]")
+                del columns["kinetic [J]"]
+                if name == "passivity":
+                    del columns["acceleration [m/s^2]"]
+                tables[f"{name}_{model}_{case}"] = columns
+    return tables
+
+
+def features_of(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Features of results, nested as they are, as JSON quantities."""
+    return {
+        name: features_of(found) if isinstance(found, Mapping) else quantities(found.features())
+        for name, found in results.items()
+    }
 
 
 def quantities(features: Mapping[str, tuple[float, str] | None]) -> dict[str, Any]:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class _PointRun(Run):
-    """A run whose design is given: one point of a sweep, in whatever process."""
+class PointRun(Run):
+    """A run whose design is given: one point of a sweep or one draw, in whatever process."""
 
     point: Design | None = None
 
@@ -31,6 +31,11 @@ class _PointRun(Run):
     def design(self) -> Design:
         assert self.point is not None
         return self.point
+
+
+def run_of(design: Design) -> PointRun:
+    """A run on a design that is given."""
+    return PointRun(None, (), Path(), None, design)
 
 
 @dataclass(frozen=True)
@@ -47,13 +52,14 @@ def simulated_point(source: Source, wanted: Wanted, override: str) -> dict[str, 
     """Features of every experiment wanted with one more override, or why the design or motion does not stand."""
     from sim.simulation import SimulationError
     from workbench.simulation_inputs import moving_mass
-    from workbench.simulation_jobs import Job, features_document
+    from workbench.simulation_jobs import features_document, features_of, simulated
 
     try:
-        run = _PointRun(None, (), Path(), None, source.design(override))
-        job = Job(run, Path(), wanted.models, forms=(), figures=False)
+        run = run_of(source.design(override))
         mass = moving_mass(run, wanted.mass) if set(wanted.names) - {"tip", "stage"} else 1.0
-        found = {name: job.run_one(name, mass) for name in wanted.names if name != "stage"}
+        found = {
+            name: features_of(simulated(run, name, wanted.models, mass)) for name in wanted.names if name != "stage"
+        }
         if "stage" in wanted.names:
             from sim.experiments.stage import STUDIES, run_serially
             from workbench.stage_simulation import stage_drive

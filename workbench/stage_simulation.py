@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-import signal
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from designcalc.checks import Weighed
     from sim.experiments.stage import StageDrive
     from stagecad.parameters.design import Design
 
@@ -15,13 +15,13 @@ Tell = Callable[[int, int], None]
 """Told how many cases are done, and of how many."""
 
 
-def stage_drive(design: Design) -> StageDrive:
-    """Machines and drive of the design, weighed on its solids (made where the cache lacks them)."""
+def stage_drive(design: Design, weighed: Weighed | None = None) -> StageDrive:
+    """Machines and drive of the design, `weighed` or else weighed on its solids (made where the cache lacks them)."""
     from sim.experiments.stage import StageDrive
     from workbench.stage_inputs import driven_alone, driven_by_three, stage_machine
     from workbench.weighing import weigh
 
-    weighed = weigh(design)
+    weighed = weigh(design) if weighed is None else weighed
     machine = stage_machine(design, weighed.moving, weighed.tip)
     return StageDrive(
         single=driven_alone(design, machine),
@@ -69,36 +69,27 @@ def run_studies(
 
 def _on_cores(drive: StageDrive, names: Sequence[str], cores: int, tally: _Tally) -> dict[str, Any]:
     """All studies at once, each waiting in a thread for its own cases in one pool of processes: no core stands idle."""
-    from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
-    from multiprocessing import get_context
+    from concurrent.futures import ThreadPoolExecutor, as_completed
 
     from sim.experiments.stage import STUDIES
+    from workbench.cluster import interrupts_held, local_workers
 
-    # `spawn`: a forked process may hang on the threads that numerical libraries keep.
-    pool = ProcessPoolExecutor(cores, mp_context=get_context("spawn"), initializer=_leave_interrupts_alone)
+    # After a mistake or an interrupt the workers end, and with them what a thread waits for.
+    with ThreadPoolExecutor(max(len(names), 1)) as threads, local_workers(cores) as submit:
 
-    def side_by_side(function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:
-        tally.expect(len(cases))
-        tasks = [pool.submit(function, case) for case in cases]
-        for task in as_completed(tasks):
-            task.result()
-            tally.advance()
-        return [task.result() for task in tasks]
-
-    with ThreadPoolExecutor(max(len(names), 1)) as threads:
-        try:
-            waiting = {name: threads.submit(STUDIES[name], drive, side_by_side) for name in names}
-            for task in as_completed(waiting.values()):
+        def side_by_side(function: Callable[[Any], Any], cases: Sequence[Any]) -> list[Any]:
+            tally.expect(len(cases))
+            with interrupts_held():
+                tasks = [submit(function, case) for case in cases]
+            for task in as_completed(tasks):
                 task.result()
-            return {name: task.result() for name, task in waiting.items()}
-        finally:
-            # After a mistake or an interrupt the cases not yet begun are dropped, and no thread waits for them.
-            pool.shutdown(wait=False, cancel_futures=True)
+                tally.advance()
+            return [task.result() for task in tasks]
 
-
-def _leave_interrupts_alone() -> None:
-    """A worker: Ctrl-C is the parent's business, which drops what has not begun."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+        waiting = {name: threads.submit(STUDIES[name], drive, side_by_side) for name in names}
+        for task in as_completed(waiting.values()):
+            task.result()
+        return {name: task.result() for name, task in waiting.items()}
 
 
 class _Tally:

@@ -6,7 +6,6 @@ import json
 from functools import partial
 
 import pytest
-from distributed import LocalCluster
 
 from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
@@ -15,14 +14,6 @@ from workbench.cluster import run_all
 
 # One cluster for all of them: they go to one test process.
 pytestmark = pytest.mark.xdist_group("cluster")
-
-
-@pytest.fixture(scope="module")
-def cluster():
-    with LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0"
-    ) as made:
-        yield made.scheduler_address
 
 
 def document(capsys, folder, *words):

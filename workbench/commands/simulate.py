@@ -9,9 +9,11 @@ from typing import Any
 import click
 
 from stagecad.parameters.errors import InputError, nearest
+from workbench.feature_text import feature_text
 from workbench.options import Run, common_options
 from workbench.simulation_inputs import moving_mass
 from workbench.simulation_jobs import Job, features_document
+from workbench.simulation_sweep import Wanted
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity",)
@@ -36,7 +38,16 @@ STUDIES = ("steps", "speed", "travel_map", "ellipse", "coupling", "planar", "pos
 @click.option(
     "--sweep", "swept", default=None, metavar="KEY=LOW:HIGH[:N]", help="Features over the values of a parameter."
 )
-@click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the many runs of stage or sweep to a cluster.")
+@click.option(
+    "--draws",
+    type=click.IntRange(2, 1_000_000),
+    default=None,
+    help="Simulate so many machines drawn from the deviations (+-) and tolerances of the parameters.",
+)
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers of --draws.")
+@click.option(
+    "--scheduler", default=None, metavar="ADDRESS", help="Send the many runs of stage, --sweep or --draws to a cluster."
+)
 @click.option(
     "--format",
     "kinds",
@@ -54,6 +65,8 @@ def command(
     models: tuple[str, ...],
     studies: tuple[str, ...],
     swept: str | None,
+    draws: int | None,
+    seed: int,
     scheduler: str | None,
     kinds: str,
     figures: bool,
@@ -78,14 +91,22 @@ def command(
     wanted = tuple(name for name in (*EXPERIMENTS, *EXTRA) if name in names) if names else EXPERIMENTS
     if studies and "stage" not in wanted:
         raise InputError("--study: only the experiment 'stage' has studies; name it")
-    if scheduler is not None and "stage" not in wanted and swept is None:
-        raise InputError("--scheduler: only 'stage' and --sweep have many independent runs")
+    if scheduler is not None and "stage" not in wanted and swept is None and draws is None:
+        raise InputError("--scheduler: only 'stage', --sweep and --draws have many independent runs")
+    if swept is not None and draws is not None:
+        raise InputError("--sweep and --draws: one or the other")
     folder = run.out / "simulate"
     chosen_models = tuple(m for m in MODELS if not models or m in models)
     chosen_studies = tuple(study for study in STUDIES if not studies or study in studies)
     forms = {"both": ("csv", "parquet"), "none": ()}.get(kinds, (kinds,))
     if swept is not None:
-        _sweep(run, swept, (wanted, chosen_models, mass, chosen_studies), scheduler, folder, forms)
+        _sweep(run, swept, Wanted(wanted, chosen_models, mass, chosen_studies), scheduler, folder, forms)
+        return
+    if draws is not None:
+        asked = Wanted(
+            names=wanted if names else EXPERIMENTS[:-1], models=chosen_models, mass=mass, studies=chosen_studies
+        )
+        _draws(run, asked, (draws, seed), scheduler, folder, forms, figures)
         return
     folder.mkdir(parents=True, exist_ok=True)
     job = Job(run, folder, chosen_models, forms, figures)
@@ -139,7 +160,7 @@ def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, 
 def _sweep(
     run: Run,
     text: str,
-    chosen: tuple[tuple[str, ...], tuple[str, ...], str | None, tuple[str, ...]],
+    wanted: Wanted,
     scheduler: str | None,
     folder: Path,
     forms: tuple[str, ...],
@@ -147,10 +168,10 @@ def _sweep(
     """Features at every value of a range; the table goes to OUT/simulate/sweep."""
     from designcalc.checks.sweep import read_range
     from workbench.simulation_data import write_table
-    from workbench.simulation_sweep import Wanted, sweep, sweep_columns, sweep_document
+    from workbench.simulation_sweep import sweep, sweep_columns, sweep_document
 
     swept = read_range(text, run.design)
-    points = sweep(run, swept, Wanted(*chosen), scheduler)
+    points = sweep(run, swept, wanted, scheduler)
     if all(isinstance(point, str) for point in points):
         raise InputError(f"--sweep {swept.key}: no value stands: {points[0]}")
     folder.mkdir(parents=True, exist_ok=True)
@@ -161,6 +182,33 @@ def _sweep(
             run.note(f"{swept.key} = {value:g} {swept.unit}: {point}")
     run.say(f"{len(points)} values of {swept.key}, {len(columns) - 1} features each; {len(written)} files in {folder}")
     run.emit({"sweep": sweep_document(swept, points)})
+
+
+def _draws(
+    run: Run,
+    wanted: Wanted,
+    drawn: tuple[int, int],
+    scheduler: str | None,
+    folder: Path,
+    forms: tuple[str, ...],
+    figures: bool,
+) -> None:
+    """Simulate drawn machines; a row for each goes to OUT/simulate/draws."""
+    from workbench.draw_tables import study_columns, study_document
+    from workbench.draw_text import say_study
+    from workbench.simulation_data import write_table
+    from workbench.simulation_draws import draw_machines
+
+    study = draw_machines(run, wanted, *drawn, scheduler)
+    folder.mkdir(parents=True, exist_ok=True)
+    written = write_table(folder / "draws", study_columns(study), forms) if forms else []
+    if figures:
+        from workbench.draw_figures import draw_study
+
+        written += draw_study(folder, study)
+    say_study(run, study)
+    run.say(f"{len(written)} files in {folder}")
+    run.emit(study_document(study, *drawn))
 
 
 def simulate_into(
@@ -201,7 +249,7 @@ def _print(run: Run, experiment: str, found: dict[str, Any]) -> None:
     for name in names:
         table.add_column(name.replace("_", " "), justify="right")
     for label, features in rows:
-        table.add_row(label, *[_text(features[name]) for name in names])
+        table.add_row(label, *[feature_text(features[name]) for name in names])
     run.console.print(table)
 
 
@@ -213,18 +261,5 @@ def _print_studies(run: Run, found: dict[str, Any]) -> None:
         table.add_column("")
         table.add_column("", justify="right")
         for name, feature in features.items():
-            table.add_row(name.replace("_", " "), _text(feature))
+            table.add_row(name.replace("_", " "), feature_text(feature))
         run.console.print(table)
-
-
-def _text(feature: dict[str, Any] | None) -> str:
-    if feature is None:
-        return "-"
-    value, unit = feature["value"], feature["unit"]
-    if unit == "m" and abs(value) < 1e-7:
-        return f"{value * 1e9:.3f} nm"
-    if unit == "m" and abs(value) < 1e-3:
-        return f"{value * 1e6:.3f} um"
-    if unit == "1":
-        return f"{value:.4f}"
-    return f"{value:.4f} {unit}" if abs(value) >= 1e-3 or value == 0.0 else f"{value:.3e} {unit}"

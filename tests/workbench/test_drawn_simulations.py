@@ -1,0 +1,101 @@
+"""Simulations of drawn machines, against what the spread must be, and the same wherever they are worked out."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+
+from workbench.cli import run
+
+pytestmark = pytest.mark.xdist_group("cluster")
+
+
+def drawn(capsys, folder, *words):
+    status = run(["simulate", *words, "--out", str(folder), "--json"])
+    out, err = capsys.readouterr()
+    assert status == 0, err
+    return json.loads(out)
+
+
+def test_the_tips_ellipse_spreads_as_its_two_lengths_say(capsys, tmp_path):
+    """semi-major = 2 s sin(phase/2) h/D: relative deviations add by squares, of an even spread reach/sqrt 3."""
+    document = drawn(capsys, tmp_path, "tip", "--draws", "600", "--no-figures")
+    assert set(document["drawn"]) == {"actuator.piezo_spacing", "actuator.tip_height"}
+    reach = {key: one["plus_minus"] / one["value"] for key, one in document["drawn"].items()}
+    relative = math.sqrt(sum(part**2 / 3.0 for part in reach.values()))
+    found = document["features"]["tip"]["10um"]["pi/1.5"]["semi_major"]
+    assert found["std"] / found["value"] == pytest.approx(relative, rel=0.1)
+    assert found["follows"]["key"] == "actuator.tip_height"
+    assert found["value"] * (1 - sum(reach.values())) < found["low"] < found["high"]
+    assert found["high"] < found["value"] * (1 + sum(reach.values()))
+    assert document["features"]["tip"]["10um"]["pi/1.5"]["semi_minor"]["std"] < 1e-18
+
+
+def test_the_first_slip_of_each_machine_comes_when_the_spring_reaches_its_own_breakaway(capsys, tmp_path):
+    words = ("stick-slip", "--model", "lugre_causal", "--draws", "12", "--set", "friction.breakaway=1.5 +- 0.1 N")
+    document = drawn(capsys, tmp_path, *words)
+    with open(tmp_path / "simulate" / "draws.csv", newline="") as file:
+        names, *rows = csv.reader(file)
+    table = dict(zip(names, np.array(rows, dtype=float).T))
+    slip = table["stick-slip.lugre_causal.first_slip [s]"]
+    breakaway = table["friction.breakaway [N]"]
+    assert np.ptp(breakaway) > 0.15
+    # A spring of 2 N/m pulled at 0.1 m/s; bristles creep before, and 0.02 m/s is passed after.
+    assert slip == pytest.approx(breakaway / 0.2, rel=0.01)
+    found = document["features"]["stick-slip"]["lugre_causal"]["first_slip"]
+    assert found["std"] == pytest.approx(float(np.std(slip, ddof=1)), rel=1e-9)
+    assert found["follows"] == {"key": "friction.breakaway", "rank_correlation": pytest.approx(1.0)}
+    for picture in ("draws_stick-slip.png", "draws_stick-slip_features.png"):
+        assert (tmp_path / "simulate" / picture).read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_cluster_gives_what_the_local_cores_give_and_another_seed_something_else(capsys, tmp_path, cluster):
+    words = (
+        *("presliding", "tip", "--model", "lugre", "--draws", "20", "--no-figures", "--format", "none"),
+        *("--set", "friction.coulomb=1 +- 0.01 N"),
+    )
+    here = drawn(capsys, tmp_path, *words)
+    assert drawn(capsys, tmp_path, *words, "--scheduler", cluster) == here
+    other = drawn(capsys, tmp_path, *words, "--seed", "2")
+    assert (
+        other["features"]["presliding"]["lugre"]["position_max"]["std"]
+        != (here["features"]["presliding"]["lugre"]["position_max"]["std"])
+    )
+    assert (
+        other["features"]["presliding"]["lugre"]["position_max"]["value"]
+        == (here["features"]["presliding"]["lugre"]["position_max"]["value"])
+    )
+
+
+def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(capsys, tmp_path):
+    words = ("presliding", "--model", "lugre", "--draws", "16", "--no-figures", "--format", "none")
+    status = run(["simulate", *words, "--set", "friction.breakaway=1.05 +- 0.05 N", "--out", str(tmp_path), "--json"])
+    out, err = capsys.readouterr()
+    assert status == 0
+    refused = json.loads(out)["refused"]
+    assert 0 < len(refused) < 16
+    assert all("friction.breakaway" in one["reason"] for one in refused)
+    assert f"{len(refused)} of 16 draws do not stand" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ["presliding", "--draws", "10"],
+            "nothing that presliding read has a tolerance or a '+-'; give one, like --set",
+        ),
+        (["tip", "--draws", "1"], "--draws"),
+        (["tip", "--draws", "5", "--sweep", "actuator.tip_height=19 mm:21 mm:3"], "--sweep and --draws"),
+        (["tip", "--draws", "5", "--scheduler", "tcp://127.0.0.1:9"], "no cluster answers there"),
+    ],
+)
+def test_a_mistake_ends_in_one_line_and_status_two(capsys, tmp_path, words, message):
+    assert run(["simulate", *words, "--out", str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert len(error.strip().splitlines()) == 1
