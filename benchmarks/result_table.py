@@ -47,7 +47,7 @@ def _asked(outcomes: Sequence[Outcome]) -> list[str]:
         _line("3 noise deviations or more, hard", (o.right for o in clear if o.hard), 94),
         _line("1 to 3 noise deviations", (o.right for o in single if o.size == "weak"), 75),
         _line("answers that are ties", (o.tied > 1 for o in named), 10, at_most=True),
-        _line("ties of names that are not one thing here", (not one_thing(o) for o in named if o.tied > 1)),
+        _line("ties of names that are not one thing here", (o.tied > 1 and not one_thing(o) for o in named)),
         "nothing hidden",
         _line("adequate", (o.right for o in none), 98),
         _line("adequate, plain records", (o.right for o in none if not o.hard)),
