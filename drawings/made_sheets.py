@@ -11,7 +11,6 @@ import json
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +22,7 @@ from stagecad.solids.machine import part_mass
 from stagecad.solids.made_part import MadePart, find_part, make_part
 from stagecad.solids.mass import placed
 from stagecad.solids.registry import ASSEMBLY, module_name, module_of, part_names
+from stagecad.solids.source import versions
 
 if TYPE_CHECKING:
     from drawings.assembly_sheet import Assembled
@@ -91,7 +91,7 @@ def _depends(made: MadePart) -> tuple[str, ...]:
 
 
 def _libraries() -> tuple[str, ...]:
-    return tuple(f"{name} {version(name)}" for name in ("ezdxf", "matplotlib", "fonttools"))
+    return tuple(f"{name} {number}" for name, number in versions(("ezdxf", "matplotlib", "fonttools")).items())
 
 
 def find_sheets(

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from designcalc.checks.reading import Reading, Weighed
     from drawings.procedure_figures import ProcedureValues
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import MassProperties
     from stagecad.solids.cache import Store
 
 VALUES = "procedure_values.json"
@@ -66,14 +67,21 @@ def procedure_values(design: Design, weighed: Weighed | None = None) -> Procedur
     )
 
 
-def stored_values(store: Store, design: Design, weighed: Weighed) -> ProcedureValues:
-    """The same from the cache; the field between the teeth takes a second to work out."""
+def stored_values(store: Store, design: Design, moving: MassProperties, tip: MassProperties) -> ProcedureValues:
+    """The same from the cache, without a calculator loaded; the field between the teeth takes a second to work out.
+
+    Args:
+        moving, tip: what the solids weigh.
+    """
     from drawings.procedure_figures import ProcedureValues
 
     def make(reading: Any, folder: Path) -> None:
-        (folder / VALUES).write_text(json.dumps(asdict(procedure_values(reading, weighed))), "utf-8")
+        from designcalc.checks import Weighed
 
-    entry = store.make("procedure values", design, (__name__,), make, (repr(weighed),))
+        values = procedure_values(reading, Weighed(moving, tip))
+        (folder / VALUES).write_text(json.dumps(asdict(values)), "utf-8")
+
+    entry = store.make("procedure values", design, (__name__,), make, (repr((moving, tip)),))
     return ProcedureValues(**entry.document(VALUES))
 
 

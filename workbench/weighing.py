@@ -7,15 +7,22 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from designcalc.checks import Weighed
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import MassProperties
 
 
 def weigh(design: Design) -> Weighed:
+    """Moving body and tip as the checks take them, SI."""
+    from designcalc.checks import Weighed
+
+    return Weighed(*moving_and_tip(design))
+
+
+def moving_and_tip(design: Design) -> tuple[MassProperties, MassProperties]:
     """Moving body (stage with irons and magnets, at mid-travel) and tip, SI.
 
     The solids come from the cache or are made now; with the pads on the ways the riders' places follow from the
     stage's own datums. Equal to what `Machine` has of the whole assembly.
     """
-    from designcalc.checks import Weighed
     from stagecad.parameters.dimension import Datum
     from stagecad.parameters.mass_properties import combined
     from stagecad.solids.cache import Store
@@ -37,4 +44,4 @@ def weigh(design: Design) -> Weighed:
         for name, seat in stage.datums.items():
             if name.rpartition("_")[0] == rider:
                 bodies.append(placed(mass, mate(parts[rider].datums["seat"], frame, seat)))
-    return Weighed(combined(bodies), part_mass(parts["tip"], design))
+    return combined(bodies), part_mass(parts["tip"], design)

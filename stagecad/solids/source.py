@@ -58,10 +58,12 @@ def source_digest(modules: tuple[str, ...]) -> str:
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
     """Installed versions by package name, read from their metadata, so that nothing is imported."""
-    found: dict[str, str] = {}
-    for package in packages:
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "absent"
-    return found
+    return {package: _version(package) for package in packages}
+
+
+@cache
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"

@@ -97,9 +97,9 @@ def _files(sheet: MadeSheet) -> tuple[str, ...]:
 def procedure_values(store: Store, design: Design) -> ProcedureValues:
     """The calculated numbers of the assembly procedure, kept in the store."""
     from workbench.procedure_values import stored_values
-    from workbench.weighing import weigh
+    from workbench.weighing import moving_and_tip
 
-    return stored_values(store, design, weigh(design))
+    return stored_values(store, design, *moving_and_tip(design))
 
 
 def _tell(run: Run, document: dict[str, Any]) -> None:
