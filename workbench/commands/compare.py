@@ -6,15 +6,27 @@ from pathlib import Path
 
 import click
 
+from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 
 @click.command("compare")
 @click.argument("experiment", type=click.Path(path_type=Path))
 @click.option("--figures/--no-figures", default=True, help="Draw the figures and the HTML report into OUT.")
+@click.option(
+    "--bootstrap",
+    type=click.IntRange(20, 100_000),
+    default=None,
+    metavar="DRAWS",
+    help="Refit so many times to records whose errors fell otherwise; intervals beside the linear ones.",
+)
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
+@click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the refits of --bootstrap to a cluster.")
 @common_options
-def command(run: Run, experiment: Path, figures: bool) -> None:
+def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, seed: int, scheduler: str | None) -> None:
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show where it fails."""
+    if scheduler is not None and bootstrap is None:
+        raise InputError("--scheduler: only --bootstrap has many independent runs")
     from sysid.compare import compare
     from sysid.document import comparison_json
     from workbench.design_values import design_values
@@ -23,6 +35,14 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     found = compare(experiment, design_values(run))
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
     say_comparison(run, found, document)
+    if bootstrap is not None:
+        from workbench.bootstrap_runs import bootstrap_case, bootstrap_json, draw_bootstrap, say_bootstrap
+
+        drawn = bootstrap_case(run, found.case, found.base.fitted, bootstrap, seed, scheduler)
+        document["bootstrap"] = bootstrap_json(found.case, drawn, seed)
+        say_bootstrap(run, document)
+        if figures:
+            run.say(f"figure: {draw_bootstrap(run, found.case, drawn, document)}")
     if figures:
         from workbench.loop_report import write_comparison
 
