@@ -46,6 +46,8 @@ SHOWN = {
     "bristle_damping.damping": 100.0,
     "bristle_damping.stretch": 5e-4,
     "maxwell_slip.stretch": 2e-3,
+    "presliding.stretch": 2e-3,
+    "gain_mismatch.mismatch": 0.2,
     **{f"{name}.stiffness": 2e3 for name in ("dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run")},
     "drive_lag.time_constant": 0.1,
     "drive_delay.delay": 0.1,
@@ -109,6 +111,13 @@ def _signal(effect: Effect) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return t, u, np.asarray(effect.signal(u, t[1], effect.values(**known)))
 
 
+def _tip_path(mismatch: float) -> tuple[np.ndarray, np.ndarray]:
+    """Path of a tip on two piezos a quarter of a period apart, of the piezos' stroke: h/D of the thesis's actuator."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 400)
+    d1, d2 = np.sin(angle), (1.0 + mismatch) * np.sin(angle - np.pi / 2.0)
+    return -20.0 / 46.0 * (d2 - d1), (d1 + d2) / 2.0
+
+
 def figure(effect: Effect) -> str:
     """The figure of one effect as SVG."""
     from matplotlib.figure import Figure
@@ -116,7 +125,11 @@ def figure(effect: Effect) -> str:
     mpl.rcParams["svg.hashsalt"] = "stagecad"
     drawn = Figure(figsize=(4.6, 2.6), layout="constrained")
     plot = drawn.add_subplot()
-    if effect.signal is not None and effect.name != "gain_mismatch":
+    if effect.name == "gain_mismatch":
+        plot.plot(*_tip_path(0.0), color="0.7", lw=1.0, label="without")
+        plot.plot(*_tip_path(SHOWN["gain_mismatch.mismatch"]), color="C3", lw=1.2, label=effect.name)
+        plot.set(xlabel="tip_x, of the stroke", ylabel="tip_y, of the stroke", aspect="equal")
+    elif effect.signal is not None:
         t, u, y = _signal(effect)
         if effect.name == "piezo_hysteresis":
             plot.plot(u, u, color="0.7", lw=1.0, label="without")
@@ -128,7 +141,7 @@ def figure(effect: Effect) -> str:
             plot.set(xlabel="time, s", ylabel="signal, of its size")
     else:
         axis = record()
-        base = ["coulomb"] if effect.name == "viscous" else ["coulomb", "viscous"]
+        base = {"viscous": ["coulomb"], "coulomb": ["viscous"]}.get(effect.name, ["coulomb", "viscous"])
         if effect.name == "frictional_lag":
             base.append("stribeck")
         names = [effect.name, "viscous"] if effect.core is not None else [*base, effect.name]
@@ -143,13 +156,8 @@ def figure(effect: Effect) -> str:
     return text.getvalue()
 
 
-def has_figure(effect: Effect) -> bool:
-    """Whether the effect can be drawn: not where it merely scales one actuator against another, nor at its own base."""
-    return effect.name not in ("gain_mismatch", "coulomb", "presliding")
-
-
 if __name__ == "__main__":
     FOLDER.mkdir(exist_ok=True)
     for each in library().values():
-        if has_figure(each) and (len(sys.argv) == 1 or each.name in sys.argv[1:]):
+        if len(sys.argv) == 1 or each.name in sys.argv[1:]:
             atomic_write_text(FOLDER / f"{each.name}.svg", figure(each))

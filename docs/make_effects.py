@@ -25,6 +25,10 @@ axis; a rotary axis has rad for m, N*m for N, and so on.
 | effect | acts on | what it is |
 | --- | --- | --- |
 """
+TABLE_HEAD = (
+    "| parameter | unit | default | bounds | role | meaning | where default and bounds come from |",
+    "| --- | --- | --- | --- | --- | --- | --- |",
+)
 
 
 def page() -> str:
@@ -56,16 +60,20 @@ def _section(effect: Effect) -> str:
         ("Source", effect.source),
     ]
     lines += [f"- {label}: {text}" for label, text in facts if text]
-    for variant in effect.variants:
-        law = f": `{' '.join(variant.equation.split())}`" if variant.equation != effect.equation else ""
-        lines.append(f"- Variant `{variant.name}`{law}")
     lines.append("")
     if effect.parameters:
-        lines += ["| parameter | unit | default | bounds | role | meaning | where default and bounds come from |"]
-        lines += ["| --- | --- | --- | --- | --- | --- | --- |"]
-        lines += [_row(p) for p in effect.parameters]
-        lines.append("")
+        lines += [*TABLE_HEAD, *[_row(p) for p in effect.parameters], ""]
+    for variant in effect.variants:
+        lines += [*_variant(variant, effect), ""]
     return "\n".join(lines)
+
+
+def _variant(variant: Effect, effect: Effect) -> list[str]:
+    """Another law under the same name: what it says, and of its numbers those that the first law does not have."""
+    own = [p for p in variant.parameters if p not in effect.parameters]
+    lines = [f"**Variant `{variant.name}`**: {_sentence(variant.meaning)}", ""]
+    lines += [*[f"    {line.strip()}" for line in variant.equation.splitlines()], "", f"- Source: {variant.source}"]
+    return [*lines, "", *TABLE_HEAD, *[_row(p) for p in own]] if own else lines
 
 
 def _row(p: Parameter) -> str:

@@ -139,7 +139,7 @@ def unsupported(effect: Effect) -> str | None:
     if effect.memory is not None and not any(takes(effect)):
         return "changes the motion along a whole record, and has no law at one instant"
     if effect.signal is not None and effect.acts_on != "sensor":
-        return f"acts on the signal of a {effect.acts_on}, which this simulation of one axis does not have"
+        return f"acts on the signal of a {effect.acts_on}, which one axis does not have; see: stagecad simulate stage"
     if effect.signal is not None:
         return None
     instant = Axis(0.1, 1e-3, 1e-3, 0.0, 1.0, 20.0, 0.1, 1e-3, 1e-3, 1.0)

@@ -21,8 +21,19 @@ def _logarithmic(axis: Axis, p: Any) -> Any:
     return p.force * np.log1p(axis.contact_age / p.cut_off)
 
 
+_YOUNGEST = 1e-12
+"""Age in s that a contact has from the start: Kato's power has no slope at zero, which an integration needs."""
+
+
 def _kato(axis: Axis, p: Any) -> Any:
-    return p.force * -np.expm1(-p.rate * axis.contact_age**p.exponent)
+    aged = (np.abs(axis.contact_age) + _YOUNGEST) ** p.exponent - _YOUNGEST**p.exponent
+    return p.force * -np.expm1(-p.rate * aged)
+
+
+def _kato_by_age(axis: Axis, p: Any) -> Any:
+    age = np.abs(axis.contact_age) + _YOUNGEST
+    aged = age**p.exponent - _YOUNGEST**p.exponent
+    return p.force * np.exp(-p.rate * aged) * p.rate * p.exponent * age ** (p.exponent - 1.0)
 
 
 _MEMORY_LENGTH = Parameter(
@@ -87,6 +98,7 @@ _KATO = replace(
         _MEMORY_LENGTH,
     ),
     level=_kato,
+    slopes={"level.contact_age": _kato_by_age},
 )
 
 EFFECT = replace(_LOGARITHMIC, variants=(_KATO,))
