@@ -58,12 +58,21 @@ def stand_in_angle(effect: Fitted, other: Fitted, base: Fitted) -> float | None:
     """Angle, rad, between what an effect takes from the residual and what another could make; none where it is nothing.
 
     Of two effects with unlike numbers of values the one may be able to do all that the other does, and not the other
-    way round: this asks whether `other` could stand in for `effect`.
+    way round: this asks whether `other` could stand in for `effect`. What `other` takes itself is among what it could
+    make: far from zero a lag does more than its slope there tells.
     """
-    taken = base.fit.residual - effect.fit.residual
     basis = orthonormal(base.fit.jacobian)
-    free = taken - basis @ (basis.T @ taken)
-    size, could = float(np.linalg.norm(free)), own_directions(other, base)
-    if size <= LEAST_OWN * float(np.linalg.norm(taken)) or could.shape[1] == 0:
+
+    def taken(grown: Fitted) -> np.ndarray | None:
+        whole = base.fit.residual - grown.fit.residual
+        free = whole - basis @ (basis.T @ whole)
+        size = float(np.linalg.norm(free))
+        return None if size <= LEAST_OWN * float(np.linalg.norm(whole)) else free / size
+
+    wanted, made = taken(effect), taken(other)
+    could = own_directions(other, base)
+    if made is not None:
+        could = orthonormal(np.column_stack([could, made]))
+    if wanted is None or could.shape[1] == 0:
         return None
-    return float(principal_angles(free[:, None] / size, could)[0])
+    return float(principal_angles(wanted[:, None], could)[0])

@@ -16,6 +16,7 @@ import numpy as np
 
 from stagecad.parameters.atomic import atomic_path
 from sysid.balance import Balance
+from sysid.document import LEAST_P
 from sysid.model import Model, Prepared, predict
 from sysid.residual_maps import ResidualMap
 from workbench.simulation_figures import STYLE
@@ -237,7 +238,7 @@ def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
         flat = axes.ravel()
         for panel, m in zip(flat, maps):
             _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
-            chance = "p < 0.001" if m.p_value <= 0.0015 else f"p = {m.p_value:.2g}"
+            chance = "p < 0.001" if m.p_value <= 1.5 * LEAST_P else f"p = {m.p_value:.2g}"
             panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {chance}")
         for panel in flat[len(maps) :]:
             panel.set_visible(False)

@@ -20,7 +20,7 @@ from sysid.diagnose import Diagnosis
 from workbench.loop_sections import Section, comparison_section, diagnosis_section, ladder_section
 from workbench.options import Run, finite
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> Path:

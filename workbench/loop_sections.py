@@ -5,7 +5,6 @@ A section is plain data (it is kept as JSON), so a report can be put together ag
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,15 +15,27 @@ from sim.effect import Effect
 from sysid.base_fit import Fitted
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis
-from sysid.document import channel_unit, parameters_json, worst_channel
+from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, excess
+from sysid.document import channel_unit, worst_channel
 from sysid.identifiability import open_words, public_key
 from sysid.intervals import Intervals, intervals
-from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
 from sysid.trials import Trial
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
-from workbench.loop_text import COORDINATE_WORDS, NOTHING_LEFT, angle_words, near_noise, noise_line, plain, shape_words
+from workbench.loop_rows import detectable_rows, misfit_rows, parameter_rows, ranking_rows, scored_only, times
+from workbench.loop_text import (
+    COORDINATE_WORDS,
+    FAR_ABOVE,
+    NOTHING_LEFT,
+    chance_words,
+    held_out,
+    near_noise,
+    noise_line,
+    plain,
+    swap_lines,
+    unphysical_lines,
+    where_words,
+)
 
 Section = dict[str, Any]
 
@@ -34,17 +45,16 @@ SHARE_SHOWN = 0.005
 def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Section:
     """What `compare` found."""
     case, fitted = found.case, found.base.fitted
-    over = _excess(found.fit, found.validate)
-    adequate = over <= ADEQUATE_OVER_NOISE[case.form]
+    adequate = excess(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[case.form]
     return {
         **_experiment(case),
         "kind": "compare",
         "title": "The model as it stands",
         "effects": _names(fitted.model.effects),
         "state": "good" if adequate else "bad",
-        "number": _times(over),
+        "number": times(held_out(found.fit, found.validate)),
         "headline": comparison_sentence(found),
-        "misfit": _misfit_rows(document["before"]),
+        "misfit": misfit_rows(document["before"]),
         "overlays": _overlays(found.case, {"model": fitted.model}, found.validate, (MODEL,)),
         "maps": _maps(case, found.maps),
         "parameters": parameter_rows(document["parameters"]),
@@ -55,18 +65,18 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
 
 def comparison_sentence(found: Comparison) -> str:
     """What a comparison found, as a person would say it."""
-    over = _excess(found.fit, found.validate)
-    if over <= ADEQUATE_OVER_NOISE[found.case.form]:
-        return f"The model leaves {_times(over)} the noise: these records ask for nothing more."
-    telling = [m for m in found.maps if m.share > 0.02][:2]
-    if not telling:
-        return f"The model leaves {_times(over)} the noise, and what is left hangs on nothing that was recorded."
-    words = " and ".join(f"{COORDINATE_WORDS[m.coordinate]} ({100 * m.share:.0f} % of what is left)" for m in telling)
-    return f"The model leaves {_times(over)} the noise. What is left depends on {words}."
-
-
-def _excess(fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]) -> float:
-    return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
+    most = excess(found.fit, found.validate)
+    if most <= ADEQUATE_OVER_NOISE[found.case.form]:
+        return f"The model leaves {times(most)} the noise: these records ask for nothing more."
+    over = held_out(found.fit, found.validate)
+    text = f"The model leaves {times(over)} the noise on the held-out records."
+    fit = excess(found.fit, {})
+    if fit > FAR_ABOVE * over:
+        text += f" On the records of the fit it leaves {times(fit)}."
+    words = where_words(found.maps)
+    return text + (
+        f" What is left depends on {words}." if words else " What is left hangs on nothing that was recorded."
+    )
 
 
 def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
@@ -77,32 +87,33 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     if best is not None and found.verdict != "adequate":
         label = f"with {best.family}" + ("" if found.best is not None else " (best tried)")
         models, inks = {"before": base.model, label: best.candidate.fitted.model}, (BEFORE, AFTER)
-    before = _excess(found.before_fit, found.before_validate)
-    section = {
+    before = held_out(found.before_fit, found.before_validate)
+    fitted = base if found.best is None else found.best.candidate.fitted
+    return {
         **_experiment(case),
         "kind": "diagnose",
         "title": f"What is missing: {found.effect}" if found.effect else "What is missing",
         "effects": _names(base.model.effects),
         "state": {"missing-effect": "found", "adequate": "good"}.get(found.verdict, "bad"),
-        "number": _times(before),
+        "number": times(before),
         "verdict": found.verdict,
         "headline": verdict_sentence(found),
-        "misfit": _misfit_rows(document["before"], document["after"] if found.best is not None else None),
+        "misfit": misfit_rows(document["before"], document["after"] if found.best is not None else None),
         "overlays": _overlays(case, models, found.before_validate, inks),
         "ranking": ranking_rows(document["ranking"], before),
+        "tried": len(found.trials),
+        "scored_only": scored_only(document["ranking"]),
         "ranking_channel": worst_channel(case, found.before_validate).replace("_", " "),
         "detectable": detectable_rows(document["detectable"]) if near_noise(found) else [],
         "maps": _maps(case, found.maps),
         "told_apart": rivals_sentence(found),
         "effect": _effect_words(best) if found.best is not None else None,
+        "parameters": parameter_rows(document["parameters"]),
+        "parameters_of": f"of the model with {found.effect}" if found.effect else "of the model as it stands",
+        **_told(fitted, intervals(fitted, case.fit_records)),
+        "remarks": [*swap_lines(found), *unphysical_lines(found)],
         "seconds": document["seconds"],
     }
-    if found.best is not None:
-        fitted = found.best.candidate.fitted
-        known = intervals(fitted, case.fit_records)
-        section["parameters"] = parameter_rows(parameters_json(case, fitted, known))
-        section.update(_told(fitted, known))
-    return section
 
 
 def verdict_sentence(found: Diagnosis) -> str:
@@ -111,25 +122,30 @@ def verdict_sentence(found: Diagnosis) -> str:
     if found.verdict == "adequate":
         return f"Nothing is missing: {found.reason}."
     if found.verdict == "unexplained" or found.best is None:
-        telling = [m for m in found.maps if m.share > 0.02][:2]
-        words = " and ".join(COORDINATE_WORDS[m.coordinate] for m in telling) or "nothing that was recorded"
+        words = where_words(found.maps) or "nothing that was recorded"
         return f"No effect of the library explains what is left: {found.reason}. It depends on {words}."
     channel = worst_channel(case, found.before_validate)
     before, after = found.before_validate[channel], found.best.after_validate[channel]
     unit = channel_unit(case, channel)
     errors = f"{plain(before.rms, unit)} to {plain(after.rms, unit)}"
-    times = f"{_times(before.over_noise)} the noise to {_times(after.over_noise)}"
+    ratio = f"{times(before.over_noise)} the noise to {times(after.over_noise)}"
     name = channel.replace("_", " ")
     if after.rms / before.rms > 2.0 * after.over_noise / before.over_noise:
         text = (
-            f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {times}. "
+            f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {ratio}. "
             f"(The plain rms, {errors}, is ruled by the few samples beside reversals.)"
         )
     else:
         text = (
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {errors}, "
-            f"from {times}."
+            f"from {ratio}."
         )
+    fit = (excess(found.before_fit, {}), excess(found.best.after_fit, {}))
+    if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
+        text += f" On the records of the fit it falls from {times(fit[0])} to {times(fit[1])}."
+    words = where_words(found.maps)
+    if words:
+        text += f" Without it the model fails with {words}."
     if found.unexplained_share > NOTHING_LEFT:
         text += f" {100 * found.unexplained_share:.0f} % of the misfit stays: add it, and diagnose again."
     return text
@@ -168,8 +184,8 @@ def ladder_section(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) 
         "title": "The ladder",
         "effects": list(last["effects"]),
         "state": "good" if over[1] <= max(ADEQUATE_OVER_NOISE.values()) else "found",
-        "number": _times(over[1]),
-        "headline": f"From {_times(over[0])} the noise to {_times(over[1])}, in {_steps(len(rungs) - 1)}.",
+        "number": times(over[1]),
+        "headline": f"From {times(over[0])} the noise to {times(over[1])}, in {_steps(len(rungs) - 1)}.",
         "figure": draw_ladder(rungs, png),
         "rungs": [_rung_row(rung) for rung in rungs],
         "parameters": parameter_rows(last.get("parameters", {})),
@@ -190,7 +206,7 @@ def _rung_row(rung: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "rung": f"{rung['rung']:03d}",
         "added": ", ".join(added) or ("the model as it began" if rung["rung"] == 0 else "[model] edited by hand"),
-        "misfit": _misfit_rows(rung["before"]),
+        "misfit": misfit_rows(rung["before"]),
     }
 
 
@@ -206,7 +222,6 @@ def _experiment(case: Case) -> Section:
         "rig": f"{rig.kind}" + (", rotary" if rig.rotary else "") + (f": {', '.join(known)}" if known else ""),
         "record_words": [_record_words(case, k) for k in range(len(case.records))],
         "noise_words": noise_line(case).removeprefix("noise: "),
-        "form": case.form.replace("_", " "),
         "notes": list(case.notes),
     }
 
@@ -220,31 +235,6 @@ def _record_words(case: Case, index: int) -> str:
 
 def _names(effects: Iterable[Effect]) -> list[str]:
     return [e.name for e in effects]
-
-
-def _times(over: float) -> str:
-    return f"{over:.2f} ×" if over < 9.995 else f"{over:.0f} ×"
-
-
-def _misfit_rows(before: Mapping[str, Any], after: Mapping[str, Any] | None = None) -> list[dict[str, str]]:
-    rows = []
-    for part, words in (("fit", "records of the fit"), ("validate", "held-out records")):
-        for channel, m in before.get(part, {}).items():
-            row = {"part": words, "channel": channel.replace("_", " "), **_misfit_words(m)}
-            later = (after or {}).get(part, {}).get(channel)
-            if later is not None:
-                row.update({f"{key}_after": value for key, value in _misfit_words(later).items()})
-            rows.append(row)
-    return rows
-
-
-def _misfit_words(m: Mapping[str, Any]) -> dict[str, str]:
-    percent = m.get("fit_percent")
-    return {
-        "rms": plain(m["rms"]["value"], m["rms"]["unit"]),
-        "over": _times(m["over_noise"]) if m.get("over_noise") is not None else "",
-        "fit": f"{percent:.2f} %" if percent is not None and math.isfinite(percent) else "",
-    }
 
 
 def _overlays(
@@ -272,25 +262,12 @@ def _maps(case: Case, maps: Sequence[ResidualMap]) -> dict[str, Any]:
             {
                 "coordinate": COORDINATE_WORDS[m.coordinate],
                 "share": f"{100 * m.share:.1f} %",
-                "chance": "< 0.001" if m.p_value <= 0.0015 else f"{m.p_value:.3f}",
+                "chance": chance_words(m.p_value),
             }
             for m in maps
             if m.share > 0.0
         ],
     }
-
-
-def parameter_rows(parameters: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Fitted values with their 95 % intervals, and a word where the records do not settle them."""
-    rows = []
-    for key, q in parameters.items():
-        low, high, interval = q.get("low"), q.get("high"), ""
-        word = "at its bound" if q.get("at_bound") else "not told by these records"
-        if low is not None and high is not None and math.isfinite(low) and math.isfinite(high):
-            interval = f"{plain(low, q['unit'])} … {plain(high, q['unit'])}"
-            word = "may as well be zero" if low < 0.0 < high else ""
-        rows.append({"key": key, "value": plain(q["value"], q["unit"]), "interval": interval, "word": word})
-    return rows
 
 
 def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
@@ -299,45 +276,3 @@ def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
     names = [public_key(key) for key in known.keys]
     cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in known.correlation]
     return {"open": words, "correlation": {"names": names, "cells": cells} if 1 < len(names) <= 14 else None}
-
-
-def detectable_rows(detectable: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """The smallest size of each effect that the records could have shown."""
-    return [
-        {
-            "effect": row["effect"],
-            "of": row["parameter"].rpartition(".")[2].replace("_", " "),
-            "size": plain(row["value"], row["unit"]) if row["value"] is not None else "no size would have shown",
-            "at": shape_words(row),
-        }
-        for row in detectable
-    ]
-
-
-def ranking_rows(ranking: Sequence[Mapping[str, Any]], before: float) -> list[dict[str, Any]]:
-    """Effects tried, best first: what the linear score expected, what the refit reached on held-out records."""
-    rows = []
-    span = math.log(max(before, 1.5))
-    for row in ranking[:10]:
-        error, over, chance = row.get("validate_error"), row.get("over_noise"), row["p_value"]
-        reduction = row.get("reduction")
-        if over is None:
-            continue
-        law = row.get("law", "")
-        rows.append({
-            "effect": row["effect"],
-            "law": law.partition(":")[2] or law.partition("@")[2] or "",
-            "expected": f"{100 * row['expected_reduction']:.0f} %",
-            "reached": f"{round(100 * reduction, 1) + 0.0:.1f} %" if reduction is not None else "",
-            "error": plain(error["value"], error["unit"]) if error else "",
-            "over": _times(over),
-            "bar": 100.0 * min(1.0, max(0.0, math.log(max(over, 1.0)) / span)),
-            "chance": f"< {chance['below']}" if isinstance(chance, Mapping) else f"{chance:.3f}",
-            "angle": angle_words(row),
-            "parameters": "; ".join(
-                f"{key.rpartition('.')[2].replace('_', ' ')} {plain(q['value'], q['unit'])}"
-                + (" (at its bound)" if q.get("at_bound") else "")
-                for key, q in row.get("parameters", {}).items()
-            ),
-        })  # fmt: skip
-    return rows

@@ -12,10 +12,11 @@ from stagecad.parameters.quantities import format_quantity
 from sysid.case import Case
 from sysid.compare import Comparison
 from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, excess
-from sysid.document import WORTH_SAYING, channel_unit, worst_channel
+from sysid.document import LEAST_P, WORTH_SAYING, channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit
+from sysid.residual_maps import ResidualMap
 from workbench.options import Run
 
 COORDINATE_WORDS = {
@@ -36,6 +37,12 @@ COORDINATE_WORDS = {
 
 NOTHING_LEFT = 0.05
 """Share of the misfit up to which what an effect leaves is not worth a word."""
+
+WORTH_A_WORD = 0.02
+"""Share of the residual's variance from which a coordinate is named."""
+
+FAR_ABOVE = 1.5
+"""Error over noise on the records of the fit, over that on the held-out ones, from which both are told."""
 
 NEAR_NOISE = 1.5
 """Error over noise up to which it can be said what would have been found: what is still missing hides the rest."""
@@ -83,16 +90,26 @@ def parameter_table(parameters: Mapping[str, Mapping[str, Any]], title: str = "P
     return table
 
 
-def where_table(maps: Sequence[Any]) -> Table:
+def where_table(maps: Sequence[ResidualMap]) -> Table:
     """Coordinates the residual depends on."""
     table = Table(title="Where it fails: the residual depends on", title_justify="left")
     table.add_column("coordinate")
     table.add_column("share of its variance", justify="right")
     table.add_column("chance", justify="right")
     for m in [m for m in maps if m.share > 0.005][:6]:
-        chance = "< 0.001" if m.p_value <= 0.002 else f"{m.p_value:.3f}"
-        table.add_row(m.coordinate, f"{100 * m.share:.0f} %", chance)
+        table.add_row(m.coordinate, f"{100 * m.share:.0f} %", chance_words(m.p_value))
     return table
+
+
+def chance_words(p: float) -> str:
+    """A p value as text, never smaller than the turns of sign behind it can show."""
+    return "< 0.001" if p <= 1.5 * LEAST_P else f"{p:.3f}"
+
+
+def where_words(maps: Sequence[ResidualMap], most: int = 2) -> str:
+    """The coordinates the residual depends on most, with their shares; empty where there is none."""
+    telling = [m for m in maps if m.share > WORTH_A_WORD][:most]
+    return " and ".join(f"{COORDINATE_WORDS[m.coordinate]} ({100 * m.share:.0f} %)" for m in telling)
 
 
 def angle_words(row: Mapping[str, Any]) -> str:
@@ -134,9 +151,9 @@ def noise_line(case: Case) -> str:
         if channel in measured:
             parts.append(f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})")
     band = getattr(case.fit_records[0], "whole", None)
-    text = "noise: " + ", ".join(parts)
+    text = "noise: " + ", ".join(parts) + f"; residual taken as {case.form.replace('_', ' ')}"
     if band is not None and band.width > 0:
-        text += f"; compared below {0.1325 / band.width:.3g} Hz, what the position's noise allows"
+        text += f", below {0.1325 / band.width:.3g} Hz: what the position's noise allows"
     return text
 
 
@@ -157,9 +174,10 @@ def say_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]
         run.say(f"{over:.2f} x the noise: what is left is noise.")
         return
     run.console.print(where_table(comparison.maps))
-    strongest = next((m for m in comparison.maps if m.share > 0.02), None)
-    where = f"; it fails with {COORDINATE_WORDS[strongest.coordinate]}" if strongest else ""
-    run.say(f"{over:.3g} x above the noise{where}.")
+    held, fit = held_out(comparison.fit, comparison.validate), excess(comparison.fit, {})
+    also = f" ({fit:.3g} x on the records of the fit)" if fit > FAR_ABOVE * held else ""
+    words = where_words(comparison.maps)
+    run.say(f"{held:.3g} x above the noise{also}" + (f"; it fails with {words}." if words else "."))
 
 
 def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> None:
@@ -168,23 +186,9 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
     for note in case.notes:
         run.note(f"note: {note}")
     run.say(noise_line(case))
-    table = Table(title="Effects tried, best on the held-out records first", title_justify="left")
-    for name in ("effect", "error it would leave", "over noise", "reduction", "expected", "chance", "angle", "law"):
-        table.add_column(name, justify="left" if name in ("effect", "law") else "right")
-    for row in ranking[:8]:
-        error = row.get("validate_error")
-        chance = row["p_value"]
-        table.add_row(
-            row["effect"],
-            plain(error["value"], error["unit"]) if error else "",
-            f"{row['over_noise']:.2f} x" if "over_noise" in row else "",
-            f"{100 * row['reduction']:.1f} %" if row.get("reduction") is not None else "",
-            f"{100 * row['expected_reduction']:.1f} %",
-            f"< {chance['below']}" if isinstance(chance, dict) else f"{chance:.3f}",
-            angle_words(row),
-            row.get("law", ""),
-        )
-    run.console.print(table)
+    run.console.print(ranking_table(ranking, len(diagnosis.trials)))
+    added = f", with {diagnosis.effect}" if diagnosis.effect else ""
+    run.console.print(parameter_table(document["parameters"], f"Parameters of the model{added}"))
     if document["detectable"] and near_noise(diagnosis):
         run.console.print(detectable_table(document["detectable"]))
     if diagnosis.verdict == "missing-effect":
@@ -197,18 +201,59 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
             f"missing: {diagnosis.effect} ({plain(before.rms, unit)} -> {plain(after.rms, unit)} in {channel} on the "
             f"held-out records; {before.over_noise:.3g} x -> {after.over_noise:.3g} x the noise)"
         )
+        fit = (excess(diagnosis.before_fit, {}), excess(diagnosis.best.after_fit, {}))
+        if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
+            run.say(f"on the records of the fit: {fit[0]:.3g} x -> {fit[1]:.3g} x the noise")
+        run.say(f"without it the model fails with {where_words(diagnosis.maps) or 'nothing that was recorded'}")
         if diagnosis.indistinguishable:
-            run.say(f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}")
+            run.say(
+                f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}; "
+                f"'stagecad suggest' looks for a motion that would"
+            )
         if diagnosis.unexplained_share > NOTHING_LEFT:
             run.say(f"{100 * diagnosis.unexplained_share:.0f} % of the misfit stays; add it and diagnose again.")
     elif diagnosis.verdict == "adequate":
         run.say(f"adequate: {diagnosis.reason}.")
     else:
-        depends = [m for m in diagnosis.maps if m.share > 0.02][:2]
-        words = " and ".join(COORDINATE_WORDS[m.coordinate] for m in depends) or "nothing that was recorded"
+        words = where_words(diagnosis.maps) or "nothing that was recorded"
         run.say(f"unexplained: {diagnosis.reason}. What is left depends on {words}.")
     for line in (*swap_lines(diagnosis), *unphysical_lines(diagnosis), *document["not_identifiable"]):
         run.say(line)
+
+
+def held_out(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
+    """Largest error over noise on the held-out records; on those of the fit where there are no others."""
+    return excess({}, validate) if validate else excess(fit, {})
+
+
+def ranking_table(ranking: Sequence[Mapping[str, Any]], tried: int) -> Table:
+    """Effects tried, with what a linear score foretold, what the refit left, and the values it took."""
+    title = f"{tried} effects tried, best on the held-out records first"
+    table = Table(title=title, title_justify="left")
+    for name in ("effect", "expected", "reached", "error left", "over noise", "chance", "angle", "values"):
+        table.add_column(name, justify="left" if name in ("effect", "values") else "right")
+    for row in ranking[:8]:
+        error, chance = row.get("validate_error"), row["p_value"]
+        table.add_row(
+            row.get("law", row["effect"]),
+            f"{100 * row['expected_reduction']:.1f} %",
+            f"{100 * row['reduction'] + 0.0:.1f} %" if row.get("reduction") is not None else "",
+            plain(error["value"], error["unit"]) if error else "",
+            f"{row['over_noise']:.2f} x" if "over_noise" in row else "",
+            f"< {chance['below']}" if isinstance(chance, dict) else f"{chance:.3f}",
+            angle_words(row),
+            value_words(row.get("parameters", {})),
+        )
+    return table
+
+
+def value_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """The values of one effect in a line."""
+    return "; ".join(
+        f"{key.rpartition('.')[2].replace('_', ' ')} {plain(q['value'], q['unit'])}"
+        + (" (at its bound)" if q.get("at_bound") else "")
+        for key, q in parameters.items()
+    )
 
 
 def swap_lines(diagnosis: Diagnosis) -> list[str]:

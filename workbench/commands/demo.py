@@ -80,15 +80,13 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
 def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
     from sysid.diagnose import diagnose
     from sysid.document import diagnosis_json
+    from workbench.loop_progress import shown_on
     from workbench.loop_report import write_diagnosis
     from workbench.loop_sections import rivals_sentence, verdict_sentence
 
     run.say(f"$ stagecad diagnose {folder}")
     with run.progress() as progress:
-        task = progress.add_task("trying every effect of the library", total=1)
-        found = diagnose(
-            folder, progress=lambda name, k, total: progress.update(task, description=name, completed=k, total=total)
-        )
+        found = diagnose(folder, progress=shown_on(progress))
     document = diagnosis_json(found)
     run.say(f"  {verdict_sentence(found)}")
     rivals = rivals_sentence(found)

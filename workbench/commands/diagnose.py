@@ -19,16 +19,11 @@ def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> Non
     from sysid.diagnose import diagnose
     from sysid.document import diagnosis_json
     from workbench.design_values import design_values
+    from workbench.loop_progress import shown_on
     from workbench.loop_text import say_diagnosis
 
     with run.progress() as progress:
-        task = progress.add_task("fitting the model as it stands", total=1)
-        found = diagnose(
-            experiment,
-            all_effects,
-            design_values(run),
-            lambda name, k, total: progress.update(task, description=name, completed=k, total=total),
-        )
+        found = diagnose(experiment, all_effects, design_values(run), shown_on(progress))
     document = diagnosis_json(found)
     say_diagnosis(run, found, document)
     if figures:

@@ -17,15 +17,11 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate what the records of EXPERIMENT leave open; write it as CSV into OUT."""
     from sysid.suggest import suggest
     from workbench.design_values import design_values
+    from workbench.loop_progress import shown_on
     from workbench.loop_suggestion import sentences, suggestion_section, suggestion_table, worth_json, write_motions
 
     with run.progress() as progress:
-        task = progress.add_task("diagnosing", total=1)
-        found = suggest(
-            experiment,
-            design_values(run),
-            lambda name, k, total: progress.update(task, description=name, completed=k, total=total),
-        )
+        found = suggest(experiment, design_values(run), shown_on(progress, "refitting and weighing"))
     paths = write_motions(run, found)
     run.console.print(suggestion_table(found))
     for line in sentences(found):
