@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sim.effect import Axis
+from sysid.rests import REST, Rests
+from sysid.runs import runs
 from sysid.smoothing import GaussianFilter
 
 LAW_SHARE = 0.4
@@ -34,6 +36,7 @@ class Balance:
     and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step).
     `heading` is the sign of a velocity that was given, at the sample; zero where it is not sure. `finer` makes the
     axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
+    `rests` has the displacements while friction holds the body, scored beside the measured channels.
     """
 
     name: str
@@ -58,13 +61,24 @@ class Balance:
     acceleration_noise: float = 0.0
     position_noise: float = 0.0
     stretch: float = 0.0
+    light_noise: float = 0.0
+    pull_stiffness: float = 0.0
     finer: Callable[[], tuple[Axis, GaussianFilter]] | None = None
+    rests: Rests | None = None
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
         """Number of samples."""
         return self.axis.time.size
+
+    @property
+    def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+        """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
+        out = {channel: (y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
+        if self.rests is not None:
+            out[REST] = (self.rests.shift, self.rests.scored, self.rests.noise)
+        return out
 
 
 def direction_of(velocity: np.ndarray, rest: float) -> np.ndarray:
@@ -138,12 +152,6 @@ def filter_width(
             return width
         width *= 1.15
     return longest
-
-
-def runs(mask: np.ndarray) -> list[tuple[int, int]]:
-    """Half-open ranges in which `mask` (n,) holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def longer_than(mask: np.ndarray, length: float) -> np.ndarray:

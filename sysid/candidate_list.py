@@ -85,6 +85,9 @@ def _can_show(case: Case, effect: Effect) -> bool:
         return can_show(records[0], effect)
     if acts == "piezo":
         return False
+    if effect.core is not None and effect.core.name == "free_maxwell_slip":
+        # So many shares take a motion that is known, not one that is measured.
+        return kind == "velocity-drive"
     if acts == "drive":
         return kind == "force-drive" and effect.name in ("drive_lag", "drive_delay")
     if effect.name == "backlash":

@@ -15,6 +15,7 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
+from sysid.driven_stage_starts import slipping_starts
 from sysid.fit import robust_scale
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales, shape_grid, size_of, with_effect
@@ -37,6 +38,7 @@ class Score:
         moves: parameter values of each move, amplitudes away from zero.
         columns: what each move does to the residual beyond what the base parameters can do, (n, k).
         barred: drop that amplitudes beyond their bounds (a negative drag) would have made.
+        whole: of a core, the drop as it stands: it is there or not, half of it is no model.
     """
 
     drop: float
@@ -45,6 +47,7 @@ class Score:
     moves: list[dict[str, float]]
     columns: np.ndarray
     barred: float = 0.0
+    whole: float = 0.0
 
 
 def _project_out(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
@@ -111,9 +114,11 @@ def linear_scores(
         if _out_of_bounds(effect, moves, coefficients):
             drop, barred = 0.0, drop
         start = start_for(effect, shape, moves, coefficients / np.maximum(norms, 1e-300))
-        scores.append(Score(drop, start, shape, moves, free, barred))
+        whole = 1.0 - float(np.sum((target - free[:, 0]) ** 2)) / total if effect.core is not None else drop
+        scores.append(Score(drop, start, shape, moves, free, barred, whole))
         if len(scores) > KEPT_SCORES:
-            scores.remove(min(scores, key=lambda s: (s.drop, s.barred)))
+            sparable = [score for score in scores if score.whole < max(s.whole for s in scores)] or scores
+            scores.remove(min(sparable, key=lambda s: (s.drop, s.barred)))
     return sorted(scores, key=lambda s: -s.drop)
 
 
@@ -198,6 +203,11 @@ class Look:
         return max((score.barred for score in self.scores), default=0.0)
 
     @property
+    def expected(self) -> float:
+        """Share of the squared residual that the linear score promised."""
+        return max(self.scores[0].drop, 0.0)
+
+    @property
     def error(self) -> float:
         """Ranking error of the short fit, in deviations."""
         return ranking_error(self.fitted.fit.residual)
@@ -217,10 +227,23 @@ def look_at(
 ) -> Look | None:
     """Score an effect over its grid, and fit it shortly from the best point; none where it changes nothing."""
     scores = linear_scores(base, effect, records, scales, basis, target)
-    if not scores:
+    points = [score.start for score in scores[:1]]
+    if scores and effect.core is not None:
+        # Part of a long stretch may promise most, and a short one is what fits as a whole.
+        best = max(scores, key=lambda score: score.whole).start
+        points += [best] if best is not points[0] else []
+    starts = [with_effect(base.model, effect, scales, point) for point in points]
+    starts += slipping_starts(base.model, effect, records, scales)
+    if not starts:
         return None
-    start = with_effect(base.model, effect, scales, scores[0].start)
-    return Look(effect, scores, fit_model(start, records, base.weights, SHORT))
+    fits = [fit_model(start, records, base.weights, SHORT) for start in starts]
+    nearest = min(fits, key=lambda fitted: fitted.fit.cost)
+    if not scores:
+        # No gradient where it began: what it did where it ended stands for what it can do.
+        own = {key: value for key, value in nearest.model.values.items() if key.startswith(f"{effect.name}.")}
+        change = _project_out((base.fit.residual - nearest.fit.residual)[:, None], basis)
+        scores = [Score(0.0, own, own, [{}], change)]
+    return Look(effect, scores, nearest)
 
 
 def refined(
@@ -228,12 +251,15 @@ def refined(
 ) -> Candidate:
     """The effect of a look refitted: further from where the look ended, and from other points of the grid."""
     best = fit_model(look.fitted.model, records, base.weights, iterations)
-    for score in _spread(look.scores, starts)[1:]:
+    others = _spread(look.scores, starts)[1:]
+    if look.effect.core is not None:
+        others += sorted(look.scores, key=lambda score: -score.whole)[:2]
+    for score in others:
         start = with_effect(base.model, look.effect, scales, score.start)
         fitted = fit_model(start, records, base.weights, iterations)
         if fitted.fit.cost < best.fit.cost:
             best = fitted
-    return Candidate(look.effect, look.scores[0].drop, best, look.barred)
+    return Candidate(look.effect, look.expected, best, look.barred)
 
 
 def try_effect(
@@ -253,7 +279,7 @@ def try_effect(
 
 def as_it_looks(look: Look) -> Candidate:
     """The effect as the first look left it."""
-    return Candidate(look.effect, look.scores[0].drop, look.fitted, look.barred)
+    return Candidate(look.effect, look.expected, look.fitted, look.barred)
 
 
 def _spread(scores: list[Score], count: int) -> list[Score]:

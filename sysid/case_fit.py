@@ -10,6 +10,7 @@ import numpy as np
 from sim.library import find
 from sysid.base_fit import Fitted, fit_model
 from sysid.case import Case
+from sysid.core_laws import core_laws
 from sysid.first_fit import first_fit
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model
@@ -69,7 +70,10 @@ def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = Non
                 continue
             # Another law was chosen while the model still lacked something.
             fitted = searched(fitted, effect, case.fit_records, case.scales)
-        trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in effect.variants]
+        if effect.core is not None:
+            trials = core_laws(fitted, effect, case.fit_records, case.scales)
+        else:
+            trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in effect.variants]
         best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
         if clearly_better(best, fitted):
             fitted = best
@@ -82,7 +86,7 @@ def open_laws(case: Case) -> tuple[str, ...]:
     given = {key.rpartition(".")[0] for key in case.experiment.parameters}
     return tuple(
         e.name for e in case.start.effects
-        if e.core is None and ":" not in e.name and e.variants and e.name not in given
+        if ":" not in e.name and e.variants and e.name not in given
     )  # fmt: skip
 
 

@@ -218,7 +218,6 @@ AT_REVERSALS = (
     "backlash",
     "drive_lag",
     "drive_delay",
-    "flexible_mode",
 )
 """Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
 

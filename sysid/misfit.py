@@ -10,6 +10,7 @@ import numpy as np
 
 from sysid.balance import Balance
 from sysid.model import Model, Prepared, predict
+from sysid.rests import REST
 
 KEPT = 0.97
 """Share of samples in the robust figure: a reversal between two samples is nobody's fault."""
@@ -57,10 +58,17 @@ class ChannelMisfit:
     size: int
 
 
+def scored_of(record: Prepared) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+    """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
+    if isinstance(record, Balance):
+        return record.scored
+    return {channel: (y, record.valid[channel], record.noise[channel]) for channel, y in record.measured.items()}
+
+
 def sample_deviation(record: Prepared, predicted: Mapping[str, np.ndarray], channel: str) -> np.ndarray:
     """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep."""
-    noise = record.noise[channel]
-    if not isinstance(record, Balance) or record.jitter == 0.0:
+    noise = scored_of(record)[channel][2]
+    if not isinstance(record, Balance) or record.jitter == 0.0 or channel == REST:
         return np.full(record.size, noise)
     steep = np.gradient(predicted[channel], record.step)
     return np.hypot(noise, record.jitter * np.abs(steep))
@@ -79,6 +87,11 @@ def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit
             residuals.setdefault(channel, []).append(r)
             scaled.setdefault(channel, []).append(r / record.noise[channel])
             measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
+        if isinstance(record, Balance) and record.rests is not None:
+            # How a body gives way while it is held counts as a misfit of its position.
+            ok = record.rests.scored
+            given = (record.rests.shift - predicted[REST])[ok] / record.rests.noise
+            scaled.setdefault("position" if "position" in record.measured else record.force_channel, []).append(given)
     out = {}
     for channel, parts in residuals.items():
         r, y = np.concatenate(parts), np.concatenate(measured[channel])
@@ -116,13 +129,14 @@ def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> W
     deviations, picks = [], []
     for record in records:
         predicted = predict(record, model.effects, model.values)
-        deviations.append({c: sample_deviation(record, predicted, c) for c in record.measured})
+        scored = scored_of(record)
+        deviations.append({c: sample_deviation(record, predicted, c) for c in scored})
         every = 1
         if thin and isinstance(record, Balance) and record.whole is not None:
             every = max(1, int(record.whole.width / record.step))
         pick = {}
-        for channel in record.measured:
-            index = np.flatnonzero(record.valid[channel])
+        for channel, (_, valid, _) in scored.items():
+            index = np.flatnonzero(valid)
             pick[channel] = index[::every]
         picks.append(pick)
     return Weighting(tuple(deviations), tuple(picks))
@@ -136,8 +150,9 @@ def weighted_residual(
     parts = []
     for record, scales, picks in zip(records, weights.at_picks, weights.picks, strict=True):
         predicted = predict(record, model.effects, values, picks)
+        scored = scored_of(record)
         for channel, pick in picks.items():
-            parts.append((record.measured[channel][pick] - predicted[channel]) / scales[channel])
+            parts.append((scored[channel][0][pick] - predicted[channel]) / scales[channel])
     return np.concatenate(parts) if parts else np.empty(0)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from sim.effect import Axis, Effect
 from sysid.balance import Balance
 from sysid.first_rest import along_from_rest
+from sysid.rests import FULLY_AT_REST, REST, given_way
 from sysid.reversals import sharp_friction
 
 Values = Mapping[str, float]
@@ -72,6 +73,13 @@ def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> n
         if effect.force is not None:
             p = values_of(effect, values)
             total = total + remember(balance.memo, ("force", effect.name, p), partial(effect.force, balance.axis, p))
+        if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
+            # What rides on a mode keeps pulling while friction holds the body: a force as any other.
+            p = values_of(effect, values)
+            own = balance.axis.acceleration
+            ride = partial(effect.signal, np.ascontiguousarray(own), balance.step, p)
+            ridden = remember(balance.memo, ("ride", effect.name, p[:2]), ride)
+            total = total + values.get("rig.mass", 0.0) * getattr(p, "mass_ratio", 1.0) * (ridden - own)
     return total
 
 
@@ -92,12 +100,14 @@ def predict_balance(
     out = {balance.force_channel: _force_at(balance, effects, values, at[balance.force_channel])}
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values, at["position"])
+    if balance.rests is not None:
+        out[REST] = _given_way(balance, effects, values)[at[REST]]
     return out
 
 
 def _needs_neighbours(effect: Effect) -> bool:
     """Whether an effect works on the filtered channels, so that a sample of them depends on others."""
-    return effect.acts_on in ("drive", "sensor", "structure") and split_channel(effect.name)[0] != "sensor_quantisation"
+    return effect.acts_on in ("drive", "sensor") and split_channel(effect.name)[0] != "sensor_quantisation"
 
 
 def _has_stretch(balance: Balance) -> bool:
@@ -114,21 +124,87 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
         return forces, None
     if core.core.name != "coulomb" or balance.stuck is None:
         p = values_of(core, values)
+        unseen = _unseen(balance, core, level, p)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
         held = along_from_rest(balance, core, axis, level, p, forces)
         if core.core.name == "coulomb" and balance.heading is not None and axis.position is balance.axis.position:
             # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
             held = np.where(balance.heading != 0.0, balance.heading * level, held)
+        if unseen > LEAST_UNSEEN:
+            sharp = _sharp(balance, effects, values, forces, level, _stretch_of(level, p))
+            part = unseen
+            if balance.rests is not None and balance.stuck is not None:
+                # How the body gives way at rest is scored as a displacement, from rest to rest.
+                part = np.where(balance.stuck > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
+            return forces + (1.0 - part) * held, part * sharp
         return forces + held, None
+    sharp = _sharp(balance, effects, values, forces, level, values_of(core, values).stretch)
+    return forces, sharp
+
+
+LEAST_UNSEEN = 0.02
+"""Part of a bristle's force that is too little to be taken from the balance of forces."""
+
+ENOUGH_UNSEEN = 0.25
+"""Part from which the displacements at rest say more of the bristles than the force at rest."""
+
+
+def _stretch_of(level: np.ndarray, p: Any) -> float:
+    """Displacement at which the bristles of a core slip, m."""
+    return float(p.stretch) if hasattr(p, "stretch") else float(np.median(level)) / max(float(p.stiffness), 1e-300)
+
+
+def _unseen(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> float:
+    """Part of a bristle's force, 0 to 1, that a noisy position cannot show, and the balance of forces has to.
+
+    With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
+    from the balance to s_F: what is left of the difference is s_F / hypot(s_F, k s_x) of it.
+    """
+    assert core.core is not None
+    if balance.stuck is None or core.core.name == "coulomb":
+        return 0.0
+    own = balance.noise[balance.force_channel]
+    if balance.force_channel == "position":
+        own *= balance.pull_stiffness
+    along = float(np.median(level)) / max(_stretch_of(level, p), 1e-300) * balance.light_noise
+    return 1.0 - own / float(np.hypot(own, along))
+
+
+def _sharp(
+    balance: Balance, effects: Sequence[Effect], values: Values, forces: np.ndarray, level: np.ndarray, stretch: float
+) -> np.ndarray:
+    """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
     assert balance.direction is not None and balance.turns is not None
-    sharp = sharp_friction(
+    return sharp_friction(
         balance.direction, balance.stuck, balance.turns, _as_driven(balance, effects, values) - forces,
-        np.ascontiguousarray(level, dtype=float), values_of(core, values).stretch,
-        balance.step**2 / values.get("rig.mass", 0.0),
+        np.ascontiguousarray(level, dtype=float), stretch, balance.step**2 / values.get("rig.mass", 0.0),
     )  # fmt: skip
-    return forces, sharp
+
+
+def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """How a body moves while friction holds it (n,), from the mean of each rest, as its position sensor says, m."""
+    rests = balance.rests
+    core = next((e for e in effects if e.core is not None), None)
+    assert rests is not None
+    moved = rests.shift.copy()
+    if core is not None and core.core is not None:
+        level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
+        forces = axis_force(balance, effects, values)
+        moved = given_way(rests, rests.force - forces, level, core.core, values_of(core, values))
+    for effect in effects:
+        base, channel = split_channel(effect.name)
+        if effect.acts_on != "sensor" or channel not in (None, "position") or base == "sensor_quantisation":
+            continue
+        p = values_of(effect, values)
+        if base in ("sensor_lag", "sensor_delay"):
+            late = p.time_constant if base == "sensor_lag" else p.delay
+            moved = moved - late * rests.centred(balance.axis.velocity)
+        elif effect.signal is not None:
+            position = np.ascontiguousarray(balance.axis.position)
+            moved = moved + rests.centred(effect.signal(position, balance.step, p) - position)
+    return moved
 
 
 def _force_at(balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray) -> np.ndarray:
@@ -156,12 +232,6 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
         total = total + balance.whole.at(sharp, every)
     if balance.acceleration is not None:
         total = total + mass * balance.acceleration
-    for effect in effects:
-        if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
-            p = values_of(effect, values)
-            ride = partial(effect.signal, balance.acceleration, balance.step, p)
-            ridden = remember(balance.memo, ("ride", effect.name, p[:2]), ride)
-            total = total + mass * p.mass_ratio * (ridden - balance.acceleration)
     if balance.kind == "force-drive":
         total = _before_the_drive(balance, effects, values, total)
     out: dict[str, np.ndarray] = {}
@@ -171,7 +241,10 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
         out[balance.force_channel] = total
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values)
-    return sensed(effects, values, out, balance.step)
+    out = sensed(effects, values, out, balance.step)
+    if balance.rests is not None:
+        out[REST] = _given_way(balance, effects, values)
+    return out
 
 
 def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:

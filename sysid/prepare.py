@@ -13,6 +13,7 @@ from sysid.balance import EDGE_WIDTHS, LAW_SHARE, Balance, filled, filter_width,
 from sysid.noise_floor import Noise
 from sysid.quantum import find_quantum
 from sysid.records import Record
+from sysid.rests import find_rests
 from sysid.reversals import sharp_direction
 from sysid.smoothing import GaussianFilter
 from sysid.uniform import uniform
@@ -199,12 +200,18 @@ def driven_mass(
             floor["position"] = float(
                 np.hypot(sigma_position * whole.noise_gain(0, correlation), sigma_force * gain / pull_stiffness)
             )
+    light_noise = sigma_position * light.noise_gain(0, correlation)
+    rests = None
+    # Steps of a coarse sensor are no displacement.
+    fine = (noise["position"].quantum or 0.0) <= sigma_position if "position" in channels else False
+    if kind == "spring-pull" and fine:
+        rests = find_rests(axis.position, whole(force), stuck, axis.direction, ~bad, reach_event, light_noise)
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
         noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole,
         direction=direction, turns=turns, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
         acceleration_noise=acceleration_noise, position_noise=sigma_position,
-        stretch=12.0 * sigma_position * light.noise_gain(0, correlation),
+        stretch=12.0 * light_noise, light_noise=light_noise, pull_stiffness=pull_stiffness or 0.0, rests=rests,
         finer=partial(_lightly_filtered, time, position, load, temperature, 0.5 * law_width, width,
                       REST_SIGMAS * sigma_position, correlation),
     )  # fmt: skip

@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.compilation import compiled
-from sysid.balance import runs
+from sysid.runs import runs
 
 
 @compiled

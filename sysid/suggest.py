@@ -294,7 +294,7 @@ def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
         first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
         stuck=None, smooth=GaussianFilter(width, motion.step, n), whole=None, direction=None, heading=None, finer=None,
-        inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, memo={},
+        inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, rests=None, memo={},
     )  # fmt: skip
     record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(case, first, motion.step)

@@ -107,7 +107,8 @@ def predict_tip(record: TipRecord, effects: Sequence[Effect], values: Values) ->
     for effect in effects:
         if effect.acts_on == "structure" and effect.signal is not None:
             p: Any = values_of(effect, values)
-            out = {name: effect.signal(signal, record.step, p) for name, signal in out.items()}
+            part = getattr(p, "mass_ratio", 1.0)
+            out = {n: u + part * (effect.signal(u, record.step, p) - u) for n, u in out.items()}
     for name in out:
         out[name] = out[name] + values[f"rig.offset_{name}"]
     return sensed(effects, values, out, record.step)

@@ -43,6 +43,8 @@ class Core:
         elements: how many states; a function of `p`.
         stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
             function exists.
+        springs: stretches (N,) at which ideal springs side by side slip, m, and the parts (N,) of the level they carry,
+            where the core is made of such; a function of `p`.
     """
 
     name: str
@@ -53,3 +55,4 @@ class Core:
     state: str = "stretch of the bristles, m"
     elements: Callable[[Any], int] = lambda p: 1
     stored: Callable[[int, Any, Any, Any], Any] | None = None
+    springs: Callable[[Any], tuple[np.ndarray, np.ndarray]] | None = None

@@ -59,7 +59,8 @@ def slopes(
 
 
 @compiled
-def _sum_of_stops(dx: np.ndarray, level: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def sum_of_stops(dx: np.ndarray, level: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Level (n,) times a weighted sum of stop operators, N elements, along displacements (n - 1,)."""
     n, elements = level.size, stretches.size
     force = np.zeros(n)
     z = np.zeros(elements)
@@ -85,9 +86,14 @@ def elements_of(stretch: float, curvature: float) -> tuple[np.ndarray, np.ndarra
 
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
     """Friction (n,) along a measured motion: the level times a weighted sum of stop operators, exact per step."""
-    stretches, weights = elements_of(float(p.stretch), float(p.curvature))
+    stretches, weights = springs(p)
     dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    return _sum_of_stops(dx, np.ascontiguousarray(level, dtype=float), stretches, weights)
+    return sum_of_stops(dx, np.ascontiguousarray(level, dtype=float), stretches, weights)
+
+
+def springs(p: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Stretches (12,), m, at which the elements slip, and the parts (12,) of the level they carry."""
+    return elements_of(float(p.stretch), float(p.curvature))
 
 
 def scale(p: Any) -> float:
@@ -109,10 +115,10 @@ EFFECT = Effect(
         Parameter("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which all slips", "thesis: 2-5 um in steel",
                   "shape", Scan("position", 1e-5, 0.3, 14)),
         Parameter("curvature", "1", 2.0, 1.0, 12.0, "1: one spring; 2: stretches spread evenly; more: a long tail",
-                  "Hertz-Mindlin contacts: about 1.5", "shape"),
+                  "Hertz-Mindlin contacts: about 1.5", "shape", Scan("one", 2.0, 8.0, 3)),
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    core=Core("maxwell_slip", law, slopes, along, scale, elements=_count),
+    core=Core("maxwell_slip", law, slopes, along, scale, elements=_count, springs=springs),
     acts_on="friction",
 )  # fmt: skip

@@ -19,7 +19,10 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
 EFFECT = Effect(
     name="flexible_mode",
     meaning="a resonance of the structure between the drive and what is measured",
-    equation="y'' + 2 damping w y' + w^2 y = w^2 u,  w = 2 pi frequency; on an axis, a part of the mass rides on it",
+    equation=(
+        "y'' + 2 damping w y' + w^2 y = w^2 u,  w = 2 pi frequency; "
+        "on an axis, a part r of the mass rides on it; a tip moves by u + r (y - u)"
+    ),
     shows="ringing at one frequency after every fast change",
     source="Rankers, Machine Dynamics in Mechatronic Systems (1997)",
     acts_on="structure",
@@ -34,7 +37,7 @@ EFFECT = Effect(
             "natural frequency",
             "below half the sampling frequency",
             role="shape",
-            scan=Scan("sample", 0.004, 0.4, 24),
+            scan=Scan("sample", 0.004, 0.4, 48),
         ),
         Parameter("damping", "1", 0.05, 1e-3, 0.9, "damping ratio", "bolted structures: 0.01-0.1", role="shape"),
         Parameter(
@@ -42,8 +45,8 @@ EFFECT = Effect(
             "1",
             0.1,
             0.0,
-            0.95,
-            "part of the moving mass that rides on the mode (on an axis)",
+            1.0,
+            "part of the moving mass that rides on the mode; of a tip, the part of its motion that goes through it",
             "a part of the whole",
         ),
     ),

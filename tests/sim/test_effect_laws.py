@@ -36,8 +36,9 @@ def stretched(name: str, stress: float, g: float, p, k: int = 0) -> float:
     """State in which the spring of element k carries `stress` times what it can."""
     if name == "coulomb":
         return stress * g
-    if hasattr(p, "curvature"):  # Maxwell-slip: element k of n slips at (k + 1)/n of the stretch
-        return stress * p.stretch * (k + 1) / find(name).core.elements(p)
+    springs = find(name).core.springs
+    if springs is not None:
+        return stress * float(springs(p)[0][k])
     return stress * g / p.stiffness
 
 

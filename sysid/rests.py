@@ -1,0 +1,201 @@
+"""What a body does while friction holds it: rigid friction keeps it where it is, bristles give way with the force.
+
+A contact that gives way by a few widths of the position's noise shows nothing in a force balance: there the noise of
+the position, times the bristles' stiffness, is far more than that of the force. The other way round it is plain: the
+force on the resting body is known, so is how far a bristle model lets it move, and the position says how far it went.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from sim.compilation import compiled
+from sim.cores.core import Core
+from sysid.runs import runs
+
+REST = "rest"
+"""Name under which displacements at rest are predicted and scored, beside the measured channels."""
+
+LEAST_SAMPLES = 10
+"""Samples of a rest, and of all rests together per parameter worth knowing, below which they say nothing."""
+
+NEAR_SLIP = 0.9
+"""Part of the largest force at rest up to which displacements are scored: beyond, a per cent of the level is all."""
+
+FULLY_AT_REST = 0.999
+
+WINDOWS = (32, 128, 512)
+"""Samples over which a body that moves while the force stays the same is seen to slip, too slowly to tell by speed."""
+
+SLIPS_BY = 7.0
+STEADY = 0.02
+"""That is a motion by so many deviations, under a force that changes by less than this part of the largest."""
+
+FARTHEST = 100.0
+"""Deviations beyond which a displacement is plain in the force balance too."""
+
+
+@dataclass(frozen=True)
+class Rests:
+    """Stretches of a record in which friction holds the body.
+
+    Args:
+        spans: rows (start, stop) of each, its edges left out.
+        side: direction in which the body came to each rest, 1 or -1.
+        shift: displacement (n,) from its mean over the scored samples of its rest, m; 0 elsewhere.
+        scored: samples (n,) that are compared.
+        noise: standard deviation of `shift`, m.
+        force: on the body, filtered, N, (n,).
+    """
+
+    spans: tuple[tuple[int, int], ...]
+    side: tuple[float, ...]
+    shift: np.ndarray
+    scored: np.ndarray
+    noise: float
+    force: np.ndarray
+
+    def centred(self, values: np.ndarray) -> np.ndarray:
+        """`values` (n,) less their mean over the scored samples of each rest; 0 outside."""
+        out = np.zeros(values.size)
+        for start, stop in self.spans:
+            span = slice(start, stop)
+            out[span] = values[span] - np.mean(values[span][self.scored[span]])
+        return out
+
+
+def find_rests(
+    position: np.ndarray,
+    force: np.ndarray,
+    stuck: np.ndarray,
+    direction: np.ndarray,
+    usable: np.ndarray,
+    edge: int,
+    noise: float,
+) -> Rests | None:
+    """The rests of a record that are long enough to tell anything; none where there are none.
+
+    Args:
+        position: lightly filtered, m, (n,).
+        force: on the body, filtered, N, (n,).
+        stuck: part of each step spent at rest, (n,).
+        direction: sign of the motion, that of the last one while at rest, (n,).
+        usable: samples without gaps near, (n,).
+        edge: samples left out at both ends of a rest.
+        noise: standard deviation of `position`, m.
+    """
+    spans, side = [], []
+    scored = np.zeros(position.size, dtype=bool)
+    still = stuck > FULLY_AT_REST
+    largest = float(np.max(np.abs(force[still]))) if still.any() else 0.0
+    slips = np.zeros(position.size, dtype=bool)
+    for start, stop in runs(still):
+        slips[start:stop] = _slipping(position[start:stop], force[start:stop], SLIPS_BY * noise, STEADY * largest)
+    found = runs(still & ~slips)
+    found = [(a + edge, b - edge) for a, b in found if b - a > 2 * edge + LEAST_SAMPLES]
+    for start, stop in found:
+        low = (np.abs(force[start:stop]) <= NEAR_SLIP * largest) & usable[start:stop]
+        if low.sum() < LEAST_SAMPLES or np.ptp(position[start:stop][low]) > FARTHEST * noise:
+            continue
+        scored[start:stop] = low
+        spans.append((start, stop))
+        side.append(float(direction[start]))
+    if not spans:
+        return None
+    rests = Rests(tuple(spans), tuple(side), np.zeros(position.size), scored, noise, force)
+    return Rests(rests.spans, rests.side, rests.centred(position), scored, noise, force)
+
+
+def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: float) -> np.ndarray:
+    """Samples (n,) around which the position moves on by more than `distance` under a force that hardly changes."""
+    out = np.zeros(position.size, dtype=bool)
+    for window in WINDOWS:
+        if position.size > window:
+            moved = np.abs(position[window:] - position[:-window]) > distance
+            covered = sliding_window_view(force, window + 1)
+            steady = np.max(covered, axis=1) - np.min(covered, axis=1) < change if moved.any() else moved
+            for start, stop in runs(moved & steady):
+                out[start : stop + window] = True
+    return out
+
+
+@compiled
+def _given_way(ratio: np.ndarray, side: float, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Displacement (k,) of bristles under a force of `ratio` (k,) times what they hold, all slipped to `side` before.
+
+    Each element is an ideal spring up to its own slip: the sum is piecewise linear, and inverted exactly.
+    """
+    n, elements = ratio.size, stretches.size
+    z = np.full(elements, side)
+    total, x = side * np.sum(weights), 0.0
+    out = np.empty(n)
+    for i in range(n):
+        wanted = min(1.0, max(-1.0, ratio[i]))
+        sign = 1.0 if wanted > total else -1.0
+        for _ in range(elements + 1):
+            slope, reach = 0.0, np.inf
+            for k in range(elements):
+                if z[k] * sign < 1.0:
+                    slope += weights[k] / stretches[k]
+                    reach = min(reach, (1.0 - z[k] * sign) * stretches[k])
+            left = (wanted - total) * sign
+            if slope <= 0.0 or left <= 0.0:
+                break
+            move = min(left / slope, reach)
+            for k in range(elements):
+                if z[k] * sign < 1.0:
+                    z[k] += sign * move / stretches[k]
+                    if move >= (1.0 - 1e-12) * reach and (1.0 - z[k] * sign) * stretches[k] < 1e-9 * stretches[k]:
+                        z[k] = sign
+            total += sign * move * slope
+            x += sign * move
+            if move >= left / slope:
+                break
+        out[i] = x
+    return out
+
+
+def _bristles(core: Core, p: Any, level: float) -> tuple[np.ndarray, np.ndarray]:
+    """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does."""
+    if core.springs is not None:
+        return core.springs(p)
+    longest = TAIL * level / max(float(p.stiffness), 1e-300)
+    knots = longest * (np.arange(POINTS + 1) / POINTS) ** 2
+    # Slipped one way, then pushed back: half of the way back is the curve of a fresh contact (Masing).
+    path = np.concatenate([[-20.0 * longest, 0.0], -2.0 * knots[1:]])
+    time = 1e6 * np.arange(path.size)
+    force = core.along(path, np.zeros(path.size), time, np.full(path.size, level), p)[1:]
+    curve = 0.5 * (1.0 - force / level)
+    slope = np.maximum.accumulate(np.maximum(np.diff(curve), 0.0)[::-1] / np.diff(knots)[::-1])[::-1]
+    shares = (slope - np.append(slope[1:], 0.0)) * knots[1:]
+    return knots[1:], shares / np.sum(shares)
+
+
+TAIL = 5.0
+"""Stretches, of the level over the stiffness, up to which a core without a sharp end is followed."""
+
+POINTS = 24
+
+
+def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core, p: Any) -> np.ndarray:
+    """Displacement (n,) that a core lets the body make at rest, centred as `Rests.shift`, m.
+
+    Args:
+        rests: of the record.
+        friction: what has to be held, N, (n,).
+        level: friction level, N, (n,).
+        core: what the level acts through; rigid friction gives no way.
+        p: its parameter values.
+    """
+    if core.name == "coulomb":
+        return np.zeros(level.size)
+    stretches, weights = _bristles(core, p, max(float(np.median(level)), 1e-12))
+    moved = np.zeros(level.size)
+    for (start, stop), side in zip(rests.spans, rests.side, strict=True):
+        held = max(float(level[start]), 1e-12)
+        moved[start:stop] = _given_way(np.ascontiguousarray(friction[start:stop] / held), side, stretches, weights)
+    return rests.centred(moved)
