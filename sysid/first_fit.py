@@ -13,6 +13,7 @@ from dataclasses import replace
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidates import target_of, try_effect
+from sysid.driven_stage_starts import rough_starts
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales
 
@@ -27,6 +28,11 @@ def first_fit(model: Model, records: Sequence[Prepared], scales: Scales, given: 
         given: keys of parameters whose start the experiment states; effects with any of these are not searched.
     """
     direct = fit_model(model, records)
+    for start in rough_starts(model, records, given):
+        other = fit_model(start, records)
+        before = ranking_error(direct.fit.residual)
+        if ranking_error(weighted_residual(other.model, records, direct.weights)) < before:
+            model, direct = start, other
     start = _searched(model, records, scales, given)
     if start is None:
         return direct

@@ -11,7 +11,7 @@ sticks and slips as bristles that yield at their share of a level (one for `coul
 stretch follows the predicted motion. What sets the level (speed, position, load, distance, age) is read off the
 measured motion: it is known far better than any level changes with it, and the prediction stays one pass.
 
-The contact's stiffness k scales every force and none of the motion, so it is held: at the user's value, or at 10 N/um.
+The motion tells forces and mass over the contact's stiffness k (`driven_stage_numbers`).
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from sim.library import find
 from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
 from sysid.follow import follow
+from sysid.follow_exactly import follow_exactly, looks
 from sysid.noise_floor import Noise
 from sysid.prediction import Values, axis_force, friction_level, remember, sensed, values_of
 from sysid.records import Record
@@ -36,10 +37,6 @@ from sysid.tip import stretch_of
 from sysid.uniform import uniform
 
 CONTACT = "contact."
-CONTACT_STIFFNESS = 1e7
-"""N/m, where the user gives none: the order of a Hertz contact under some newtons."""
-CONTACT_DAMPING = 0.03
-"""Damping ratio of the stage on its contact, where a fit of the dashpot begins."""
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: where a fit of the pads' level begins."""
@@ -113,62 +110,44 @@ def tip_of(record: FrictionDriveRecord, stretches: Sequence[np.ndarray], gain: f
     return along, gain * np.mean(stretches, axis=0)
 
 
-def contact_damping(stiffness: float, mass: float) -> float:
-    """Where a fit of the contact's dashpot begins, N s/m."""
-    return CONTACT_DAMPING * 2.0 * float(np.sqrt(stiffness * mass))
-
-
-def gain_and_press(records: Sequence[Record], known: Mapping[str, float]) -> tuple[float, float | None]:
-    """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and how far the tip is pressed in, m.
-
-    The press is none where the tip goes neither up nor down: then it cannot be told.
-    """
-    lever = known["tip_height"] / known["piezo_spacing"]
-    across, common, travel = [], [], []
-    for record in records:
-        volts = [record.channels[name] for name in ("voltage_1", "voltage_2", "voltage_3") if name in record.channels]
-        across.append(float(np.nanstd(volts[1] - volts[0])))
-        common.append(float(np.ptp(np.nanmean(volts, axis=0))))
-        travel.append(float(np.nanstd(record.channels["position"])))
-    gain = known.get("piezo_gain", max(travel) / max(lever * max(across), 1e-300))
-    goes_up = max(common) > 0.02 * max(across)
-    return gain, gain * max(common) if goes_up else None
-
-
 def predict_friction_drive(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values
 ) -> dict[str, np.ndarray]:
     """Predicted position of the stage (n,), m."""
     stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
     along, up = tip_of(record, stretches, values["rig.gain"])
-    press = values.get("rig.press", np.inf)
-    load = 1.0 + up / press
-    pads = [e for e in effects if not e.name.startswith(CONTACT)]
-    pad_level = np.broadcast_to(friction_level(record, pads, values), (record.size,))
-    pad_reach, pad_weights = _bristles(_core(pads), values)
-    contact = [e for e in effects if e.name.startswith(CONTACT)]
-    level, push = _contact(record, contact, values, along, load)
-    reach, weights = _bristles(_core(contact), values)
-    position = follow(
-        np.ascontiguousarray(along),
-        np.ascontiguousarray(push - axis_force(record, pads, values)),
-        level,
-        reach,
-        weights,
-        values["rig.contact_stiffness"],
-        values["rig.contact_damping"],
-        np.ascontiguousarray(pad_level, dtype=float) if pad_weights.size else np.zeros(record.size),
-        pad_reach,
-        pad_weights,
-        values["rig.mass"],
-        record.step,
-        max(1, int(np.ceil(record.step / LONGEST_STEP))),
-    )
+    position = _follow(record, effects, values, along, 1.0 + up / values.get("rig.press", np.inf))
     ok = record.valid["position"]
     measured = record.measured["position"]
     seen = sensed(effects, values, {"position": position + measured[int(np.argmax(ok))]}, record.step)["position"]
     # Where a record begins is read with the noise of one sample; its mean is read with all of them.
     return {"position": seen + float(np.mean(measured[ok] - seen[ok]))}
+
+
+def _follow(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
+) -> np.ndarray:
+    """Position of the stage (n,), m, from its rest at the first row, for a tip `along` the axis under a `load`."""
+    pads = [e for e in effects if not e.name.startswith(CONTACT)]
+    contact = [e for e in effects if e.name.startswith(CONTACT)]
+    pad_core, contact_core = _core(pads), _core(contact)
+    pad_level = np.zeros(record.size)
+    if pad_core is not None:
+        pad_level = pad_level + friction_level(record, pads, values)
+    level, extra = _contact(record, contact, values, along, load)
+    push = extra - axis_force(record, pads, values)
+    stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
+    if all(core is None or core.core.name == "coulomb" for core in (pad_core, contact_core)):
+        return follow_exactly(
+            along, push, load, level, stiffness, damping, pad_level, mass, record.step,
+            looks(stiffness, mass, record.step),
+        )  # fmt: skip
+    pad_reach, pad_weights = _bristles(pad_core, values)
+    reach, weights = _bristles(contact_core, values)
+    return follow(
+        along, push, np.where(load > 0.0, level, 0.0), reach, weights, stiffness, damping, pad_level, pad_reach,
+        pad_weights, mass, record.step, max(1, int(np.ceil(record.step / LONGEST_STEP))),
+    )  # fmt: skip
 
 
 def _core(effects: Sequence[Effect]) -> Effect | None:
@@ -196,15 +175,14 @@ def _bristles(core: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarr
 def _contact(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Most that the contact holds (n,), N, infinite where it never slips, and what its other forces add to the push."""
-    touches = load > 0.0
-    core = _core(effects)
-    if core is None:
-        return np.where(touches, np.inf, 0.0), np.zeros(record.size)
+    """Most that the contact holds while it touches (n,), N, infinite where it never slips, and what its other forces
+    add to the push (n,), N."""
+    push = np.zeros(record.size)
+    if _core(effects) is None:
+        return np.full(record.size, np.inf), push
     axis = _sliding(record, along, load)
     total: Any = 0.0
     factor: Any = 1.0
-    push = np.zeros(record.size)
     for effect in effects:
         p = values_of(effect, values)
         if effect.level is not None:
@@ -212,8 +190,8 @@ def _contact(
         if effect.factor is not None:
             factor = factor * effect.factor(axis, p)
         if effect.force is not None:
-            push = push + np.where(touches, effect.force(axis, p), 0.0)
-    return np.where(touches, np.maximum(total * factor, 0.0), 0.0), push
+            push = push + np.where(load > 0.0, effect.force(axis, p), 0.0)
+    return np.maximum(total * factor, 0.0), push
 
 
 def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -> Axis:
@@ -269,6 +247,18 @@ def _goes_up(record: FrictionDriveRecord) -> bool:
     return float(np.ptp(common)) > 0.02 * float(np.ptp(record.drives[1] - record.drives[0]))
 
 
+def beginning(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
+    """The first rows of a record, all of a shorter one."""
+    if record.size <= rows:
+        return record
+    return replace(
+        record, axis=Axis(*[values[:rows] for values in record.axis]), drives=[u[:rows] for u in record.drives],
+        measured={name: values[:rows] for name, values in record.measured.items()},
+        valid={name: values[:rows] for name, values in record.valid.items()},
+        smooth=GaussianFilter(0.0, record.step, rows), memo={},
+    )  # fmt: skip
+
+
 def driven_by(record: FrictionDriveRecord, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
     """A record as if the rig had been given other voltages, its stage following the tip; V, each (n,)."""
     n = drives[0].size
@@ -286,11 +276,10 @@ def driven_by(record: FrictionDriveRecord, name: str, step: float, drives: list[
 
 __all__ = [
     "FrictionDriveRecord",
+    "beginning",
     "can_show",
     "contact_candidates",
-    "contact_damping",
     "driven_by",
     "friction_drive_record",
-    "gain_and_press",
     "predict_friction_drive",
 ]

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.balance import filled
+from sysid.driven_stage_numbers import driven_stage_numbers
 from sysid.experiment import Experiment
 from sysid.fit import Prior, Unknown
-from sysid.friction_drive import CONTACT_STIFFNESS, contact_damping, gain_and_press
 from sysid.noise_floor import Noise
 from sysid.prepare import driven_mass
 from sysid.records import Record
@@ -47,19 +46,9 @@ def rig_numbers(
         put("mass", lambda: _guess_mass(records, kind, values.get("rig.pull_stiffness"), noise))
     if kind == "friction-drive":
         fits = [r for r in records if r.role == "fit"]
-        gain, press = gain_and_press(fits, {name: k.value for name, k in known.items()})
-        values["rig.contact_stiffness"] = (
-            known["contact_stiffness"].value if "contact_stiffness" in known else (CONTACT_STIFFNESS)
-        )
-        put("mass", lambda: 1.0)
-        damping = contact_damping(values["rig.contact_stiffness"], values["rig.mass"])
-        put("contact_damping", lambda: damping)
-        if "contact_damping" not in known:
-            # Ten times that is a third of critical: a fit that wants more wants something else.
-            unknowns[-1] = replace(unknowns[-1], low=0.0, high=10.0 * damping)
-        put("gain", lambda: gain, "piezo_gain")
-        if press is not None:
-            put("press", lambda: press)
+        drive, free = driven_stage_numbers(known, fits)
+        values.update(drive)
+        unknowns.extend(free)
     if kind == "actuator-tip":
         fits = [r for r in records if r.role == "fit"]
         rows = {c: np.concatenate([r.channels[c] for r in fits]) for c in fits[0].channels}

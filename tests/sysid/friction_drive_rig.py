@@ -1,6 +1,6 @@
 """A stage pushed by a tip, in code of its own: plain Euler steps, laws that share nothing with the program's.
 
-Pads: a bristle of a nanometre that yields. Contact: spring and dashpot that yield, or do not. Stacks: Bouc-Wen.
+Pads: rigid, they take away what speed they can. Contact: spring and dashpot that yield, or do not. Stacks: Bouc-Wen.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ def motion(truth: Truth, time: np.ndarray, first: np.ndarray, second: np.ndarray
     fine = np.arange(0.0, time[-1] + 0.5 * STEP, STEP)
     d1 = _stretched(np.interp(fine, time, first), GAIN, truth.hysteresis)
     d2 = _stretched(np.interp(fine, time, second), GAIN * (1.0 + truth.mismatch), truth.hysteresis)
-    x = v = z = pull = 0.0
-    stretch = 1.5e-9
+    x = v = pull = 0.0
+    lost = truth.pad_force / MASS * STEP
     along = -HEIGHT / SPACING * (d2[0] - d1[0])
     out = np.empty(fine.size)
     for i in range(fine.size):
@@ -81,9 +81,8 @@ def motion(truth: Truth, time: np.ndarray, first: np.ndarray, second: np.ndarray
         pull += STIFFNESS * slide
         held = min(max(pull + DAMPING * slide / STEP, -most), most)
         pull = min(max(pull, -most), most)
-        z = min(max(z + v * STEP, -stretch), stretch)
-        force = held - truth.pad_force * z / stretch - 20.0 * v
-        v += force / MASS * STEP
+        free = v + held / MASS * STEP
+        v = math.copysign(max(abs(free) - lost, 0.0), free)
         x += v * STEP
         out[i] = x
     return np.interp(time, fine, out)
