@@ -16,15 +16,13 @@ from drawings.document import view_box
 from drawings.frame import Paper
 from drawings.ink import Ink, Stroke, Words
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
-from drawings.line_cleaning import cleaned
-from drawings.projection import hidden_lines
 from drawings.section import cut_shape, hatch
 from drawings.sheet import Sheet, scale_text, sheet_area
+from drawings.taken_apart import SCALE, Picture, picture
 from drawings.title_block import TitleBlock, title_box
-from drawings.view import PROJECTIONS, Box2, Curve, Cut, Point2, Projection, Segment, View
+from drawings.view import PROJECTIONS, Box2, Curve, Cut, Point2, Segment, View
 from drawings.visibility import DEFLECTION, Scene
 from stagecad.solids.frame import UNMOVED, Frame
-from stagecad.solids.machine import MOVING
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
     from stagecad.solids.bill_of_materials import Row
 
 PAPER: Paper = "A1"
-SCALE = 0.5
 WHOLE = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "height_pin_1", "height_pin_2",
          "piezo", "spring")  # fmt: skip
 """What a section leaves whole: fasteners, pins and springs (ISO 128-3)."""
@@ -64,26 +61,22 @@ class Assembled:
     revision: str
 
 
-FROM_BELOW = Projection(
-    "from below",
-    (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0),
-    (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6)),
-)
-"""The isometric direction from below, for what hangs under the stage."""
+def assembly_sheet(
+    machine: Assembled, design: Any, taken_apart: Sequence[Picture], scene: Scene, *, exact: bool = True
+) -> Sheet:
+    """The sheet of the whole machine.
 
-
-def assembly_sheet(machine: Assembled, design: Any) -> Sheet:
-    """The sheet of the whole machine."""
-    scene = Scene(machine.shapes)
-    top, _ = _view("top", PROJECTIONS["top"], scene, [(i.shape, i.frame) for i in machine.instances])
-    views = [top, _section(machine, scene)]
-    marks: list[Annotation] = []
-    taken_apart = apart(machine, scene)
-    views += [view for view, _ in taken_apart]
-    pieces = {view.name: found for view, found in taken_apart}
-    views = _placed(views, len(machine.rows))
-    marks.append(_mark(views[0]))
-    marks += all_balloons([(view, pieces[view.name]) for view in views[2:]], machine.rows)
+    Args:
+        taken_apart: its pictures (`drawings.taken_apart.apart`).
+        scene: of the machine's shapes.
+        exact: how lines are hidden (`drawings.projection.project`).
+    """
+    pieces = [(i.part, i.shape, i.frame) for i in machine.instances]
+    top = picture("top", PROJECTIONS["top"], scene, pieces, exact=exact).view
+    views = _placed([top, _section(machine, scene, exact=exact), *(one.view for one in taken_apart)], len(machine.rows))
+    marks: list[Annotation] = [_mark(views[0])]
+    placed = [replace(one, view=view) for one, view in zip(taken_apart, views[2:], strict=True)]
+    marks += all_balloons(placed, machine.rows)
     return Sheet(
         name="assembly",
         part="assembly",
@@ -97,29 +90,12 @@ def assembly_sheet(machine: Assembled, design: Any) -> Sheet:
     )
 
 
-Pieces = Sequence[tuple[str, tuple[Curve, ...]]]
-"""Part of each piece of a view, and its visible lines."""
-
-
-def apart(machine: Assembled, scene: Scene) -> list[tuple[View, Pieces]]:
-    """The machine taken apart, seen from above; from below as well where irons and magnets hang under the stage."""
-    hanging = [i for i in machine.instances if i.part in MOVING]
-    groups = [("exploded", PROJECTIONS["iso"], machine.instances, SCALE)]
-    if len(hanging) > 1:
-        groups.append(("from below", FROM_BELOW, tuple(hanging), SCALE / 2))
-    views: list[tuple[View, Pieces]] = []
-    for name, projection, instances, scale in groups:
-        view, lines = _view(name, projection, scene, [(i.shape, i.exploded) for i in instances], scale)
-        views.append((view, [(instance.part, piece) for instance, piece in zip(instances, lines, strict=True)]))
-    return views
-
-
-def all_balloons(views: Sequence[tuple[View, Pieces]], rows: Sequence[Row]) -> list[Balloon]:
+def all_balloons(pictures: Sequence[Picture], rows: Sequence[Row]) -> list[Balloon]:
     """A balloon for each row of the parts list, in the first of the placed views that shows its part."""
     found: list[Balloon] = []
-    for view, pieces in views:
+    for one in pictures:
         shown = {balloon.number for balloon in found}
-        found += balloons(view, pieces, [row for row in rows if row.item not in shown])
+        found += balloons(one, [row for row in rows if row.item not in shown])
     return found
 
 
@@ -131,34 +107,24 @@ _NOTES = (
 )
 
 
-def _view(
-    name: str, projection: Projection, scene: Scene, pieces: Sequence[tuple[str, Frame]], scale: float = SCALE
-) -> tuple[View, list[tuple[Curve, ...]]]:
-    """A view of what is visible, and the lines of each piece."""
-    lines = hidden_lines(scene.visible(pieces, projection), projection)
-    visible, _ = cleaned(curve for piece in lines for curve in piece)
-    label = "" if scale == SCALE else f"{name.upper()} ({scale_text(scale)})"
-    return View(name, projection, {"VISIBLE": visible}, scale, label=label), lines
-
-
-def _section(machine: Assembled, scene: Scene) -> View:
+def _section(machine: Assembled, scene: Scene, *, exact: bool) -> View:
     """The machine cut through the axis of actuator 1 along the travel."""
     cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
-    shapes = dict(machine.shapes)
+    shapes: dict[str, TopoDS_Shape] = {}
     hatched: list[Segment] = []
-    pieces: list[tuple[str, Frame]] = []
+    pieces: list[tuple[str, str, Frame]] = []
     for number, instance in enumerate(machine.instances):
         low, high = scene.reach(instance.shape, instance.frame, (0.0, 1.0, 0.0))
         if high < DEFLECTION:
             continue
         if low > -DEFLECTION or instance.part in WHOLE:
-            pieces.append((instance.shape, instance.frame))
+            pieces.append((instance.part, instance.shape, instance.frame))
             continue
         name = f"{instance.name} cut"
         shapes[name] = cut_shape(_moved(machine.shapes[instance.shape], instance.frame), cut)
         hatched.extend(hatch(shapes[name], cut, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
-        pieces.append((name, UNMOVED))
-    view, _ = _view("section A-A", PROJECTIONS["front"], Scene({name: shapes[name] for name, _ in pieces}), pieces)
+        pieces.append((instance.part, name, UNMOVED))
+    view = picture("section A-A", PROJECTIONS["front"], scene.with_more(shapes), pieces, exact=exact).view
     return replace(view, curves={**view.curves, "HATCH": tuple(hatched)}, label="A-A", cut=cut)
 
 
@@ -198,18 +164,18 @@ def _mark(top: View) -> SectionMark:
     return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
 
 
-def balloons(view: View, pieces: Pieces, rows: Sequence[Row]) -> Iterator[Balloon]:
+def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
     """A balloon for each row of the parts list, in two columns beside the view, in the order of what they point at.
 
     Args:
-        view: placed.
-        pieces: part of each piece of the view, and its visible lines.
+        shown: its view placed.
         rows: of the parts list that are to have one.
     """
+    view = shown.view
     x0, y0, x1, y1 = view_box(view) or (0.0, 0.0, 0.0, 0.0)
     middle = (x0 + x1) / 2
     ends: dict[int, list[Point2]] = {
-        row.item: [at for part, piece in pieces if part == row.part for at in _points(piece)] for row in rows
+        row.item: [at for part, piece in shown.pieces if part == row.part for at in _points(piece)] for row in rows
     }
     # What lies farthest to one side gets its balloon on that side.
     chosen: list[tuple[float, int, Point2]] = []

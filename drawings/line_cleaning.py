@@ -22,24 +22,29 @@ SHORTEST = 0.01
 """Pieces shorter than this are dust of the kernel's tolerances, mm."""
 SAME_DIRECTION = 1e-5
 """Angle below which two directions are one, rad."""
-COVERED = 0.03
-"""A polyline runs on another where it is closer than this, mm: twice the chord error of both, and a little."""
+CHORD = 0.01
+"""Greatest distance of a polyline from its curve where nothing else is said, mm."""
+COVERED = 3.0
+"""A polyline runs on another where it is closer than this many chord errors: that of both, and a little."""
 
 Span = tuple[float, float]
 Item = tuple[float, Span, bool]
 Kind = TypeVar("Kind")
 
 
-def cleaned(visible: Iterable[Curve], hidden: Iterable[Curve] = ()) -> tuple[tuple[Curve, ...], tuple[Curve, ...]]:
+def cleaned(
+    visible: Iterable[Curve], hidden: Iterable[Curve] = (), chord: float = CHORD
+) -> tuple[tuple[Curve, ...], tuple[Curve, ...]]:
     """Visible and hidden curves, each drawn once and sorted, none hidden where one is visible.
 
     Args:
         visible, hidden: curves as they come, in one coordinate system, mm.
+        chord: greatest distance of the polylines from their curves, mm.
     """
     seen, behind = list(visible), list(hidden)
     lines = _segments(_of(Segment, seen), _of(Segment, behind))
     arcs = _arcs(_of(Arc, seen), _of(Arc, behind))
-    others = _polylines(_of(Polyline, seen), _of(Polyline, behind))
+    others = _polylines(_of(Polyline, seen), _of(Polyline, behind), COVERED * chord)
     return (
         (*sorted(lines[0], key=_order), *sorted(arcs[0], key=_order), *sorted(others[0], key=_order)),
         (*sorted(lines[1], key=_order), *sorted(arcs[1], key=_order), *sorted(others[1], key=_order)),
@@ -190,8 +195,8 @@ def _closed(spans: list[Span], gap: float) -> list[Span]:
     return [(0.0, 360.0) if high - low > 360.0 - gap else (low, high) for low, high in spans]
 
 
-def _polylines(visible: list[Polyline], hidden: list[Polyline]) -> tuple[list[Polyline], list[Polyline]]:
-    drawn = _Drawn()
+def _polylines(visible: list[Polyline], hidden: list[Polyline], near: float) -> tuple[list[Polyline], list[Polyline]]:
+    drawn = _Drawn(near)
     return (
         [piece for line in sorted(visible, key=_order) for piece in drawn.add(line)],
         [piece for line in sorted(hidden, key=_order) for piece in drawn.add(line)],
@@ -201,19 +206,21 @@ def _polylines(visible: list[Polyline], hidden: list[Polyline]) -> tuple[list[Po
 class _Drawn:
     """Polylines that are drawn already, with their boxes, which settle most questions."""
 
-    def __init__(self) -> None:
+    def __init__(self, near: float) -> None:
+        self._near = near
         self._lines: list[tuple[float, float, float, float, np.ndarray]] = []
 
     def add(self, line: Polyline) -> list[Polyline]:
         """Take in a polyline, and give the runs of it that do not lie on one taken in before."""
         points = np.array(line.points)
         u0, v0, u1, v1 = _box(points)
-        near = [
+        by = self._near
+        others = [
             corners
             for a, b, c, d, corners in self._lines
-            if c > u0 - COVERED and a < u1 + COVERED and d > v0 - COVERED and b < v1 + COVERED
+            if c > u0 - by and a < u1 + by and d > v0 - by and b < v1 + by
         ]
-        pieces = _uncovered(line, points, near)
+        pieces = _uncovered(line, points, others, by)
         self._lines.extend((*_box(corners), corners) for corners in (np.array(piece.points) for piece in pieces))
         return pieces
 
@@ -223,11 +230,11 @@ def _box(points: np.ndarray) -> tuple[float, float, float, float]:
     return (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
-def _uncovered(line: Polyline, points: np.ndarray, others: Sequence[np.ndarray]) -> list[Polyline]:
+def _uncovered(line: Polyline, points: np.ndarray, others: Sequence[np.ndarray], near: float) -> list[Polyline]:
     """The runs of a polyline that do not lie on another."""
     covered = np.zeros(len(points), dtype=bool)
     for corners in others:
-        covered |= _distances(points, corners) < COVERED
+        covered |= _distances(points, corners) < near
     if not covered.any():
         return [line]
     # A piece between two covered points is covered, too; a free point keeps its pieces to both neighbours.

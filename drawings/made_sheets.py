@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from drawings.workers import run_tasks
 from stagecad import __version__
 from stagecad.parameters.mass_properties import combined
+from stagecad.solids.assembly import assemble
 from stagecad.solids.cache import Entry, Store
 from stagecad.solids.machine import part_mass
 from stagecad.solids.made_part import MadePart, find_part, make_part
@@ -28,11 +29,16 @@ if TYPE_CHECKING:
     from drawings.assembly_sheet import Assembled
     from drawings.procedure_figures import ProcedureValues
     from drawings.sheet import Sheet
+    from drawings.taken_apart import Picture
+    from drawings.visibility import Scene
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
 PROCEDURE = "procedure"
 """The sheet that tells how the machine is put together."""
+
+PICTURES = "pictures.json"
+"""The machine taken apart, as both sheets of the whole show it."""
 
 WHOLE = (ASSEMBLY, PROCEDURE)
 """Sheets that need every part."""
@@ -78,7 +84,8 @@ class MadeSheet:
 
 
 _OF_ALL = (__name__, "drawings.document", "drawings.export", "drawings.lint")
-_OF_ASSEMBLY = (*_OF_ALL, "drawings.assembly_sheet")
+_OF_PICTURES = ("drawings.taken_apart", "drawings.visibility", "stagecad.solids.assembly")
+_OF_ASSEMBLY = (*_OF_ALL, *_OF_PICTURES, "drawings.assembly_sheet")
 _OF_PROCEDURE = (*_OF_ASSEMBLY, "drawings.procedure", "drawings.procedure_sheet")
 
 
@@ -169,12 +176,15 @@ def make_sheets(
             found[part] = sheets
             advance(part)
     missing = sorted((part for part in wanted if part not in found), key=_slowness)
-    tasks = [part for part in missing if part not in WHOLE]
-    if len(tasks) < len(missing):
-        # The whole machine needs parts that have no sheet to draw, or whose sheet is there: better side by side, too.
-        others = [name for name in part_names(design) if name not in tasks]
-        tasks += [f"{MAKE}{name}" for name in others if find_part(store, name, design) is None]
-        tasks += [part for part in missing if part in WHOLE]
+    tasks = missing
+    if any(part in WHOLE for part in missing):
+        # The whole machine needs every part: they are made first, side by side. Its sheet takes longest and begins
+        # early; the procedure comes last, when the pictures that it shares with that sheet are there.
+        lacking = [name for name in sorted(part_names(design), key=_slowness) if find_part(store, name, design) is None]
+        parts = [part for part in missing if part not in WHOLE]
+        begun = [ASSEMBLY] if ASSEMBLY in missing else []
+        tasks = [*(f"{MAKE}{name}" for name in lacking), *parts[:1], *begun, *parts[1:]]
+        tasks += [PROCEDURE] if PROCEDURE in missing else []
     if tasks:
         work = partial(_draw_elsewhere, store.folder, design, calculate)
         drawn = run_tasks(tasks, work, lambda task: None if task.startswith(MAKE) else advance(task), workers=workers)
@@ -193,16 +203,19 @@ def _draw_elsewhere(
         make_part(Store(folder), part.removeprefix(MAKE), design)
         return ()
     if part in WHOLE:
-        return draw_whole(Store(folder), part, design, calculate)
+        return draw_whole(Store(folder), part, design, calculate, exact=not late)
     return draw_part(Store(folder), part, design, exact=not late)
 
 
-def draw_whole(store: Store, part: str, design: Any, calculate: Calculate | None = None) -> tuple[MadeSheet, ...]:
+def draw_whole(
+    store: Store, part: str, design: Any, calculate: Calculate | None = None, *, exact: bool = True
+) -> tuple[MadeSheet, ...]:
     """A sheet of the whole machine from the cache, drawn now when it lacks it.
 
     Args:
         part: `assembly` or `procedure`.
         calculate: for the procedure.
+        exact: how lines are hidden (`drawings.projection.project`).
     """
     # A process that draws may start no others: what the cache still lacks is made here, one by one.
     parts = {name: make_part(store, name, design) for name in part_names(design)}
@@ -211,21 +224,43 @@ def draw_whole(store: Store, part: str, design: Any, calculate: Calculate | None
 
     def make(reading: Any, folder: Path) -> None:
         from drawings.assembly_sheet import assembly_sheet
+        from drawings.visibility import Scene
 
         assembled = _assembled(parts, reading)
         if part == ASSEMBLY:
-            sheet = assembly_sheet(assembled, reading)
+            scene = Scene(assembled.shapes)
+            pictures = _pictures(store, parts, design, lambda: scene, exact=exact)
+            sheet = assembly_sheet(assembled, reading, pictures, scene, exact=exact)
         else:
-            sheet = _procedure_sheet(assembled, reading, values)
+            pictures = _pictures(store, parts, design, lambda: Scene(assembled.shapes), exact=exact)
+            sheet = _procedure_sheet(assembled, reading, values, pictures)
         (folder / SHEETS).write_text(json.dumps([write_sheet(sheet, folder)], indent=1), "utf-8")
 
     return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
 
 
+def _pictures(
+    store: Store, parts: dict[str, MadePart], design: Any, scene: Callable[[], Scene], *, exact: bool
+) -> list[Picture]:
+    """The machine taken apart, from the cache or worked out now.
+
+    Args:
+        scene: gives the machine's shapes; their own parameters are in the keys of the parts.
+    """
+    from drawings.taken_apart import apart, as_json, from_json
+
+    def make(reading: Any, folder: Path) -> None:
+        pictures = apart(assemble(parts, reading), scene(), exact=exact)
+        (folder / PICTURES).write_text(json.dumps(as_json(pictures)), "utf-8")
+
+    keys = [made.entry.key for made in parts.values()]
+    entry = store.make("machine taken apart", design, _OF_PICTURES, make, keys)
+    return from_json(entry.document(PICTURES))
+
+
 def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
     """The machine as its sheets need it."""
     from drawings.assembly_sheet import Assembled
-    from stagecad.solids.assembly import assemble
     from stagecad.solids.bill_of_materials import bill_of_materials
     from stagecad.solids.made_assembly import shapes_of
 
@@ -242,17 +277,18 @@ def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
     )
 
 
-def _procedure_sheet(assembled: Assembled, design: Any, values: ProcedureValues | None) -> Sheet:
-    from drawings.assembly_sheet import apart, title_of
+def _procedure_sheet(
+    assembled: Assembled, design: Any, values: ProcedureValues | None, pictures: Sequence[Picture]
+) -> Sheet:
+    from drawings.assembly_sheet import title_of
     from drawings.procedure import procedure
     from drawings.procedure_sheet import procedure_sheet
-    from drawings.visibility import Scene
 
     if values is None:
         raise ValueError("the procedure needs its calculated values")
     steps = procedure(design, assembled.rows, values)
     title = title_of(assembled, design, PROCEDURE)
-    return procedure_sheet(steps, title, apart(assembled, Scene(assembled.shapes)), assembled.rows)
+    return procedure_sheet(steps, title, pictures, assembled.rows)
 
 
 def _shown_mass(kilograms: float) -> str:

@@ -6,15 +6,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotation_ink import BALLOON
-from drawings.assembly_sheet import Pieces, all_balloons
+from drawings.assembly_sheet import all_balloons
 from drawings.document import view_box
 from drawings.frame import CENTRING, PAPERS, Paper, drawing_space
 from drawings.ink import Ink, Stroke, Words, rectangle
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
 from drawings.procedure import PartUse, Procedure, Step
 from drawings.sheet import Sheet, scale_text
+from drawings.taken_apart import Picture
 from drawings.title_block import HEIGHT, TitleBlock
-from drawings.view import Box2, View
+from drawings.view import Box2
 from stagecad.solids.bill_of_materials import Row
 
 NAME = "procedure"
@@ -43,18 +44,16 @@ class _Line:
         return LINE_PITCH * self.height
 
 
-Picture = Sequence[tuple[View, Pieces]]
-"""Views of the machine taken apart, and their pieces."""
-
-
-def procedure_sheet(procedure: Procedure, title: TitleBlock, picture: Picture = (), rows: Sequence[Row] = ()) -> Sheet:
+def procedure_sheet(
+    procedure: Procedure, title: TitleBlock, pictures: Sequence[Picture] = (), rows: Sequence[Row] = ()
+) -> Sheet:
     """The sheet, on the smallest paper that holds the table.
 
     Args:
         procedure: the steps.
-        title: its title block; the scale is that of the picture.
-        picture: shown beside the table, at a scale that fits, where the table leaves a column for it.
-        rows: of the parts list, to be pointed at in the picture.
+        title: its title block; the scale is that of the pictures.
+        pictures: of the machine taken apart, beside the table at a scale that fits, where it leaves a column for them.
+        rows: of the parts list, to be pointed at in the pictures.
 
     Raises:
         ValueError: the table is too long for the largest paper.
@@ -62,16 +61,16 @@ def procedure_sheet(procedure: Procedure, title: TitleBlock, picture: Picture = 
     for paper in SIZES:
         table = _Table(procedure.steps, paper)
         if table.complete:
-            views = _placed(picture, table.free) if table.free else []
-            scale = views[0][0].scale if views else 1.0
+            placed = _placed(pictures, table.free) if table.free else []
+            scale = placed[0].view.scale if placed else 1.0
             return Sheet(
                 NAME,
                 NAME,
                 paper,
                 scale,
-                replace(title, scale=scale_text(scale) if views else "-"),
-                tuple(view for view, _ in views),
-                tuple(all_balloons(views, rows)),
+                replace(title, scale=scale_text(scale) if placed else "-"),
+                tuple(one.view for one in placed),
+                tuple(all_balloons(placed, rows)),
                 (),
                 tuple(table.inks),
             )
@@ -112,21 +111,21 @@ class _Table:
         self.complete = not left
 
 
-def _placed(picture: Picture, area: Box2) -> list[tuple[View, Pieces]]:
+def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
     """The views one above the other in an area, the first above, all at the largest scale at which they fit."""
     x0, y0, x1, y1 = area
     room = 8 * BALLOON
     for scale in SCALES:
-        views = [(replace(view, scale=scale, place=(0.0, 0.0), label=""), pieces) for view, pieces in picture]
-        boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view, _ in views]
+        scaled = [replace(one, view=replace(one.view, scale=scale, place=(0.0, 0.0), label="")) for one in pictures]
+        boxes = [view_box(one.view) or (0.0, 0.0, 0.0, 0.0) for one in scaled]
         gap = (y1 - y0 - sum(box[3] - box[1] for box in boxes)) / (len(boxes) + 1)
         if gap < BALLOON or any(box[2] - box[0] + room > x1 - x0 for box in boxes):
             continue
         placed, top = [], y1
-        for (view, pieces), box in zip(views, boxes, strict=True):
+        for one, box in zip(scaled, boxes, strict=True):
             top -= gap
             at = ((x0 + x1 - box[0] - box[2]) / 2, top - box[3])
-            placed.append((replace(view, place=at), pieces))
+            placed.append(replace(one, view=replace(one.view, place=at)))
             top -= box[3] - box[1]
         return placed
     return []

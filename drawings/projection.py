@@ -14,14 +14,12 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
-from drawings.line_cleaning import cleaned
+from drawings.line_cleaning import CHORD, cleaned
 from drawings.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
-CHORD = 0.01
-"""Greatest distance of a polyline from its curve, mm."""
 FLAT = 1e-4
 """A curve seen as a line is one when it is straighter than this, mm."""
 
@@ -41,64 +39,59 @@ def project(
         Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in an order that is always the
         same for the same shape.
     """
-    seen, unseen = _exact(shape, projection) if exact else _on_mesh(shape, projection)
-    visible, behind = cleaned(_curves(seen), _curves(unseen) if hidden else ())
+    result = _exactly([with_simple_curves(shape)], projection) if exact else _by_mesh([shape], projection)
+    unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []
+    visible, behind = cleaned(_curves([result.VCompound(), result.OutLineVCompound()]), _curves(unseen))
     return {"VISIBLE": visible, "HIDDEN": behind}
 
 
-def hidden_lines(shapes: Sequence[TopoDS_Shape | None], projection: Projection) -> list[tuple[Curve, ...]]:
+def hidden_lines(
+    shapes: Sequence[TopoDS_Shape | None], projection: Projection, *, chord: float = CHORD, exact: bool = True
+) -> list[tuple[Curve, ...]]:
     """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None.
 
     Args:
         shapes: placed; parts of shapes that are never seen should have been left out (`drawings.visibility`).
         projection: direction of view.
+        chord: greatest distance of a polyline from its curve, mm.
+        exact: as for `project`.
     """
-    from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
-
-    algorithm = HLRBRep_Algo()
-    simple = [shape and with_simple_curves(shape) for shape in shapes]
-    for shape in simple:
-        if shape is not None:
-            algorithm.Add(shape)
-    algorithm.Projector(_projector(projection))
-    algorithm.Update()
-    algorithm.Hide()
-    result = HLRBRep_HLRToShape(algorithm)
+    drawn = [shape and with_simple_curves(shape) for shape in shapes] if exact else list(shapes)
+    there = [shape for shape in drawn if shape is not None]
+    result = (_exactly if exact else _by_mesh)(there, projection)
     return [
-        () if shape is None else tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)]))
-        for shape in simple
+        () if shape is None else tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)], chord))
+        for shape in drawn
     ]
 
 
-def _exact(shape: TopoDS_Shape, projection: Projection) -> tuple[list[Any], list[Any]]:
+def _exactly(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+    """Answers of the exact algorithm."""
     from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
 
     algorithm = HLRBRep_Algo()
-    algorithm.Add(with_simple_curves(shape))
+    for shape in shapes:
+        algorithm.Add(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
     algorithm.Hide()
-    result = HLRBRep_HLRToShape(algorithm)
-    return (
-        [result.VCompound(), result.OutLineVCompound()],
-        [result.HCompound(), result.OutLineHCompound()],
-    )
+    return HLRBRep_HLRToShape(algorithm)
 
 
-def _on_mesh(shape: TopoDS_Shape, projection: Projection) -> tuple[list[Any], list[Any]]:
+def _by_mesh(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+    """Answers of the algorithm that works on triangles."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.HLRBRep import HLRBRep_PolyAlgo, HLRBRep_PolyHLRToShape
 
-    BRepMesh_IncrementalMesh(shape, 0.02, False, 0.1, False)
-    algorithm = HLRBRep_PolyAlgo(shape)
+    algorithm = HLRBRep_PolyAlgo()
+    for shape in shapes:
+        BRepMesh_IncrementalMesh(shape, 0.02, False, 0.1, False)
+        algorithm.Load(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
     result = HLRBRep_PolyHLRToShape()
     result.Update(algorithm)
-    return (
-        [result.VCompound(), result.OutLineVCompound()],
-        [result.HCompound(), result.OutLineHCompound()],
-    )
+    return result
 
 
 def _projector(projection: Projection) -> Any:
@@ -155,7 +148,7 @@ def _edges(shape: Any) -> Iterator[Any]:
         yield TopoDS.Edge_s(found.FindKey(index))
 
 
-def _curves(compounds: Iterable[Any]) -> Iterator[Curve]:
+def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
     from OCP.BRepLib import BRepLib
 
     for compound in compounds:
@@ -163,12 +156,12 @@ def _curves(compounds: Iterable[Any]) -> Iterator[Curve]:
             continue
         BRepLib.BuildCurves3d_s(compound)
         for edge in _edges(compound):
-            curve = as_curve(edge)
+            curve = as_curve(edge, chord)
             if curve is not None:
                 yield curve
 
 
-def as_curve(edge: Any) -> Curve | None:
+def as_curve(edge: Any, chord: float = CHORD) -> Curve | None:
     """An edge in the plane z = 0 as a curve of a view; None when it has no length there."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GCPnts import GCPnts_QuasiUniformDeflection
@@ -188,7 +181,7 @@ def as_curve(edge: Any) -> Curve | None:
             ends = [_at(curve, first), _at(curve, last)]
             start, end = (_angle(centre, point) for point in (ends if axis > 0 else reversed(ends)))
             return Arc(centre, circle.Radius(), start, end if end > start else end + 360.0)
-    points = GCPnts_QuasiUniformDeflection(curve, CHORD, first, last)
+    points = GCPnts_QuasiUniformDeflection(curve, chord, first, last)
     places = [(points.Value(i).X(), points.Value(i).Y()) for i in range(1, points.NbPoints() + 1)]
     return _segment(places) or _polyline(places)
 

@@ -23,8 +23,8 @@ from stagecad.solids.rasteriser import FAR, _fill
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
-PIXELS = 2000
-"""Of the depth buffer along its longer side."""
+PIXELS = 1400
+"""Of the depth buffer along its longer side: of the machine, a third of a millimetre each."""
 DEFLECTION, TURN = 0.5, 0.6
 """Of the triangles from the faces: mm, and rad between neighbours."""
 
@@ -48,6 +48,12 @@ class Scene:
 
     def __init__(self, shapes: Mapping[str, TopoDS_Shape]) -> None:
         self._meshed = {name: _meshed(shape) for name, shape in shapes.items()}
+
+    def with_more(self, shapes: Mapping[str, TopoDS_Shape]) -> Scene:
+        """A scene with some shapes more; those that are here already are not meshed again."""
+        scene = Scene(shapes)
+        scene._meshed = {**self._meshed, **scene._meshed}
+        return scene
 
     def reach(self, name: str, frame: Frame, along: Vector) -> tuple[float, float]:
         """Least and greatest place of a piece along a direction, mm; short by the triangles' deflection at most."""
@@ -100,7 +106,7 @@ class Scene:
             np.zeros((*size, 3), dtype=np.float32),
             paint,
         )
-        return set(np.unique(paint[paint >= 0]).tolist())
+        return set(np.flatnonzero(np.bincount(paint.ravel() + 1, minlength=1)[1:]).tolist())
 
 
 def _compound(faces: Sequence[Any], frame: Frame) -> TopoDS_Shape:

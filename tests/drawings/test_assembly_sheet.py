@@ -2,26 +2,49 @@
 
 from __future__ import annotations
 
+import json
 import math
+import os
+import shutil
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
 
 import pytest
 
 from drawings.annotation import Balloon
 from drawings.annotation_ink import BALLOON
 from drawings.assembly_sheet import Assembled, assembly_sheet, spread
-from drawings.document import document_of
+from drawings.document import document_of, view_box
+from drawings.field import curve_points
 from drawings.frame import drawing_space
 from drawings.ink import Words
 from drawings.lint import lint
 from drawings.sheet import Sheet
+from drawings.taken_apart import Picture, apart, as_json, from_json
 from drawings.view import Segment
+from drawings.visibility import Scene
 from stagecad.parameters.design import Design
 from stagecad.solids.machine import Machine
 from stagecad.solids.made_assembly import shapes_of
 
+ROOT = Path(__file__).parents[2]
+
 
 @pytest.fixture(scope="module")
-def sheet(machine: Machine, design: Design) -> Sheet:
+def scene(machine: Machine, design: Design) -> Scene:
+    shapes = shapes_of(machine.assembly.instances, machine.parts, design)
+    return Scene({name: shape.wrapped for name, shape in shapes.items()})
+
+
+@pytest.fixture(scope="module")
+def pictures(machine: Machine, scene: Scene) -> list[Picture]:
+    return apart(machine.assembly.instances, scene)
+
+
+@pytest.fixture(scope="module")
+def sheet(machine: Machine, design: Design, scene: Scene, pictures: list[Picture]) -> Sheet:
     shapes = shapes_of(machine.assembly.instances, machine.parts, design)
     assembled = Assembled(
         machine.assembly.instances,
@@ -31,7 +54,7 @@ def sheet(machine: Machine, design: Design) -> Sheet:
         "0",
         "0",
     )
-    return assembly_sheet(assembled, design)
+    return assembly_sheet(assembled, design, pictures, scene)
 
 
 def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
@@ -87,3 +110,54 @@ def test_places_are_spread_in_their_order() -> None:
     assert spread([1.0, 2.0, 30.0], 10.0, 0.0, 100.0) == [1.0, 11.0, 30.0]
     assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0]
     assert spread([], 10.0, 0.0, 1.0) == []
+
+
+def test_pictures_are_kept_as_they_were(pictures: list[Picture]) -> None:
+    assert [one.view.name for one in pictures] == ["exploded", "from below"]
+    assert from_json(json.loads(json.dumps(as_json(pictures)))) == pictures
+
+
+def test_by_mesh_the_machine_looks_the_same(machine: Machine, scene: Scene, pictures: list[Picture]) -> None:
+    """What is drawn when the exact algorithm hangs: the same box, and much the same length of lines of each part."""
+    for exact, meshed in zip(pictures, apart(machine.assembly.instances, scene, exact=False), strict=True):
+        assert view_box(meshed.view) == pytest.approx(view_box(exact.view), abs=0.1)
+        lengths = [ink_by_part(one) for one in (exact, meshed)]
+        assert lengths[1].keys() == lengths[0].keys()
+        for part, length in lengths[0].items():
+            # The shortest of the screws' lines, of a mesh or not, are a matter of chance.
+            assert lengths[1][part] == pytest.approx(length, rel=0.15, abs=5.0), part
+
+
+def ink_by_part(shown: Picture) -> dict[str, float]:
+    """Length of all lines of each part, mm."""
+    found: dict[str, float] = {}
+    for part, lines in shown.pieces:
+        length = sum(math.dist(a, b) for curve in lines for a, b in pairwise(curve_points(curve)))
+        found[part] = found.get(part, 0.0) + length
+    return found
+
+
+DRAW = """
+import sys
+from pathlib import Path
+from drawings.made_sheets import draw_whole
+from stagecad.parameters.design import load_design
+from stagecad.solids.cache import Store
+draw_whole(Store(Path(sys.argv[1])), "assembly", load_design())
+"""
+
+
+def test_another_process_draws_the_same_bytes(machine: Machine, tmp_path: Path) -> None:
+    files = []
+    for seed in ("1", "2"):
+        store = tmp_path / seed
+        entries = store / "entries"
+        entries.mkdir(parents=True)
+        for part in machine.parts.values():
+            shutil.copytree(part.entry.folder, entries / part.entry.folder.name)
+        shutil.copytree(machine.assembly.entry.folder.parent.parent / "reads", store / "reads")
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        subprocess.run([sys.executable, "-c", DRAW, str(store)], env=environment, check=True, cwd=ROOT)
+        (made,) = (path.parent for path in entries.glob("*/assembly.dxf"))
+        files.append({kind: (made / f"assembly.{kind}").read_bytes() for kind in ("dxf", "svg", "pdf", "png")})
+    assert files[0] == files[1]

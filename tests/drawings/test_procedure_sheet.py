@@ -16,6 +16,7 @@ from drawings.lettering import SMALL, text_width
 from drawings.procedure import Procedure, Step
 from drawings.procedure_sheet import broken, procedure_sheet
 from drawings.sheet import Sheet
+from drawings.taken_apart import Picture
 from drawings.title_block import TitleBlock, title_box
 from drawings.view import PROJECTIONS, Segment, View
 
@@ -109,7 +110,7 @@ def test_the_picture_stands_beside_the_table_and_points_at_every_part() -> None:
     for name, (width, height), part in (("tall", (900.0, 2000.0), "base"), ("wide", (1500.0, 300.0), "stage")):
         box = [(0.0, 0.0), (width, 0.0), (width, height), (0.0, height), (0.0, 0.0)]
         lines = tuple(Segment(a, b) for a, b in pairwise(box))
-        views.append((View(name, PROJECTIONS["iso"], {"VISIBLE": lines}), [(part, lines)]))
+        views.append(Picture(View(name, PROJECTIONS["iso"], {"VISIBLE": lines}), ((part, lines),)))
     listed = [row for row in rows(thesis()) if row.part in ("base", "stage")]
     sheet = procedure_sheet(made(), TITLE, views, listed)
     _, _, x1, y1 = drawing_space(sheet.paper)
@@ -127,7 +128,7 @@ def test_the_picture_stands_beside_the_table_and_points_at_every_part() -> None:
 
 def test_a_table_of_two_columns_leaves_no_room_for_a_picture() -> None:
     lines = (Segment((0.0, 0.0), (100.0, 100.0)),)
-    views = [(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), [("base", lines)])]
+    views = [Picture(View("exploded", PROJECTIONS["iso"], {"VISIBLE": lines}), (("base", lines),))]
     sheet = procedure_sheet(Procedure(made().steps * 2), TITLE, views, rows(thesis()))
     assert sheet.views == ()
     assert sheet.annotations == ()

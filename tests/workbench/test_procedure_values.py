@@ -48,12 +48,13 @@ def test_without_teeth_nothing_pulls() -> None:
 
 def test_kept_in_the_cache_until_what_they_were_worked_out_from_changes(tmp_path: Path) -> None:
     store, weighed = Store(tmp_path), estimate()
-    first = stored_values(store, load_design(), weighed.moving, weighed.tip)
+    weights = (weighed.moving, weighed.tip)
+    first = stored_values(store, load_design(), *weights)
     assert first == procedure_values(load_design(), weighed)
     entries = sorted((tmp_path / "entries").iterdir())
-    assert stored_values(store, load_design(overrides=["holder.well_diameter=19 mm"]), weighed.moving, weighed.tip) == first
+    assert stored_values(store, load_design(overrides=["holder.well_diameter=19 mm"]), *weights) == first
     assert sorted((tmp_path / "entries").iterdir()) == entries
-    other = stored_values(store, load_design(overrides=["screws.way.torque=16 N*m"]), weighed.moving, weighed.tip)
+    other = stored_values(store, load_design(overrides=["screws.way.torque=16 N*m"]), *weights)
     assert other.way_preload == pytest.approx(16 / 15 * first.way_preload)
 
 
