@@ -102,6 +102,32 @@ def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) ->
 
 
 @compiled
+def strengthened(
+    time: np.ndarray, gone: np.ndarray, rested: np.ndarray, cut_off: float, memory_length: float
+) -> np.ndarray:
+    """Strength ln(1 + time at rest/cut_off) of a contact (n,), which fades over the way gone and grows on from there.
+
+    Args:
+        time: s, (n,).
+        gone: distance slid, m, (n,).
+        rested: above zero where the body rests, (n,).
+        cut_off: s.
+        memory_length: distance over which the strength falls to 1/e, m.
+    """
+    out = np.empty(time.size)
+    age = 0.0
+    out[0] = 0.0
+    for i in range(1, time.size):
+        if rested[i] > 0.0:
+            age += time[i] - time[i - 1]
+        elif age > 0.0:
+            strength = np.log1p(age / cut_off) * np.exp(-(gone[i] - gone[i - 1]) / memory_length)
+            age = cut_off * np.expm1(strength)
+        out[i] = np.log1p(age / cut_off)
+    return out
+
+
+@compiled
 def bouc_wen(signal: np.ndarray, width: float, shape: float) -> np.ndarray:
     """Bouc-Wen hysteresis h driven by `signal`: dh = du (1 - |h/width|^shape) while loading, du while unloading."""
     out = np.empty(signal.size)

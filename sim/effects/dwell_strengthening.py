@@ -14,7 +14,23 @@ def _memory(axis: Axis, p: Any) -> Axis:
     """The axis with the age of its contacts, which in a simulation is a state of the axis by the same law."""
     from sim.record_kernels import contact_age
 
-    return axis._replace(contact_age=contact_age(axis.time, axis.position, p.memory_length))
+    return axis._replace(contact_age=contact_age(axis.time, _without_rests(axis), p.memory_length))
+
+
+def _without_rests(axis: Axis) -> Any:
+    """Distance gone (n,) without what a position's noise goes while the body rests, m."""
+    gone = np.abs(np.diff(axis.position))
+    gone[(axis.contact_age[1:] > 0.0) & (axis.contact_age[:-1] > 0.0)] = 0.0
+    return np.concatenate([[0.0], np.cumsum(gone)])
+
+
+def _fading(axis: Axis, p: Any) -> Any:
+    from sim.record_kernels import strengthened
+
+    if np.ndim(axis.position) == 0:
+        raise ValueError("what fades is followed along a record")
+    time, rested = (np.ascontiguousarray(a, dtype=float) for a in (axis.time, axis.contact_age))
+    return p.force * strengthened(time, _without_rests(axis), rested, p.cut_off, p.memory_length)
 
 
 def _logarithmic(axis: Axis, p: Any) -> Any:
@@ -101,4 +117,14 @@ _KATO = replace(
     slopes={"level.contact_age": _kato_by_age},
 )
 
-EFFECT = replace(_LOGARITHMIC, variants=(_KATO,))
+_FADING = replace(
+    _LOGARITHMIC,
+    name="dwell_strengthening:fading",
+    meaning="static friction rises with the logarithm of the time at rest, and what it rose by fades as the body slides",
+    equation="level + h;  at rest h = force * ln(1 + time / cut_off);  in motion dh = -h |dx| / memory_length",
+    source="Rabinowicz, Proc. Phys. Soc. 71 (1958) 668; Heslot et al., Phys. Rev. E 49 (1994) 4973",
+    level=_fading,
+    memory=None,
+)
+
+EFFECT = replace(_LOGARITHMIC, variants=(_KATO, _FADING))

@@ -128,6 +128,7 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
     direction = 1.0
     held = -1.0
     rested, aged, travelled, integral, actual = 0.0, 0.0, 0.0, 0.0, 0.0
+    peak, slid = 0.0, 0.0
     for k in range(n):
         if mode == SERVO:
             error = guide[k] - x
@@ -231,8 +232,11 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
                 if abs(new) < 1e-7:
                     rested += h
                     aged = p.dwell * np.log(1.0 + rested / p.dwell_time)
+                    peak, slid = aged, 0.0
                 else:
-                    aged *= np.exp(-abs(dx) / p.dwell_distance)
+                    # What a rest brought is worn off by a power of the way, not at a constant rate.
+                    slid += abs(dx)
+                    aged = peak / (1.0 + (slid / p.dwell_distance) ** 1.5)
                     rested = p.dwell_time * (np.exp(aged / p.dwell) - 1.0)
             v = new
     if mode == SERVO:
