@@ -181,4 +181,6 @@ def _check_present(found: Mapping[str, Column], rig: RigKind, columns: list[Colu
             near = [nearest(channel, spare) for channel in group] if spare else []
             near = [text for text in near if "did you mean" in text]
             has = f"; it has: {', '.join(names[:12])}" if any(names) else ""
+            if has and spare:
+                has += f'; if one is it under another name: columns = {{{group[0]} = "NAME"}}'
             raise InputError(f"{file}: no column {wanted}, which {rig.name} needs{near[0] if near else has}")
