@@ -120,7 +120,7 @@ _KATO = replace(
 _FADING = replace(
     _LOGARITHMIC,
     name="dwell_strengthening:fading",
-    meaning="static friction rises with the logarithm of the time at rest, and what it rose by fades as the body slides",
+    meaning="static friction rises with the logarithm of the time at rest; what it rose by fades as the body slides",
     equation="level + h;  at rest h = force * ln(1 + time / cut_off);  in motion dh = -h |dx| / memory_length",
     source="Rabinowicz, Proc. Phys. Soc. 71 (1958) 668; Heslot et al., Phys. Rev. E 49 (1994) 4973",
     level=_fading,

