@@ -13,7 +13,7 @@ import click
 import pytest
 from PIL import Image
 
-from workbench.cli import COMMANDS, stagecad
+from workbench.command_line import COMMANDS, stagecad
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]

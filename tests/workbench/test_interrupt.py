@@ -1,0 +1,91 @@
+"""Ctrl-C at any moment ends a command with one word and status 130, and nothing it started outlives it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+PROGRAM = [sys.executable, "-m", "workbench.cli"]
+
+INTERRUPTED_IMPORT = """
+import sys
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == {name!r}:
+            raise KeyboardInterrupt
+
+sys.meta_path.insert(0, Interrupt())
+from workbench.cli import main
+sys.argv = ["stagecad", *{words!r}]
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("click", ["--help"]),
+        ("stagecad.parameters.errors", ["check"]),
+        ("workbench.commands.simulate", ["simulate", "tip"]),
+        ("numpy", ["simulate", "tip"]),
+    ],
+)
+def test_an_interrupt_while_python_imports_prints_no_traceback(tmp_path, name, words):
+    code = INTERRUPTED_IMPORT.format(name=name, words=words)
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=_environment(tmp_path))
+    assert found.returncode == 130
+    assert "Traceback" not in found.stderr
+    assert found.stderr.strip() == "stopped"
+    assert found.stdout == ""
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
+def test_an_interrupt_of_side_by_side_runs_ends_their_processes(tmp_path):
+    """As a terminal sends it: to the program and to every process it has started."""
+    words = [*PROGRAM, "simulate", "stick-slip", "--draws", "100000", "--set", "friction.breakaway=1.5 +- 0.01 N"]
+    started = subprocess.Popen(
+        [*words, "--out", str(tmp_path)], stderr=subprocess.PIPE, text=True, start_new_session=True,
+        env=_environment(tmp_path),
+    )  # fmt: skip
+    try:
+        deadline = time.monotonic() + 120.0
+        while _children(started.pid) < 3 and time.monotonic() < deadline:
+            time.sleep(0.1)
+        time.sleep(0.5)
+        os.killpg(started.pid, signal.SIGINT)
+        error = started.communicate(timeout=60)[1]
+    finally:
+        if started.poll() is None:
+            os.killpg(started.pid, signal.SIGKILL)
+            started.wait()
+    assert started.returncode == 130
+    assert error.strip() == "stopped"
+    # The helper that multiprocessing keeps for its semaphores notices a moment later that it is alone.
+    deadline = time.monotonic() + 20.0
+    while _alive(started.pid) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not _alive(started.pid)
+    assert list(tmp_path.rglob("draws.csv")) == []
+
+
+def _children(group: int) -> int:
+    """Processes of a group, the first among them."""
+    found = subprocess.run(["ps", "-o", "pid=", "--ppid", str(group)], capture_output=True, text=True)
+    return 1 + len(found.stdout.split())
+
+
+def _alive(group: int) -> bool:
+    """Whether a process of the group still runs; one that has ended and waits to be counted does not."""
+    found = subprocess.run(["ps", "-eo", "pgid=,stat="], capture_output=True, text=True).stdout.split()
+    return any(int(one) == group and not state.startswith("Z") for one, state in zip(found[::2], found[1::2]))
+
+
+def _environment(folder) -> dict[str, str]:
+    # `-m` and `-c` look for the packages where they run.
+    return {**os.environ, "PYTHONPATH": os.getcwd()}

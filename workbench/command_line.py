@@ -1,0 +1,110 @@
+"""The command line: finds the command, and turns every way a run can end into an exit status.
+
+A command's module is imported only when that command runs, so `stagecad --help` stays quick.
+Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or usage, one line; 130 Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+
+import click
+
+from stagecad import __version__
+from stagecad.parameters.errors import InputError, nearest
+
+COMMANDS = {
+    "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
+    "params": "The parameters with unit, tolerance and origin.",
+    "parts": "STEP, STL and GLB of parts and assembly, and their mass properties.",
+    "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",
+    "check": "Every design check, with value, limit and margin.",
+    "calc": "One design calculator by itself.",
+    "simulate": "The experiments tip, presliding, hysteresis and stick-slip.",
+    "effects": "The library of physical effects.",
+    "compare": "Fit the model as it stands to a measurement; show where it fails.",
+    "diagnose": "Which physical effect is missing, ranked, and what cannot be told apart.",
+    "add": "Add effects to an experiment's model, fit, and write the next rung of its ladder.",
+    "ladder": "The error after each effect added so far.",
+    "suggest": "The next measurement that would best separate the rivals left.",
+    "demo": "The whole loop on packaged records with a hidden effect, start to end.",
+}
+
+
+class LazyGroup(click.Group):
+    """A command group that imports `workbench.commands.NAME` only when NAME is run."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in COMMANDS:
+            return None
+        return import_module(f"workbench.commands.{cmd_name}").command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            raise click.UsageError(f"no command '{args[0]}'{nearest(args[0], COMMANDS)}", ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(__version__, prog_name="stagecad")
+def stagecad() -> None:
+    """Design a piezo friction-drive stage, and find out why the real one does not behave like the model."""
+
+
+def _settle_json(arguments: Sequence[str]) -> list[str]:
+    """Give `--json` its value: the next word when that ends in `.json`, else standard output."""
+    settled: list[str] = []
+    words = list(arguments)
+    while words:
+        word = words.pop(0)
+        if word == "--":
+            return [*settled, word, *words]
+        if word == "--json":
+            word = f"--json={words.pop(0)}" if words and words[0].endswith(".json") else "--json=-"
+        settled.append(word)
+    return settled
+
+
+def run_line(arguments: Sequence[str]) -> int:
+    """Run one command line (without the program's name) and return its exit status."""
+    try:
+        status = stagecad.main(args=_settle_json(arguments), prog_name="stagecad", standalone_mode=False)
+    except click.Abort:
+        sys.stderr.write("stopped\n")
+        return 130
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message())
+        return 0
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except click.ClickException as error:
+        sys.stderr.write(f"stagecad: {_one_line(error.format_message())}\n")
+        return 2
+    except InputError as error:
+        sys.stderr.write(f"stagecad: {_one_line(str(error))}\n")
+        return 2
+    except BrokenPipeError:
+        # The reader (head, less) has gone; that is no error of ours. Keep the interpreter from saying so at exit.
+        sys.stdout = None
+        return 0
+    except OSError as error:
+        if error.filename is None:
+            raise
+        sys.stderr.write(f"stagecad: {error.filename}: {error.strerror or error}\n")
+        return 2
+    return status if isinstance(status, int) else 0
+
+
+def _one_line(message: str) -> str:
+    return " ".join(message.split())
