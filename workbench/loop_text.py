@@ -17,6 +17,7 @@ from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
+from sysid.trials import explained_share
 from workbench.options import Run
 
 COORDINATE_WORDS = {
@@ -272,12 +273,17 @@ def swap_lines(diagnosis: Diagnosis) -> list[str]:
 
 
 def unphysical_lines(diagnosis: Diagnosis) -> list[str]:
-    """Effects that would explain something only with a value beyond what is physical, in words."""
+    """Effects that would explain something only with a value beyond what is physical, in words.
+
+    Beside an effect that is named, only those that would take as much as half of what it takes: rivals, were they real.
+    """
+    named = explained_share(diagnosis.base, diagnosis.best) if diagnosis.best is not None else 0.0
+    least = max(WORTH_SAYING, 0.5 * named)
     lines = []
     for trial in diagnosis.trials[:12]:
         amplitude = next((p for p in trial.candidate.effect.parameters if p.role == "amplitude"), None)
         barred = trial.candidate.barred
-        if amplitude is not None and barred >= WORTH_SAYING and barred > 2.0 * trial.candidate.expected_drop:
+        if amplitude is not None and barred >= least and barred > 2.0 * trial.candidate.expected_drop:
             error = 100.0 * (1.0 - (1.0 - min(barred, 1.0)) ** 0.5)
             lines.append(
                 f"{trial.family} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
