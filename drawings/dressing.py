@@ -251,9 +251,8 @@ class _Placer:
         """What a place costs for what is there already, and how many texts are touched; stops beyond `most`."""
         boxes, lines, lanes = occupied(annotation, self.view)
         hits = sum(self.field.in_lane(lane, LANE) for lane in lanes)
-        hits += sum(
-            reaches(line, grown(box, 0.2)) for box in boxes for line in lines if not keeps_off_itself(annotation)
-        )
+        if not keeps_off_itself(annotation):
+            hits += sum(reaches(line, box) for box in [grown(box, 0.2) for box in boxes] for line in lines)
         hits += self.field.over_texts(lines, 0.4)
         if HIT * hits >= most:
             return HIT * hits, hits
@@ -263,6 +262,8 @@ class _Placer:
             return cost, hits
         cost += CROSSING * self.field.crossings(lines)
         cost += IN_THE_WAY * sum(reaches(line, box) for box in boxes for line in self.corridors)
+        if cost >= most:
+            return cost, hits
         tip = tip_of(annotation, self.view)
         if tip and not self.edges.touching(about(tip)):
             cost += ASTRAY

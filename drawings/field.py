@@ -129,7 +129,8 @@ class Field:
 
     def over_texts(self, lines: Iterable[Line], margin: float) -> int:
         """How many texts some lines would pass over."""
-        return sum(reaches(line, grown(box, margin)) for line in lines for box in self.boxes)
+        boxes = [grown(box, margin) for box in self.boxes]
+        return sum(reaches(line, box) for line in lines for box in boxes)
 
     def crossings(self, lines: Iterable[Line]) -> int:
         """How many lines of annotations some lines would cross."""

@@ -47,4 +47,10 @@ def prepare() -> None:
 
 def text_width(text: str, height: float = TEXT) -> float:
     """Width of a plain text on paper, mm."""
-    return _font().text_width(text) * height if text else 0.0
+    return _width(text) * height if text else 0.0
+
+
+@cache
+def _width(text: str) -> float:
+    """Of a text one millimetre high: while places are sought the same few texts are measured again and again."""
+    return _font().text_width(text)

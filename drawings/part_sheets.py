@@ -15,7 +15,7 @@ from drawings.frame import PAPERS, Paper
 from drawings.layout import Arrangement, arrange, detached, dressed
 from drawings.lettering import LINE_PITCH, TEXT
 from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
-from drawings.projection import project
+from drawings.projection import project, with_simple_curves
 from drawings.section import cut_shape, hatch
 from drawings.sheet import Sheet, scale_text, sheet_area
 from drawings.symbols import line_width
@@ -48,6 +48,7 @@ class Views:
     def __init__(self, shape: TopoDS_Shape, *, exact: bool = True) -> None:
         self._shape = shape
         self._exact = exact
+        self._drawn = with_simple_curves(shape) if exact else shape
         self._axes: tuple[Axis, ...] = axes_of(shape)
         self._projected: dict[tuple[str, bool], dict[Layer, tuple[Curve, ...]]] = {}
 
@@ -82,7 +83,7 @@ class Views:
         key = (plan.projection, plan.hidden)
         if key not in self._projected:
             projection = PROJECTIONS[plan.projection]
-            self._projected[key] = project(self._shape, projection, hidden=plan.hidden, exact=self._exact)
+            self._projected[key] = project(self._drawn, projection, hidden=plan.hidden, exact=self._exact, simple=True)
         return self._projected[key]
 
 
@@ -149,12 +150,15 @@ def _arranged(
 ) -> tuple[Paper, Arrangement, Note]:
     """Views, annotations and notes on the smallest paper on which they fit."""
     every = dressed(views, asked)
-    tried = [every, *(detached(every, view.name) for view in plan.views if view.name in DETACHABLE and view.beside)]
+    loose = [view.name for view in plan.views if view.name in DETACHABLE and view.beside]
+    ways = {"": every}
     sizes = list(PAPERS)
     for paper in (*plan.papers, *sizes[sizes.index(plan.papers[-1]) + 1 :]):
-        for dresses in tried:
+        for name in ("", *loose):
+            if name not in ways:
+                ways[name] = detached(every, name)
             for note, room in _notes(paper, texts):
-                arranged = arrange(dresses, sheet_area(paper, (room,)))
+                arranged = arrange(ways[name], sheet_area(paper, (room,)))
                 if arranged.fits:
                     return paper, arranged, note
     note, room = _notes(plan.papers[-1], texts)[0]

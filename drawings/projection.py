@@ -25,7 +25,7 @@ FLAT = 1e-4
 
 
 def project(
-    shape: TopoDS_Shape, projection: Projection, *, hidden: bool = True, exact: bool = True
+    shape: TopoDS_Shape, projection: Projection, *, hidden: bool = True, exact: bool = True, simple: bool = False
 ) -> dict[Layer, tuple[Curve, ...]]:
     """Visible and hidden lines of a shape.
 
@@ -34,12 +34,14 @@ def project(
         projection: direction of view.
         hidden: whether hidden lines are wanted.
         exact: by the exact algorithm; else by the one on a mesh, which cannot hang and gives polylines only.
+        simple: whether the shape has been through `with_simple_curves` already.
 
     Returns:
         Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in an order that is always the
         same for the same shape.
     """
-    result = _exactly([with_simple_curves(shape)], projection) if exact else _by_mesh([shape], projection)
+    drawn = shape if simple or not exact else with_simple_curves(shape)
+    result = (_exactly if exact else _by_mesh)([drawn], projection)
     unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []
     visible, behind = cleaned(_curves([result.VCompound(), result.OutLineVCompound()]), _curves(unseen))
     return {"VISIBLE": visible, "HIDDEN": behind}
