@@ -18,13 +18,21 @@ def shown_on(
     find: nobody knows that beforehand.
     """
     task = progress.add_task("reading, and fitting the model as it stands", total=None)
+    began = progress.tasks[-1].start_time
 
-    def show(name: str, count: int, total: int) -> None:
+    def another(words: str, total: int | None) -> None:
+        # A bar once given a total cannot lose it: another one takes its place, and its clock goes on.
         nonlocal task
         progress.remove_task(task)
-        if count + 1 < total:
-            task = progress.add_task(name, total=total, completed=count + 1)
-        else:
-            task = progress.add_task(afterwards, total=None)
+        task = progress.add_task(words, total=total)
+        progress.tasks[-1].start_time = began
+
+    def show(name: str, count: int, total: int) -> None:
+        if count + 1 == total:
+            another(afterwards, None)
+            return
+        if count == 0:
+            another(name, total)
+        progress.update(task, description=name, completed=count)
 
     return show
