@@ -220,10 +220,11 @@ def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: in
 
 
 def tolerances_of(design: Any) -> tuple[tuple[str, str], ...]:
-    """What the decimals of a dimension allow, as the title block says it."""
+    """What the decimals of a dimension allow, and what an angle is allowed, as the title block says it."""
     drawing = design.drawing
     return (
         ("X.", f"±{drawing.tolerance_x:g}"),
         ("X.X", f"±{drawing.tolerance_x_x:g}"),
         ("X.XX", f"±{drawing.tolerance_x_xx:g}"),
+        ("ANGLE", f"±{drawing.tolerance_angle:g}°"),
     )

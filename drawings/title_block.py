@@ -29,7 +29,7 @@ class TitleBlock:
         parameters: hash of the parameters the sheet depends on.
         kind: of document, `Part drawing`.
         finish: general surface texture and edges.
-        tolerances: class and what it allows, `("X.XX", "±0.01")`.
+        tolerances: class and what it allows, `("X.XX", "±0.01")`; `ANGLE` for all angles.
     """
 
     title: str
@@ -116,9 +116,10 @@ def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Ink]:
 
 
 def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Ink]:
-    """The table of what the decimals of a dimension allow."""
+    """The table of what the decimals of a dimension allow, and angles."""
     x0, y0, x1, y1 = box
-    yield Words("General tolerances by decimals", (x0 + 1.2, y1 - 1.0 - SMALL * 0.72), SMALL * 0.72)
+    caption = "General tolerances, lengths by decimals"
+    yield Words(caption, (x0 + 1.2, y1 - 1.0 - SMALL * 0.72), SMALL * 0.72)
     width = (x1 - x0) / max(1, len(classes))
     for number, (name, allowed) in enumerate(classes):
         left = x0 + number * width

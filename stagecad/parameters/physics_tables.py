@@ -214,6 +214,7 @@ class Drawing:
     tolerance_x: float = mm("of a dimension without decimals")
     tolerance_x_x: float = mm("of a dimension with one decimal")
     tolerance_x_xx: float = mm("of a dimension with two decimals")
+    tolerance_angle: float = number("of an angle", "deg", high=10.0)
     file_tip: str = text("file name in the title block")
     file_holder: str = text("file name in the title block")
     file_stage: str = text("file name in the title block")

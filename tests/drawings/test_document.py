@@ -40,7 +40,7 @@ from drawings.view import PROJECTIONS, Arc, Polyline, Segment, View
 
 TITLE = TitleBlock(
     "plate", "Machine", "FILE_NAME", "Al 6061-T651", "1.25 kg", "1:2", 2, 3, "0.1.0", "a1b2c3d4", "Part drawing",
-    "Ra 3.2", (("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01")),
+    "Ra 3.2", (("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01"), ("ANGLE", "±0.5°")),
 )  # fmt: skip
 
 
@@ -259,7 +259,20 @@ def test_the_title_block_says_everything_within_its_cells() -> None:
     x0, y0, x1, y1 = title_box("A3")
     words = [ink for ink in title_ink(TITLE, "A3") if isinstance(ink, Words)]
     text = " ".join(word.text for word in words)
-    for field in ("FILE_NAME", "PLATE", "1:2", "MM", "2 of 3", "Al 6061-T651", "1.25 kg", "a1b2c3d4", "X.XX", "±0.01"):
+    for field in (
+        "FILE_NAME",
+        "PLATE",
+        "1:2",
+        "MM",
+        "2 of 3",
+        "Al 6061-T651",
+        "1.25 kg",
+        "a1b2c3d4",
+        "X.XX",
+        "±0.01",
+        "ANGLE",
+        "±0.5°",
+    ):
         assert field in text
     from drawings.annotation_ink import text_box
 
