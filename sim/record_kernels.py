@@ -57,6 +57,26 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
 
 
 @compiled
+def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
+    """The same for an input that is held from each row to the next, as a converter holds a voltage."""
+    n = signal.size
+    out = np.empty(n)
+    w = 2.0 * np.pi * frequency
+    wd = w * np.sqrt(1.0 - damping * damping)
+    e = np.exp(-damping * w * step)
+    c, s = np.cos(wd * step), np.sin(wd * step)
+    a11, a12 = e * (c + damping * w / wd * s), e * s / wd
+    a21, a22 = -e * w * w / wd * s, e * (c - damping * w / wd * s)
+    y, rate = signal[0], 0.0
+    out[0] = y
+    for i in range(1, n):
+        error = y - signal[i - 1]
+        y, rate = signal[i - 1] + a11 * error + a12 * rate, a21 * error + a22 * rate
+        out[i] = y
+    return out
+
+
+@compiled
 def play(signal: np.ndarray, half_width: float) -> np.ndarray:
     """Play (backlash) operator: the output rests while the input is within `half_width` of it, and is pushed else."""
     out = np.empty(signal.size)

@@ -42,7 +42,7 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
         if name in taken and not _another_channel(case, name, present):
             continue
         effect = find(name, case.custom)
-        if not _can_show(case, effect):
+        if not shows_on(case, effect):
             continue
         if (
             effect.core is not None
@@ -57,7 +57,7 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
         for variant in effect.variants:
             if variant.core is not None and variant.name.endswith((":maxwell_slip", ":lugre_causal")):
                 continue
-            if not _can_show(case, variant):
+            if not shows_on(case, variant):
                 continue
             found.extend(_on_channels(case, find(variant.name, case.custom), present))
     driven = [r for r in case.fit_records if isinstance(r, FrictionDriveRecord)]
@@ -68,7 +68,7 @@ def _another_channel(case: Case, name: str, present: Sequence[str]) -> bool:
     return name.startswith("sensor_") and any(p.startswith(f"{name}@") for p in present) and name not in present
 
 
-def _can_show(case: Case, effect: Effect) -> bool:
+def shows_on(case: Case, effect: Effect) -> bool:
     """Whether the rig's records could show the effect at all."""
     kind, records = case.kind, case.fit_records
     channels = set().union(*(r.channels for r in case.records))
@@ -83,7 +83,7 @@ def _can_show(case: Case, effect: Effect) -> bool:
         return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
     if isinstance(records[0], FrictionDriveRecord):
         return can_show(records[0], effect)
-    if acts == "piezo":
+    if acts == "piezo" or effect.name == "flexible_mode:of_steps":
         return False
     if effect.core is not None and effect.core.name == "free_maxwell_slip":
         # So many shares take a motion that is known, not one that is measured.

@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.library import find
 from sysid.base_fit import Fitted, fit_model
+from sysid.candidate_list import shows_on
 from sysid.case import Case
 from sysid.core_laws import core_laws
 from sysid.first_fit import first_fit
@@ -73,7 +74,8 @@ def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = Non
         if effect.core is not None:
             trials = core_laws(fitted, effect, case.fit_records, case.scales)
         else:
-            trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in effect.variants]
+            shown = [variant for variant in effect.variants if shows_on(case, variant)]
+            trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in shown]
         best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
         if clearly_better(best, fitted):
             fitted = best

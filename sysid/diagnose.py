@@ -160,10 +160,10 @@ def judge(
     share = explained_share(base, best)
     clear = case.form == "output" or over >= CLEARLY_ABOVE
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
-    if over <= enough and (share < 0.5 or (best.family in AT_REVERSALS and not to_the_noise)):
+    if over <= enough and (share < 0.5 or (_of_turns(best) and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
-    if case.form == "force_balance" and best.family in AT_REVERSALS and not patterned and not to_the_noise:
+    if case.form == "force_balance" and _of_turns(best) and not patterned and not to_the_noise:
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if after <= NEARLY_NOISE:
         return done("missing-effect", best, ties, left, "explains what can be explained")
@@ -185,7 +185,7 @@ def judge(
             return done("missing-effect", best, ties, left, f"explains its share; {other} explains the rest")
     remaining = _pattern_of(case, base, best.candidate.fitted.model)
     part = max(share, 1.0 - left)
-    turn_like = case.form == "force_balance" and best.family in AT_REVERSALS
+    turn_like = case.form == "force_balance" and _of_turns(best)
     took_the_pattern = part >= SHARE_WITH_THE_PATTERN and pattern >= LEAST_PATTERN > remaining and not turn_like
     if took_the_pattern or (part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT):
         return done(
@@ -221,6 +221,9 @@ AT_REVERSALS = (
 )
 """Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
 
+AT_REST = 0.5
+"""Part of a gain that comes from displacements at rest from which no error in the time of a turn looks like it."""
+
 LEAST_PERSISTENCE = 0.25
 """Correlation of the residual with itself four scored samples on, above the noise's own, that counts as a pattern."""
 
@@ -251,6 +254,11 @@ LEAST_SIGNIFICANCE = 4.0
 LEAST_STEADINESS = 1.5
 LEAST_GAIN = 0.03
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
+
+
+def _of_turns(trial: Trial) -> bool:
+    """Whether a small error in the time of the turns would look like this effect."""
+    return trial.family in AT_REVERSALS and trial.share_at_rest < AT_REST
 
 
 def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:

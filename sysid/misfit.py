@@ -21,6 +21,9 @@ _CORNER = 2.17009
 TRIM_FACTOR = float(np.sqrt(1.0 - 2.0 * _CORNER * np.exp(-0.5 * _CORNER**2) / np.sqrt(2.0 * np.pi) / KEPT))
 """rms of a standard normal variable within its central 97 %."""
 
+LEAST_AT_REST = 200
+"""Samples at rest from which their displacements are a misfit of their own."""
+
 LOSS_CORNER = 4.0
 """Deviations beyond which the ranking's loss grows with the size of a residual, not its square."""
 
@@ -47,7 +50,8 @@ class ChannelMisfit:
 
     Args:
         rms: over all scored samples, in the channel's unit.
-        over_noise: robust rms over the noise in the same residual after the same filter; 1 is noise alone.
+        over_noise: robust rms over the noise in the same residual after the same filter; 1 is noise alone. Of a
+            position, or that of what a held body gives way by, if it is more.
         fit_percent: 100 (1 - |residual| / |measured - mean|).
         size: scored samples.
     """
@@ -79,6 +83,7 @@ def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit
     residuals: dict[str, list[np.ndarray]] = {}
     scaled: dict[str, list[np.ndarray]] = {}
     measured: dict[str, list[np.ndarray]] = {}
+    given: dict[str, list[np.ndarray]] = {}
     for record in records:
         predicted = predict(record, model.effects, model.values)
         for channel in record.measured:
@@ -90,15 +95,19 @@ def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit
         if isinstance(record, Balance) and record.rests is not None:
             # How a body gives way while it is held counts as a misfit of its position.
             ok = record.rests.scored
-            given = (record.rests.shift - predicted[REST])[ok] / record.rests.noise
-            scaled.setdefault("position" if "position" in record.measured else record.force_channel, []).append(given)
+            channel = "position" if "position" in record.measured else record.force_channel
+            given.setdefault(channel, []).append((record.rests.shift - predicted[REST])[ok] / record.rests.noise)
     out = {}
     for channel, parts in residuals.items():
         r, y = np.concatenate(parts), np.concatenate(measured[channel])
         norm = float(np.linalg.norm(y))
+        over = trimmed_rms(np.concatenate(scaled[channel]))
+        at_rest = np.concatenate(given.get(channel, [np.empty(0)]))
+        if at_rest.size >= LEAST_AT_REST:
+            over = max(over, trimmed_rms(at_rest))
         out[channel] = ChannelMisfit(
             rms=float(np.sqrt(np.mean(r**2))),
-            over_noise=trimmed_rms(np.concatenate(scaled[channel])),
+            over_noise=over,
             fit_percent=100.0 * (1.0 - float(np.linalg.norm(r)) / norm) if norm > 0 else float("nan"),
             size=r.size,
         )
@@ -154,6 +163,12 @@ def weighted_residual(
         for channel, pick in picks.items():
             parts.append((scored[channel][0][pick] - predicted[channel]) / scales[channel])
     return np.concatenate(parts) if parts else np.empty(0)
+
+
+def at_rest(weights: Weighting) -> np.ndarray:
+    """Which of the scored samples (n,) are displacements while friction holds the body."""
+    parts = [np.full(pick.size, channel == REST) for picks in weights.picks for channel, pick in picks.items()]
+    return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
 def blocks(records: Sequence[Prepared], weights: Weighting, per_record: int = 24) -> np.ndarray:

@@ -204,7 +204,7 @@ def driven_mass(
     rests = None
     # Steps of a coarse sensor are no displacement.
     fine = (noise["position"].quantum or 0.0) <= sigma_position if "position" in channels else False
-    if kind == "spring-pull" and fine:
+    if fine:
         rests = find_rests(axis.position, whole(force), stuck, axis.direction, ~bad, reach_event, light_noise)
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,

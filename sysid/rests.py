@@ -23,8 +23,10 @@ REST = "rest"
 LEAST_SAMPLES = 10
 """Samples of a rest, and of all rests together per parameter worth knowing, below which they say nothing."""
 
-NEAR_SLIP = 0.9
-"""Part of the largest force at rest up to which displacements are scored: beyond, a per cent of the level is all."""
+NEAR_SLIP = 0.8
+USUAL = 0.95
+"""Part of the largest force at rest, its 95 % quantile, up to which displacements are scored: beyond, a per cent of the
+level is all."""
 
 FULLY_AT_REST = 0.999
 
@@ -44,8 +46,8 @@ class Rests:
     """Stretches of a record in which friction holds the body.
 
     Args:
-        spans: rows (start, stop) of each, its edges left out.
-        side: direction in which the body came to each rest, 1 or -1.
+        spans: rows (start, stop) of each, its edges and what is close to slip left out.
+        side: direction in which the body came to each rest, or was last close to slip, 1 or -1.
         shift: displacement (n,) from its mean over the scored samples of its rest, m; 0 elsewhere.
         scored: samples (n,) that are compared.
         noise: standard deviation of `shift`, m.
@@ -91,19 +93,24 @@ def find_rests(
     spans, side = [], []
     scored = np.zeros(position.size, dtype=bool)
     still = stuck > FULLY_AT_REST
-    largest = float(np.max(np.abs(force[still]))) if still.any() else 0.0
+    # Where it slips too slowly to tell, or is logged amiss, the force at rest is more than friction can hold.
+    largest = float(np.quantile(np.abs(force[still]), USUAL)) if still.any() else 0.0
     slips = np.zeros(position.size, dtype=bool)
     for start, stop in runs(still):
         slips[start:stop] = _slipping(position[start:stop], force[start:stop], SLIPS_BY * noise, STEADY * largest)
     found = runs(still & ~slips)
     found = [(a + edge, b - edge) for a, b in found if b - a > 2 * edge + LEAST_SAMPLES]
-    for start, stop in found:
-        low = (np.abs(force[start:stop]) <= NEAR_SLIP * largest) & usable[start:stop]
-        if low.sum() < LEAST_SAMPLES or np.ptp(position[start:stop][low]) > FARTHEST * noise:
-            continue
-        scored[start:stop] = low
-        spans.append((start, stop))
-        side.append(float(direction[start]))
+    near_slip = np.abs(force) > NEAR_SLIP * largest
+    for first, last in found:
+        for start, stop in runs(~near_slip[first:last]):
+            start, stop = start + first, stop + first
+            low = usable[start:stop]
+            if low.sum() < LEAST_SAMPLES or np.ptp(position[start:stop][low]) > FARTHEST * noise:
+                continue
+            scored[start:stop] = low
+            spans.append((start, stop))
+            # Close to slip it gave way by who knows how much, to the side it was pushed to.
+            side.append(float(np.sign(force[start - 1]) if start > first else direction[start]))
     if not spans:
         return None
     rests = Rests(tuple(spans), tuple(side), np.zeros(position.size), scored, noise, force)

@@ -12,7 +12,7 @@ from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
-from sysid.misfit import ChannelMisfit, blocks, huber_square, weighted_residual
+from sysid.misfit import ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name
 
 Progress = Callable[[str, int, int], None]
@@ -30,6 +30,7 @@ class Trial:
         significance: of that gain, were what the effect leaves all noise, in standard errors.
         p_value: chance of so large a gain, by turning the sign of whole blocks' gains.
         steadiness: mean gain of a block over its standard error.
+        share_at_rest: part of the gain made by displacements while friction holds the body.
         fit_gain: drop of the mean squared loss on the records of the fit.
         after_fit, after_validate: misfit by channel.
     """
@@ -46,6 +47,7 @@ class Trial:
 
     p_value: float = 1.0
     steadiness: float = 0.0
+    share_at_rest: float = 0.0
 
     @property
     def family(self) -> str:
@@ -125,7 +127,14 @@ def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
         residual=residual,
         p_value=_chance(before - loss),
         steadiness=_steadiness(before - loss),
+        share_at_rest=_share_at_rest(base, residual),
     )
+
+
+def _share_at_rest(base: BaseFit, residual: np.ndarray) -> float:
+    drops = huber_square(base.residual) - huber_square(residual)
+    total = float(drops.sum())
+    return float(drops[at_rest(base.weights)].sum()) / total if total > 0.0 else 0.0
 
 
 def _chance(drops: np.ndarray, flips: int = 2000) -> float:

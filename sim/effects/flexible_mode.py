@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,13 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
     return resonance(np.ascontiguousarray(signal), step, p.frequency, p.damping)
 
 
-EFFECT = Effect(
+def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
+    from sim.record_kernels import resonance_of_steps
+
+    return resonance_of_steps(np.ascontiguousarray(signal), step, p.frequency, p.damping)
+
+
+_SMOOTH = Effect(
     name="flexible_mode",
     meaning="a resonance of the structure between the drive and what is measured",
     equation=(
@@ -53,3 +60,13 @@ EFFECT = Effect(
     signal=_signal,
     in_time=lambda p: Rider(p.frequency, p.damping, p.mass_ratio),
 )
+
+_OF_STEPS = replace(
+    _SMOOTH,
+    name="flexible_mode:of_steps",
+    meaning="a resonance between a voltage that is held from row to row and what is measured",
+    equation="as flexible_mode; u is held from each row to the next, and every step of it rings",
+    signal=_signal_of_steps,
+)
+
+EFFECT = replace(_SMOOTH, variants=(_OF_STEPS,))

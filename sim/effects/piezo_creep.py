@@ -31,6 +31,16 @@ def _exponential(signal: Any, step: float, p: Any) -> Any:
     return signal + p.strength * fast + p.slow_strength * slow
 
 
+def _three_exponentials(signal: Any, step: float, p: Any) -> Any:
+    from sim.record_kernels import first_order_lag
+
+    signal = np.ascontiguousarray(signal)
+    out = np.array(signal)
+    for k, part in enumerate((p.quick, p.middle, p.slow)):
+        out += part * first_order_lag(signal, step, p.time_constant * p.ratio**k)
+    return out
+
+
 _LOGARITHMIC = Effect(
     name="piezo_creep",
     meaning="after a step of voltage a piezo goes on stretching with the logarithm of time",
@@ -66,4 +76,22 @@ _EXPONENTIAL = replace(
     signal=_exponential,
 )  # fmt: skip
 
-EFFECT = replace(_LOGARITHMIC, variants=(_EXPONENTIAL,))
+_THREE = replace(
+    _LOGARITHMIC,
+    name="piezo_creep:three_exponentials",
+    meaning="after a step of voltage a piezo goes on stretching, by three exponentials",
+    equation="d = u + quick * lag(u; T) + middle * lag(u; ratio T) + slow * lag(u; ratio^2 T),  T = time_constant",
+    source="Croft, Shed, Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35: three springs and dampers in series",
+    parameters=(
+        Parameter("quick", "1", 0.01, 0.0, 1.0, "part that creeps first", "1-2 % per decade"),
+        Parameter("middle", "1", 0.01, 0.0, 1.0, "part that creeps then", "1-2 % per decade"),
+        Parameter("slow", "1", 0.01, 0.0, 1.0, "part that creeps last", "1-2 % per decade"),
+        Parameter("time_constant", "s", 0.1, 1e-6, 1e4, "of the first part", "0.1-10 s",
+                  role="shape", scan=Scan("time", 2e-3, 0.1, 5)),
+        Parameter("ratio", "1", 5.0, 2.0, 30.0, "of each time constant to the one before", "half a decade or more",
+                  role="shape"),
+    ),
+    signal=_three_exponentials,
+)  # fmt: skip
+
+EFFECT = replace(_LOGARITHMIC, variants=(_EXPONENTIAL, _THREE))

@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.effect import Effect, Parameter, Scan
 
+PLAYS = 6
 _THRESHOLDS = np.linspace(0.1, 1.0, 8)
 
 
@@ -23,6 +24,17 @@ def _prandtl_ishlinskii(signal: Any, step: float, p: Any) -> Any:
         # A play less the straight line it would follow, so that the mean gain stays with the base model.
         lost += weight * (play(signal, threshold * p.width) - signal)
     return signal + p.strength * lost
+
+
+def _free_plays(signal: Any, step: float, p: Any) -> Any:
+    from sim.record_kernels import play
+
+    signal = np.ascontiguousarray(signal)
+    out = np.array(signal)
+    for k, weight in enumerate((p.play_1, p.play_2, p.play_3, p.play_4, p.play_5, p.play_6)):
+        if weight != 0.0:
+            out += weight * (play(signal, (k + 1) / PLAYS * p.width) - signal)
+    return out
 
 
 def _bouc_wen(signal: Any, step: float, p: Any) -> Any:
@@ -67,4 +79,20 @@ _BOUC_WEN = replace(
     signal=_bouc_wen,
 )
 
-EFFECT = replace(_PLAY, variants=(_BOUC_WEN,))
+_FREE = replace(
+    _PLAY,
+    name="piezo_hysteresis:free_plays",
+    meaning="the stretch of a piezo lags behind its voltage, by plays each with a weight of its own",
+    equation="d = u + sum_k play_k (play(u; r_k) - u),  r_k = k width / 6",
+    source="Kuhnen, European J. Control 9 (2003) 407: thresholds given, weights identified",
+    parameters=(
+        *(
+            Parameter(f"play_{k + 1}", "1", 0.02, 0.0, 0.9, f"weight of play {k + 1}", "10-15 % in soft PZT, in all")
+            for k in range(PLAYS)
+        ),
+        _PLAY.parameters[1],
+    ),
+    signal=_free_plays,
+)
+
+EFFECT = replace(_PLAY, variants=(_BOUC_WEN, _FREE))

@@ -211,7 +211,11 @@ def still(law: Effect):
     return law.values(**(stiff or nothing or shortest))
 
 
-@pytest.mark.parametrize("law", [law for law in SIGNALS if law.name != "sensor_quantisation"], ids=by_name)
+# What holds its input from row to row is a row late, however stiff it is.
+NOT_NEUTRAL = ("sensor_quantisation", "flexible_mode:of_steps")
+
+
+@pytest.mark.parametrize("law", [law for law in SIGNALS if law.name not in NOT_NEUTRAL], ids=by_name)
 def test_a_signal_passes_unchanged_at_neutral_values(law):
     signal = np.sin(np.linspace(0.0, 9.0, 300))
     assert np.allclose(law.signal(signal, 1e-2, still(law)), signal, atol=1e-6)
@@ -229,10 +233,10 @@ def test_what_acts_on_a_signal_looks_back_only(law):
     assert not np.array_equal(one[200:], other[200:])
 
 
-@pytest.mark.parametrize("name", ["piezo_hysteresis", "piezo_hysteresis:bouc_wen"])
+@pytest.mark.parametrize("name", ["piezo_hysteresis", "piezo_hysteresis:bouc_wen", "piezo_hysteresis:free_plays"])
 def test_the_hysteresis_of_a_piezo_is_by_path_and_takes_energy(name):
     law = find(name)
-    p = law.values(width=0.8, strength=0.3)
+    p = law.values(**{"width": 0.8, "strength": 0.3} if "strength" in law.values()._fields else {"width": 0.8})
     time = np.linspace(0.0, 6.0 * np.pi, 6001)
     u = np.sin(time)
     d = law.signal(u, time[1], p)
@@ -243,7 +247,7 @@ def test_the_hysteresis_of_a_piezo_is_by_path_and_takes_energy(name):
     assert area > 0.0
 
 
-@pytest.mark.parametrize("name", ["piezo_creep", "piezo_creep:exponential"])
+@pytest.mark.parametrize("name", ["piezo_creep", "piezo_creep:exponential", "piezo_creep:three_exponentials"])
 def test_creep_after_a_step_only_grows_and_adds_up(name):
     law, step = find(name), 0.01
     p = law.values()

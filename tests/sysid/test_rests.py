@@ -20,10 +20,10 @@ def _values(name: str, **given: float):
 
 
 def _held_motion() -> np.ndarray:
-    """A body that slid on, was let go, and is pushed to and fro without slipping through, m, (n,)."""
-    slide = np.linspace(-50e-6, 0.0, 200)
+    """A body that slid on, stood, was let go, and is pushed to and fro without slipping through, m, (n,)."""
+    slide = np.concatenate([np.linspace(-50e-6, 0.0, 200), np.zeros(80)])
     t = np.linspace(0.0, 1.0, 800)
-    return np.concatenate([slide, -2e-6 * (1.0 - np.cos(2.0 * np.pi * 1.5 * t)) - 2e-6 * t])
+    return np.concatenate([slide, -0.7e-6 * (1.0 - np.cos(2.0 * np.pi * 1.5 * t)) - 3e-6 * t])
 
 
 @pytest.mark.parametrize(
