@@ -9,46 +9,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, get_type_hints
 
 from stagecad.parameters import candidate_tables, hardware_tables, part_tables, physics_tables
 from stagecad.parameters.derived import COMPUTED, Derived
+from stagecad.parameters.entry import Entry, bounds_text, kept, read_entry, within
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.parameter_file import FileEntry, ParameterFile, parse_parameter_text, read_parameter_file
-from stagecad.parameters.quantities import from_si, parse_uncertain, quoted, to_si
+from stagecad.parameters.quantities import to_si
 from stagecad.parameters.table import Declaration, declarations
 
 MATERIALS = "materials"
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One key of a design, for tables and reports.
-
-    Args:
-        key: `stage.length`.
-        text: value with its unit, as written (or as computed).
-        value: number as the attribute keeps it, or text, or truth value.
-        unit: of `value`; empty when it has none.
-        tolerance: class, or none.
-        origin: where the value comes from.
-        meaning: one line for people.
-        std: standard deviation in `unit`, where the value carries one.
-    """
-
-    key: str
-    text: str
-    value: Any
-    unit: str
-    tolerance: str | None
-    origin: str
-    meaning: str
-    std: float | None = None
 
 
 @dataclass(frozen=True)
@@ -270,7 +245,7 @@ def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Desig
         declaration = _declaration(key, materials)
         assert declaration is not None
         if key in written:
-            entries[key] = _read(key, written[key], declaration, materials)
+            entries[key] = read_entry(key, written[key], declaration, materials)
         elif not declaration.computed:
             raise InputError(
                 f"{file.name}: {key} is missing ({declaration.meaning or 'see the packaged design'}); add it, "
@@ -299,82 +274,6 @@ def _override(text: str, known: Sequence[str], written: Mapping[str, FileEntry])
     return key, FileEntry(value, f"--set {key}", tolerance, "assumed: given by --set")
 
 
-def _read(key: str, entry: FileEntry, declaration: Declaration, materials: Sequence[str]) -> Entry:
-    """An entry of the file checked against the declaration of its key."""
-    value, std, tolerance = entry.value, None, entry.tolerance
-    shown = str(value).lower() if isinstance(value, bool) else str(value)
-    place = entry.place
-    if declaration.kind == "number":
-        value, std = _number(entry, declaration)
-        if tolerance is None and entry.origin is None and declaration.unit == "mm":
-            tolerance = _class_as_written(shown)
-    elif declaration.kind == "count":
-        value = _count(entry, declaration)
-    elif declaration.kind == "switch":
-        if shown not in ("true", "false"):
-            raise InputError(f"{place}: {quoted(shown)} is neither true nor false")
-        value, shown = shown == "true", shown.strip()
-    else:
-        if not isinstance(value, str) or not value.strip() or not value.isprintable():
-            raise InputError(f"{place}: {shown!r} is no line of text")
-        allowed = materials if declaration.kind == "material" else declaration.allowed
-        if allowed and value not in allowed:
-            what = "material" if declaration.kind == "material" else "choice"
-            raise InputError(f"{place}: no {what} {quoted(value)}{nearest(value, allowed)}")
-    if std is not None:
-        std = from_si(std, declaration.unit)
-    origin = entry.origin or "assumed: the file gives no origin"
-    return Entry(key, shown, value, declaration.unit, tolerance, origin, declaration.meaning, std)
-
-
-def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | None]:
-    si, std = parse_uncertain(entry.value, declaration.unit, entry.place)
-    value = _kept(si, declaration.unit)
-    if not _within(value, declaration):
-        raise InputError(f"{entry.place}: {quoted(str(entry.value))} {_bounds(declaration)}")
-    return value, std
-
-
-def _within(value: float, declaration: Declaration) -> bool:
-    above = value > declaration.low or (value == declaration.low and declaration.closed)
-    return above and value <= declaration.high and not math.isinf(value)
-
-
-def _kept(si: float, unit: str) -> float:
-    """SI as the attribute keeps it; a length in mm is freed of the rounding of its way through metres."""
-    value = from_si(si, unit)
-    return round(value, 9) if unit == "mm" and math.isfinite(value) else value
-
-
-def _bounds(declaration: Declaration) -> str:
-    unit = f" {declaration.unit}" if declaration.unit else ""
-    low, high = declaration.low, declaration.high
-    if math.isinf(high):
-        if low == 0.0:
-            return f"must be {'zero or more' if declaration.closed else 'positive'}, and finite"
-        if math.isinf(low):
-            return "must be finite"
-        return f"must be {'at least' if declaration.closed else 'more than'} {low:g}{unit}, and finite"
-    return f"must lie between {low:g} and {high:g}{unit}"
-
-
-def _count(entry: FileEntry, declaration: Declaration) -> int:
-    si, _ = parse_uncertain(entry.value, "", entry.place)
-    low, high = declaration.low, declaration.high
-    if not low <= si <= high or si != round(si):
-        shown = quoted(str(entry.value))
-        raise InputError(f"{entry.place}: {shown} must be a whole number from {low:g} to {high:g}")
-    return int(si)
-
-
-def _class_as_written(text: str) -> str:
-    """The tolerance class that the decimals of a bare value show."""
-    if not text.rstrip().endswith("mm"):
-        return "X.X"
-    decimals = len(text.partition(".")[2].rstrip(" m"))
-    return ("X", "X.X", "X.XX")[min(decimals, 2)]
-
-
 class _Partial:
     """Tables while they are being filled: attributes by dotted key."""
 
@@ -396,10 +295,10 @@ def _compute(entries: dict[str, Entry], known: Sequence[str], file: str) -> None
         if declaration.kind == "count":
             value = int(value)
         else:
-            value = _kept(to_si(value, declaration.unit), declaration.unit)
+            value = kept(to_si(value, declaration.unit), declaration.unit)
         shown = f"{value:.10g} {declaration.unit}".strip()
-        if not _within(value, declaration):
-            raise InputError(f"{file}: {key} comes out as {shown}, from {formula.text}; it {_bounds(declaration)}")
+        if not within(value, declaration):
+            raise InputError(f"{file}: {key} comes out as {shown}, from {formula.text}; it {bounds_text(declaration)}")
         entries[key] = Entry(
             key, shown, value, declaration.unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning
         )
@@ -421,24 +320,3 @@ def _build(entries: Mapping[str, Entry], known: Sequence[str], materials: Sequen
     named = tuple((name, table(physics_tables.Material, f"{MATERIALS}.{name}")) for name in materials)
     ordered = tuple(entries[key] for key in known)
     return Design(**tables, materials=Materials(named), entries=ordered, file=file)
-
-
-@dataclass(frozen=True)
-class Difference:
-    """A key in which two designs differ; none where a design lacks the key."""
-
-    key: str
-    before: Entry | None
-    after: Entry | None
-
-
-def diff(design_a: Design, design_b: Design) -> tuple[Difference, ...]:
-    """Keys whose value, tolerance or origin differ, in the order of the first design."""
-
-    def plain(entry: Entry | None) -> Entry | None:
-        # The same length written as 1 in and as 25.4 mm is no difference.
-        return replace(entry, text="") if entry else None
-
-    keys = [*design_a._by_key, *(key for key in design_b._by_key if key not in design_a._by_key)]
-    pairs = [(key, design_a._by_key.get(key), design_b._by_key.get(key)) for key in keys]
-    return tuple(Difference(key, a, b) for key, a, b in pairs if plain(a) != plain(b))

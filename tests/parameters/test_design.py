@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from stagecad.parameters.derived import COMPUTED
-from stagecad.parameters.design import Design, design_from_text, diff, load_design, schema
+from stagecad.parameters.design import Design, design_from_text, load_design, schema
+from stagecad.parameters.difference import diff
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.parameter_file import packaged_text, write_value, write_values
 

@@ -10,7 +10,9 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from stagecad.parameters.design import Design, Difference, Entry
+    from stagecad.parameters.design import Design
+    from stagecad.parameters.difference import Difference
+    from stagecad.parameters.entry import Entry
 
 
 @click.command("params")
@@ -32,7 +34,8 @@ if TYPE_CHECKING:
 @common_options
 def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path | None) -> None:
     """The parameters with unit, tolerance and origin; all of them, or those of the tables and keys named."""
-    from stagecad.parameters.design import diff, load_design
+    from stagecad.parameters.design import load_design
+    from stagecad.parameters.difference import diff
 
     design = run.design
     if target is not None:
