@@ -106,8 +106,6 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
         model = with_effect(model, find(name, custom), scales)
     model = _with_stretch(model, fits)
     model = _with_settings(model, experiment)
-    if experiment.rig.kind == "friction-drive" and any("position_y" in record.channels for record in records):
-        notes.append("position_y is not predicted: a friction-drive's model moves along one axis")
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     return Case(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))

@@ -35,6 +35,8 @@ RIG_UNITS = {
     "contact_stiffness": ("N/m", "N/m"),
     "contact_damping": ("N*s/m", "N*s/m"),
     "press": ("m", "m"),
+    "guide_stiffness": ("N/m", "N/m"),
+    "turn": ("rad", "rad"),
 }
 
 

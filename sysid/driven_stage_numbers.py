@@ -25,6 +25,10 @@ MASS = 1.0
 """kg, where a fit of the mass begins."""
 MOST_DAMPING = 10.0
 """Times its start, a third of critical, that the dashpot may grow: a fit that wants more wants something else."""
+GUIDE = 0.01
+"""Of the contact's stiffness: the size in which a guide across the travel (teeth, a flexure) is fitted."""
+MOST_TURN = 0.3
+"""rad that the sensors may stand turned to the tip."""
 GOES_UP = 0.02
 """Range of the tip's rise over the swing of its lean from which the rise counts."""
 
@@ -63,6 +67,11 @@ def driven_stage_numbers(
     put("gain", gain, 1e-3 * gain, 1e3 * gain, "piezo_gain")
     if press is not None:
         put("press", press, 1e-3 * press, 1e3 * press)
+    if any("position_y" in record.channels for record in records):
+        stiffest = STIFFNESS_DECADE * values["rig.contact_stiffness"]
+        values |= {"rig.guide_stiffness": 0.0, "rig.turn": 0.0}
+        unknowns.append(Unknown("rig.guide_stiffness", 0.0, 0.0, stiffest, GUIDE * values["rig.contact_stiffness"]))
+        unknowns.append(Unknown("rig.turn", 0.0, -MOST_TURN, MOST_TURN, 1e-2))
     return values, unknowns
 
 

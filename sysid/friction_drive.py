@@ -6,6 +6,9 @@
               dashpot that never slip, T = k (tip - x) + c (tip' - x'); with one, friction between tip and stage
     stage:    m x'' = T - (friction of the pads) - (other forces of the pads' effects)
 
+With `position_y` logged the stage moves in the plane: the third stack leans the tip across,
+-h [d3 - (d1 + d2)/2]/(D sqrt(3)/2), a guide holds the stage across, and the sensors may stand turned to the tip.
+
 The stage's motion is predicted, from rest, and compared with the measured position: the form is `output`. Friction
 sticks and slips as bristles that yield at their share of a level (one for `coulomb`, many for `presliding`); their
 stretch follows the predicted motion. What sets the level (speed, position, load, distance, age) is read off the
@@ -29,6 +32,7 @@ from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
 from sysid.follow import follow
 from sysid.follow_exactly import follow_exactly, looks
+from sysid.follow_plane import follow_plane, substeps
 from sysid.noise_floor import Noise
 from sysid.prediction import Values, axis_force, friction_level, remember, sensed, values_of
 from sysid.records import Record
@@ -37,6 +41,8 @@ from sysid.tip import stretch_of
 from sysid.uniform import uniform
 
 CONTACT = "contact."
+ACROSS = "position_y"
+"""The channel across the travel: where it is measured, the stage's motion is predicted in the plane."""
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: where a fit of the pads' level begins."""
@@ -47,6 +53,8 @@ LIGHT = 4.0
 """Width in steps of the filter through which the motion is seen that sets the levels."""
 RIGID_STRETCH = 1e-9
 """m: of a Coulomb bristle, far below what the contact itself gives."""
+READ_LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
+"""Contact effects that read nothing of how tip and stage move over each other."""
 CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_asymmetry", "load_dependent_friction")
 
 
@@ -82,8 +90,12 @@ def friction_drive_record(
             missing |= gap
             drives.append(voltage - known.get("bias_voltage", 0.0))
     position, gap = filled(channels["position"])
-    valid = ~(gap | missing)
-    valid[0] = False
+    measured, valid = {"position": position}, {"position": ~(gap | missing)}
+    if ACROSS in channels:
+        measured[ACROSS], gap = filled(channels[ACROSS])
+        valid[ACROSS] = ~(gap | missing)
+    for scored in valid.values():
+        scored[0] = False
     sigma = noise["position"].value
     light = GaussianFilter(LIGHT * step, step, time.size)
     velocity = light(position, 1)
@@ -92,7 +104,7 @@ def friction_drive_record(
     return FrictionDriveRecord(
         name=record.name, role=record.role, kind="friction-drive", step=step,
         axis=make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest),
-        measured={"position": position}, valid={"position": valid}, noise={"position": sigma},
+        measured=measured, valid=valid, noise={name: noise[name].value for name in measured},
         acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, time.size), force_channel="position",
         drives=drives, lever=known["tip_height"] / known["piezo_spacing"],
         force_scale=PAD_FRICTION * GRAVITY * known.get("mass", 1.0),
@@ -113,15 +125,63 @@ def tip_of(record: FrictionDriveRecord, stretches: Sequence[np.ndarray], gain: f
 def predict_friction_drive(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values
 ) -> dict[str, np.ndarray]:
-    """Predicted position of the stage (n,), m."""
+    """Predicted position of the stage (n,), m, and `position_y` where it is measured."""
     stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
+    if ACROSS in record.measured:
+        return _seen(record, effects, values, _follow_plane(record, effects, values, stretches))
     along, up = tip_of(record, stretches, values["rig.gain"])
     position = _follow(record, effects, values, along, 1.0 + up / values.get("rig.press", np.inf))
-    ok = record.valid["position"]
-    measured = record.measured["position"]
-    seen = sensed(effects, values, {"position": position + measured[int(np.argmax(ok))]}, record.step)["position"]
+    return _seen(record, effects, values, {"position": position})
+
+
+def _seen(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, moved: Mapping[str, np.ndarray]
+) -> dict[str, np.ndarray]:
+    """The channels (n,), m, as their sensors show a stage that `moved` from its rest at the first row."""
+    ok = record.valid
+    begun = {name: x + record.measured[name][int(np.argmax(ok[name]))] for name, x in moved.items()}
+    seen = sensed(effects, values, begun, record.step)
     # Where a record begins is read with the noise of one sample; its mean is read with all of them.
-    return {"position": seen + float(np.mean(measured[ok] - seen[ok]))}
+    return {name: x + float(np.mean((record.measured[name] - x)[ok[name]])) for name, x in seen.items()}
+
+
+def _follow_plane(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, stretches: Sequence[np.ndarray]
+) -> dict[str, np.ndarray]:
+    """Motion of the stage along and across, m, each (n,), from its rest at the first row, as the sensors stand to it.
+
+    Raises:
+        InputError: a core other than `coulomb`.
+    """
+    along, up = tip_of(record, stretches, values["rig.gain"])
+    across = np.zeros(record.size)
+    if len(stretches) > 2:
+        # The third stack stands at the top of an equilateral triangle.
+        lean = stretches[2] - 0.5 * (stretches[0] + stretches[1])
+        across = -record.lever * values["rig.gain"] * lean / (0.5 * np.sqrt(3.0))
+    load = 1.0 + up / values.get("rig.press", np.inf)
+    pads = [e for e in effects if not e.name.startswith(CONTACT)]
+    contact = [e for e in effects if e.name.startswith(CONTACT)]
+    for core in (_core(pads), _core(contact)):
+        if core is not None and core.core.name != "coulomb":
+            raise InputError(
+                f"model.effects: '{core.name}' cannot be used where position_y is recorded; the core of a plane is "
+                "'coulomb'"
+            )
+    pad_level = np.zeros(record.size)
+    if _core(pads) is not None:
+        pad_level = pad_level + friction_level(record, pads, values)
+    level, extra = _contact(record, contact, values, along, load)
+    push = extra - axis_force(record, pads, values)
+    stiffness, guide, mass = values["rig.contact_stiffness"], values["rig.guide_stiffness"], values["rig.mass"]
+    x, y = follow_plane(
+        along, across, push, load, level, stiffness, values["rig.contact_damping"], pad_level,
+        values.get("viscous.coefficient", 0.0), guide, mass, record.step,
+        substeps(stiffness, guide, mass, record.step),
+    )  # fmt: skip
+    turn = values["rig.turn"]
+    cosine, sine = np.cos(turn), np.sin(turn)
+    return {"position": cosine * x - sine * y, ACROSS: sine * x + cosine * y}
 
 
 def _follow(
@@ -180,7 +240,9 @@ def _contact(
     push = np.zeros(record.size)
     if _core(effects) is None:
         return np.full(record.size, np.inf), push
-    axis = _sliding(record, along, load)
+    carried = float(np.mean(record.axis.load)) * np.maximum(load, 0.0)
+    moving = any(e.name.removeprefix(CONTACT) not in READ_LOAD_ONLY for e in effects)
+    axis = _sliding(record, along, carried) if moving else record.axis._replace(load=carried)
     total: Any = 0.0
     factor: Any = 1.0
     for effect in effects:
@@ -195,16 +257,17 @@ def _contact(
 
 
 def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -> Axis:
-    """The contact's own axis: the tip's motion over the stage, and its load, in means of the pads' recorded one."""
-    rest = float(np.mean(record.axis.load))
+    """The contact's own axis: the tip's motion over the stage, under its own load, in units of the pads' recorded one.
+
+    The stage's motion is the measured one, lightly filtered; the tip's is filtered as much.
+    """
 
     def made() -> Axis:
-        relative = along - record.axis.position
         light = GaussianFilter(LIGHT * record.step, record.step, record.size)
-        speed = light(relative, 1)
+        speed = light(along, 1) - record.axis.velocity
         still = 1e-3 * float(np.max(np.abs(speed))) + 1e-300
         return make_axis(
-            record.time, relative, speed, light(relative, 2), rest * np.maximum(load, 0.0),
+            record.time, along - record.axis.position, speed, np.gradient(speed, record.step), load,
             record.axis.temperature, still,
         )  # fmt: skip
 
@@ -216,7 +279,7 @@ def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
     if effect.acts_on in ("drive", "piezo", "sensor"):
         return effect.signal is not None
     if effect.core is not None:
-        return effect.core.name in ("coulomb", "maxwell_slip")
+        return effect.core.name == "coulomb" or (effect.core.name == "maxwell_slip" and ACROSS not in record.measured)
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
     return (effect.acts_on in ("friction", "axis") and has_law) or effect.name == "frictional_lag"
 
@@ -239,7 +302,7 @@ def contact_candidates(records: Sequence[FrictionDriveRecord], present: Sequence
             allowed = False
         if allowed:
             names.append(full)
-    return [find(name) for name in names]
+    return [effect for effect in map(find, names) if all(can_show(r, effect) for r in records)]
 
 
 def _goes_up(record: FrictionDriveRecord) -> bool:
@@ -248,13 +311,13 @@ def _goes_up(record: FrictionDriveRecord) -> bool:
 
 
 def beginning(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
-    """The first rows of a record, all of a shorter one."""
-    if record.size <= rows:
+    """The first rows of a record, all of a shorter one, along its axis alone."""
+    if record.size <= rows and ACROSS not in record.measured:
         return record
+    rows = min(rows, record.size)
     return replace(
         record, axis=Axis(*[values[:rows] for values in record.axis]), drives=[u[:rows] for u in record.drives],
-        measured={name: values[:rows] for name, values in record.measured.items()},
-        valid={name: values[:rows] for name, values in record.valid.items()},
+        measured={"position": record.measured["position"][:rows]}, valid={"position": record.valid["position"][:rows]},
         smooth=GaussianFilter(0.0, record.step, rows), memo={},
     )  # fmt: skip
 
