@@ -6,7 +6,8 @@ exactly, step by step, as a velocity complementarity (Moreau), where a model lib
 What is in the base model keeps the base model's own form: nothing hidden has to mean nothing left to find.
 """
 
-from .case import Case, Plan, make_case
+from .case import Case, make_case
+from .drawn import Plan
 from .series import KINDS, make_cases
 
 __all__ = ["KINDS", "Case", "Plan", "make_case", "make_cases"]

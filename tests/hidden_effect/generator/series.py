@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .case import Plan, make_case
+from .case import make_case
+from .drawn import Plan
 from .hidden import HIDDEN
 
 RIGS = ("velocity-drive", "spring-pull", "force-drive", "actuator-tip")
