@@ -188,8 +188,11 @@ def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     rests = balance.rests
     core = next((e for e in effects if e.core is not None), None)
     assert rests is not None
-    moved = rests.shift.copy()
-    if core is not None and core.core is not None:
+    moved = np.zeros(balance.size)
+    if core is None:
+        # What would hold the body is still to be found: nothing is asked of how.
+        moved = rests.shift
+    elif core.core is not None and core.core.name != "coulomb":
         level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
         forces = axis_force(balance, effects, values)
         moved = given_way(rests, rests.force - forces, level, core.core, values_of(core, values))

@@ -189,17 +189,15 @@ POINTS = 24
 
 
 def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core, p: Any) -> np.ndarray:
-    """Displacement (n,) that a core lets the body make at rest, centred as `Rests.shift`, m.
+    """Displacement (n,) that bristles let the body make at rest, centred as `Rests.shift`, m.
 
     Args:
         rests: of the record.
         friction: what has to be held, N, (n,).
         level: friction level, N, (n,).
-        core: what the level acts through; rigid friction gives no way.
-        p: its parameter values.
+        core: the bristles that the level acts through.
+        p: their parameter values.
     """
-    if core.name == "coulomb":
-        return np.zeros(level.size)
     stretches, weights = _bristles(core, p, max(float(np.median(level)), 1e-12))
     moved = np.zeros(level.size)
     for (start, stop), side in zip(rests.spans, rests.side, strict=True):

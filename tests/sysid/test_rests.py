@@ -49,15 +49,6 @@ def test_a_core_gives_way_under_a_force_as_the_force_follows_the_motion(name, gi
     assert np.max(np.abs(moved - rests.shift)[rests.scored]) < tolerance
 
 
-def test_rigid_friction_gives_no_way():
-    effect, p = _values("coulomb", force=LEVEL)
-    n = 400
-    force = np.linspace(0.0, 1.5, n)
-    rests = find_rests(np.zeros(n), force, np.ones(n), np.ones(n), np.ones(n, dtype=bool), 3, NOISE)
-    assert rests is not None
-    assert not given_way(rests, force, np.full(n, LEVEL), effect.core, p).any()
-
-
 def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
     n = 1000
     rng = np.random.default_rng(4)
