@@ -25,7 +25,6 @@ from typing import Any
 
 import numpy as np
 
-from sim.cores.maxwell_slip import elements_of
 from sim.effect import Axis, Effect
 from sim.library import find
 from stagecad.parameters.errors import InputError
@@ -116,10 +115,24 @@ def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | Non
     return None if values is None or not np.isfinite(values).any() else filled(values)[0]
 
 
-def tip_of(record: FrictionDriveRecord, stretches: Sequence[np.ndarray], gain: float) -> tuple[np.ndarray, np.ndarray]:
-    """Motion of the tip along and up, m, each (n,), from the stacks' stretch over their gain."""
-    along = -record.lever * gain * (stretches[1] - stretches[0])
-    return along, gain * np.mean(stretches, axis=0)
+def tip_of(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, stretches: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Motion of the tip along, across and up, m, each (n,), from the stacks' stretch over their gain, V."""
+    gain, first, second = values["rig.gain"], stretches[0], stretches[1]
+    along = -record.lever * gain * (second - first)
+    up = gain * np.mean(stretches, axis=0)
+    across = np.zeros(record.size)
+    if len(stretches) > 2:
+        # The third stack stands at the top of an equilateral triangle.
+        across = -record.lever * gain * (stretches[2] - 0.5 * (first + second)) / (0.5 * np.sqrt(3.0))
+    for effect in effects:
+        if effect.acts_on == "structure" and effect.signal is not None:
+            p = values_of(effect, values)
+            along, across, up = (
+                u + p.mass_ratio * (effect.signal(u, record.step, p) - u) for u in (along, across, up)
+            )  # fmt: skip
+    return along, across, up
 
 
 def predict_friction_drive(
@@ -129,7 +142,7 @@ def predict_friction_drive(
     stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
     if ACROSS in record.measured:
         return _seen(record, effects, values, _follow_plane(record, effects, values, stretches))
-    along, up = tip_of(record, stretches, values["rig.gain"])
+    along, _, up = tip_of(record, effects, values, stretches)
     position = _follow(record, effects, values, along, 1.0 + up / values.get("rig.press", np.inf))
     return _seen(record, effects, values, {"position": position})
 
@@ -153,12 +166,7 @@ def _follow_plane(
     Raises:
         InputError: a core other than `coulomb`.
     """
-    along, up = tip_of(record, stretches, values["rig.gain"])
-    across = np.zeros(record.size)
-    if len(stretches) > 2:
-        # The third stack stands at the top of an equilateral triangle.
-        lean = stretches[2] - 0.5 * (stretches[0] + stretches[1])
-        across = -record.lever * values["rig.gain"] * lean / (0.5 * np.sqrt(3.0))
+    along, across, up = tip_of(record, effects, values, stretches)
     load = 1.0 + up / values.get("rig.press", np.inf)
     pads = [e for e in effects if not e.name.startswith(CONTACT)]
     contact = [e for e in effects if e.name.startswith(CONTACT)]
@@ -224,9 +232,8 @@ def _bristles(core: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarr
         return np.empty(0), np.empty(0)
     if core.core.name == "coulomb":
         return np.array([RIGID_STRETCH]), np.ones(1)
-    if core.core.name == "maxwell_slip":
-        p = values_of(core, values)
-        return elements_of(float(p.stretch), float(p.curvature))
+    if core.core.springs is not None:
+        return core.core.springs(values_of(core, values))
     raise InputError(
         f"model.effects: '{core.name}' cannot be used on a friction-drive; its cores are 'coulomb' and 'presliding'"
     )
@@ -275,9 +282,12 @@ def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -
 
 
 def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
-    """Whether a friction-drive's prediction has a place for an effect of pads, drive, piezos or sensor."""
+    """Whether a friction-drive's prediction has a place for an effect of pads, drive, piezos, tip or sensor."""
     if effect.acts_on in ("drive", "piezo", "sensor"):
         return effect.signal is not None
+    if effect.acts_on == "structure":
+        # Voltages are taken to go straight from row to row.
+        return effect.signal is not None and ":" not in effect.name
     if effect.core is not None:
         return effect.core.name == "coulomb" or (effect.core.name == "maxwell_slip" and ACROSS not in record.measured)
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None

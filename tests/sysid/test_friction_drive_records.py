@@ -58,7 +58,7 @@ def test_contact_effects_are_tried_where_they_can_show(plain):
     assert {"contact.coulomb", "contact.presliding", "piezo_hysteresis", "gain_mismatch", "sensor_lag"} <= set(names)
     # The tip goes neither up nor down in these records, and nothing slips yet.
     assert "contact.load_dependent_friction" not in names
-    assert "flexible_mode" not in names
+    assert "flexible_mode" in names
     slipping = [effect.name for effect in candidates_of(case, ["coulomb", "contact.coulomb"])]
     assert "contact.stribeck" in slipping
     assert "contact.coulomb" not in slipping

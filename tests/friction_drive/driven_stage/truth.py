@@ -1,0 +1,178 @@
+"""What a driven stage really does, and its motion in steps of 5 us."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+STEP = 5e-6
+SPACING, HEIGHT, BIAS = 0.046, 0.02, 75.0
+
+
+class Truth(NamedTuple):
+    """SI units, voltages in V; zero switches a law off.
+
+    `slip` is what the contact holds at rest and at the bias, N, zero for a contact that never slips; it goes with the
+    load to `load_exponent`. `press` is how far the tip is pressed in at the bias. Parts (`hysteresis`, `creep`,
+    `mismatch`, `contact_asymmetry`, `wave`, `asymmetry`, `ring_share`) are of one.
+    """
+
+    mass: float = 3.0
+    gain: float = 1.1e-7
+    stiffness: float = 8e6
+    damping: float = 400.0
+    press: float = 4e-6
+    pads: float = 1.5
+    slip: float = 0.0
+    load_exponent: float = 0.0
+    contact_stribeck: float = 0.0
+    contact_stribeck_velocity: float = 2e-4
+    contact_viscous: float = 0.0
+    contact_asymmetry: float = 0.0
+    contact_presliding: float = 0.0
+    viscous: float = 0.0
+    stribeck: float = 0.0
+    stribeck_velocity: float = 1e-4
+    presliding: float = 0.0
+    asymmetry: float = 0.0
+    cogging: float = 0.0
+    cogging_pitch: float = 2e-6
+    cogging_phase: float = 0.0
+    wave: float = 0.0
+    wave_pitch: float = 2e-6
+    wave_phase: float = 0.0
+    spring: float = 0.0
+    bias_force: float = 0.0
+    pads_unloaded: float = 0.0
+    drive_lag: float = 0.0
+    drive_delay: float = 0.0
+    slew: float = 0.0
+    hysteresis: float = 0.0
+    hysteresis_width: float = 15.0
+    creep: float = 0.0
+    creep_time: float = 0.3
+    mismatch: float = 0.0
+    ring_share: float = 0.0
+    ring_frequency: float = 180.0
+    ring_damping: float = 0.03
+
+
+@njit(cache=True)
+def _stack(volts, sample, per, p, second):
+    """Stretch (m) of one stack at every step, from its voltage over bias at the samples."""
+    n = (volts.size - 1) * per + 1
+    out = np.empty(n)
+    lagging, loop, slewing = volts[0], 0.0, volts[0]
+    before = volts[0]
+    slow = np.full(3, volts[0])
+    late = round(p.drive_delay / sample * per)
+    h = sample / per
+    gain = p.gain * (1.0 + p.mismatch) if second else p.gain
+    ring, ring_rate = volts[0], 0.0
+    w = 2.0 * np.pi * p.ring_frequency
+    for i in range(n):
+        j = max(i - late, 0)
+        row = min(j // per, volts.size - 2)
+        u = volts[row] + (volts[row + 1] - volts[row]) * (j - row * per) / per
+        if p.slew > 0.0:
+            most = p.slew * h
+            slewing += min(max(u - slewing, -most), most)
+            u = slewing
+        if p.drive_lag > 0.0:
+            lagging += (u - lagging) * (1.0 - np.exp(-h / p.drive_lag))
+            u = lagging
+        du = u - before
+        before = u
+        # Duhem: the loop grows with the voltage, and forgets by the path.
+        loop += du - abs(du) * loop / p.hysteresis_width
+        stretch = u - p.hysteresis * loop
+        for k in range(3):
+            slow[k] += (u - slow[k]) * h / (p.creep_time * (0.2, 1.0, 6.0)[k])
+            stretch += p.creep * (0.4, 0.35, 0.25)[k] * slow[k]
+        if p.ring_share > 0.0:
+            ring_rate += h * (w * w * (stretch - ring) - 2.0 * p.ring_damping * w * ring_rate)
+            ring += h * ring_rate
+            stretch += p.ring_share * (ring - stretch)
+        out[i] = gain * stretch
+    return out
+
+
+@njit(cache=True)
+def _move(one, two, per, h, p, push, out):
+    x, v = 0.0, 0.0
+    lever = HEIGHT / SPACING
+    tip_before = -lever * (two[0] - one[0])
+    elements = 6
+    widths = np.empty(elements)
+    pads = np.zeros(elements)
+    wound = np.zeros(elements)
+    for k in range(elements):
+        widths[k] = 0.15 * 1.6**k
+    held = 0.0
+    for i in range(one.size):
+        tip = -lever * (two[i] - one[i])
+        load = max(1.0 + 0.5 * (one[i] + two[i]) / p.press, 0.0)
+        sliding = (tip - tip_before) / h - v
+        tip_before = tip
+        if load <= 0.0:
+            force = 0.0
+            held = 0.0
+            wound[:] = 0.0
+        elif p.slip <= 0.0:
+            held += p.stiffness * sliding * h
+            force = held + p.damping * sliding
+        else:
+            speed = sliding / p.contact_stribeck_velocity
+            most = (p.slip + p.contact_stribeck / (1.0 + speed * speed)) * load**p.load_exponent
+            side = 1.0 if held > 0.0 else -1.0
+            most *= 1.0 + p.contact_asymmetry * side
+            if p.contact_presliding > 0.0:
+                force = 0.0
+                for k in range(elements):
+                    wound[k] += sliding * h
+                    reach = widths[k] * p.contact_presliding
+                    wound[k] = min(max(wound[k], -reach), reach)
+                    force += most * wound[k] / reach / elements
+                held = force
+                force += p.damping * sliding * (0.3 if abs(force) < most else 0.0)
+            else:
+                # Radial return: spring and dashpot up to what the contact holds.
+                trial = held + p.stiffness * sliding * h
+                force = min(max(trial + p.damping * sliding, -most), most)
+                held = min(max(trial, -most), most)
+            force += p.contact_viscous * sliding
+        level = p.pads + p.stribeck / (1.0 + (v / p.stribeck_velocity) ** 2)
+        level *= 1.0 + p.asymmetry * (1.0 if v > 0.0 else -1.0)
+        level *= 1.0 + p.wave * np.sin(2.0 * np.pi * x / p.wave_pitch + p.wave_phase)
+        level *= 1.0 - p.pads_unloaded * (load - 1.0)
+        other = p.viscous * v + p.cogging * np.sin(2.0 * np.pi * x / p.cogging_pitch + p.cogging_phase)
+        other += p.spring * x + p.bias_force + push[i // per]
+        if p.presliding > 0.0:
+            friction = 0.0
+            for k in range(elements):
+                reach = widths[k] * p.presliding
+                friction += level * pads[k] / reach / elements
+            v += h * (force - other - friction) / p.mass
+            for k in range(elements):
+                reach = widths[k] * p.presliding
+                pads[k] = min(max(pads[k] + v * h, -reach), reach)
+        else:
+            # Rigid: it takes away what speed it can, and no more.
+            trend = v + h * (force - other) / p.mass
+            lost = h * level / p.mass
+            v = trend - lost if trend > lost else (trend + lost if trend < -lost else 0.0)
+        x += v * h
+        if i % per == 0:
+            out[i // per] = x
+
+
+def motion(truth: Truth, sample: float, first: np.ndarray, second: np.ndarray, push: np.ndarray) -> np.ndarray:
+    """Position (n,) of the stage, m, under two voltages (V) linear between samples, and a push (N) against it."""
+    per = max(1, round(sample / STEP))
+    one = _stack(first - BIAS, sample, per, truth, False)
+    two = _stack(second - BIAS, sample, per, truth, True)
+    out = np.zeros(first.size)
+    _move(one, two, per, sample / per, truth, push, out)
+    return out
