@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -282,8 +283,9 @@ def _leading(keys: Sequence[str], values: np.ndarray, column: np.ndarray) -> tup
     y = _ranks(column[ok])
     found = [float(_ranks(x) @ y) for x in values[ok].T]
     best = int(np.argmax(np.abs(found)))
-    # Three standard deviations of a rank correlation of independent columns.
-    return (keys[best], found[best]) if abs(found[best]) > 3.0 / np.sqrt(ok.sum() - 1) else ("", 0.0)
+    # What the largest of so many rank correlations of independent columns passes in one case of a hundred.
+    chance = NormalDist().inv_cdf(1.0 - 0.005 / len(keys)) / np.sqrt(ok.sum() - 1)
+    return (keys[best], found[best]) if abs(found[best]) > chance else ("", 0.0)
 
 
 def _ranks(column: np.ndarray) -> np.ndarray:

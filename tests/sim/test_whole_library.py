@@ -280,6 +280,18 @@ def test_an_effect_of_a_piezo_says_where_it_is_simulated(law):
         simulate(compose(["lugre", law.name]), PUSH, TIME)
 
 
+FOR_RECORDS = [law for law in EVERY if kernels.unsupported(law) is not None and law not in PIEZO]
+
+
+@pytest.mark.parametrize("law", FOR_RECORDS, ids=by_name)
+def test_a_law_for_records_alone_says_so_and_its_effect_has_one_in_time(law):
+    base, _, variant = law.name.partition(":")
+    assert variant
+    assert kernels.unsupported(find(base)) is None
+    with pytest.raises(InputError, match=f"effect '{law.name}' (changes|has|depends)"):
+        simulate(compose(["lugre", law.name]), PUSH, TIME)
+
+
 def test_the_page_names_every_law():
     page = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
     for law in EVERY:
