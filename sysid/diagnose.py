@@ -140,7 +140,11 @@ def judge(
     if best is None or not worthwhile:
         if over <= enough or ranking_error(base.residual) <= NOISE_ALONE:
             return done(
-                "adequate", None, (), 0.0, "what is left is noise, and no effect lowers it on the held-out record"
+                "adequate",
+                None,
+                (),
+                0.0,
+                "what is left is noise, and no effect lowers it on held-out records by more than chance",
             )
         if pattern < LEAST_PATTERN and persistence(case, base) < LEAST_PERSISTENCE:
             return done(
@@ -152,7 +156,7 @@ def judge(
             None,
             (),
             1.0,
-            "the misfit is above the noise, and no effect lowers it on the held-out record",
+            "the misfit is above the noise, and no effect lowers it on held-out records by more than chance",
         )
     ties, best = tied(case, base, best_of_family)
     after = excess(best.after_fit, best.after_validate)

@@ -69,13 +69,22 @@ def scored_of(record: Prepared) -> dict[str, tuple[np.ndarray, np.ndarray, float
     return {channel: (y, record.valid[channel], record.noise[channel]) for channel, y in record.measured.items()}
 
 
-def sample_deviation(record: Prepared, predicted: Mapping[str, np.ndarray], channel: str) -> np.ndarray:
-    """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep."""
+FOLLOWED = 0.1
+"""Part of the uncertain timing that is left where bristles follow a given position, and no force flips in a step."""
+
+
+def sample_deviation(
+    record: Prepared, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0
+) -> np.ndarray:
+    """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep.
+
+    `timing` is the part of the record's own uncertainty of timing that the model leaves.
+    """
     noise = scored_of(record)[channel][2]
     if not isinstance(record, Balance) or record.jitter == 0.0 or channel == REST:
         return np.full(record.size, noise)
     steep = np.gradient(predicted[channel], record.step)
-    return np.hypot(noise, record.jitter * np.abs(steep))
+    return np.hypot(noise, timing * record.jitter * np.abs(steep))
 
 
 def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit]:
@@ -139,7 +148,9 @@ def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> W
     for record in records:
         predicted = predict(record, model.effects, model.values)
         scored = scored_of(record)
-        deviations.append({c: sample_deviation(record, predicted, c) for c in scored})
+        given = isinstance(record, Balance) and record.stuck is None
+        timing = FOLLOWED if given and any(e.core and e.core.name != "coulomb" for e in model.effects) else 1.0
+        deviations.append({c: sample_deviation(record, predicted, c, timing) for c in scored})
         every = 1
         if thin and isinstance(record, Balance) and record.whole is not None:
             every = max(1, int(record.whole.width / record.step))
