@@ -144,7 +144,7 @@ def judge(
                 None,
                 (),
                 0.0,
-                "what is left is noise, and no effect lowers it on held-out records by more than chance",
+                "what is left is noise; no effect lowers it by more than chance",
             )
         if pattern < LEAST_PATTERN and persistence(case, base) < LEAST_PERSISTENCE:
             return done(
