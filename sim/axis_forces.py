@@ -18,15 +18,17 @@ FRICTION, FORCE = 1, 2
 
 
 def _axis_forces(
-    t, y, z, head, direction, lagged, lagged_rate, slopes, base, effects, groups, at, axis, laws, elements, out, slope,
+    t, y, z, head, direction, lagged, lagged_rate, slopes, base, effects, groups, cores, beside, at, axis, laws,
+    elements, out, slope,
 ):  # fmt: skip
     """Level and forces at one instant of a motion in `direction`.
 
     base = [level, factor, force, load, temperature] with what never changes; effects[i] = [kernel, its parameters, what
     is taken of it, whether it sees the lagged speed]; groups[i] = [kernel, its parameters, first element, elements], of
-    which the first is the core; at = addresses of axis, laws, z and elements. out = [level, force of the core, of the
-    effects, of elements beside the core]. Slopes by (position, velocity, travelled, age, time): of the level, of the
-    core's and of the other elements' force at constant states, of the effects' force.
+    which the first is the core, with `cores` elements, and `beside` more follow; at = addresses of axis, laws, z and
+    elements. out = [level, force of the core, of the effects, of elements beside the core]. Slopes by (position,
+    velocity, travelled, age, time): of the level, of the core's and of the other elements' force at constant states, of
+    the effects' force.
     """
     x, v = y[0], y[1]
     axis[0], axis[1], axis[2] = t, x, v
@@ -75,27 +77,27 @@ def _axis_forces(
     if slopes:
         for j in range(BY):
             slope[0, j] = slope[0, j] * factor + level * laws[own + j]
-    core_force, beside = 0.0, 0.0
-    for i in range(groups.shape[0]):
+    core_force, others = 0.0, 0.0
+    if cores > 0:
+        call_elements(groups[0, 0], at[2], v, direction, g, groups[0, 1], at[3], cores, slopes)
+        for k in range(cores):
+            core_force += elements[k, 1]
+            if slopes:
+                for j in range(BY):
+                    slope[1, j] += elements[k, 7] * slope[0, j]
+                slope[1, 1] += elements[k, 6]
+    for i in range(1, 1 + beside):
         first, count = groups[i, 2], groups[i, 3]
-        if count == 0:
-            continue
         call_elements(
             groups[i, 0], at[2] + 8 * first, v, direction, g, groups[i, 1], at[3] + 64 * first, count, slopes,
         )  # fmt: skip
-        total = 0.0
         for k in range(first, first + count):
-            total += elements[k, 1]
+            others += elements[k, 1]
             if slopes:
-                which = 1 if i == 0 else 2
                 for j in range(BY):
-                    slope[which, j] += elements[k, 7] * slope[0, j]
-                slope[which, 1] += elements[k, 6]
-        if i == 0:
-            core_force = total
-        else:
-            beside += total
-    out[0], out[1], out[2], out[3] = g, core_force, other, beside
+                    slope[2, j] += elements[k, 7] * slope[0, j]
+                slope[2, 1] += elements[k, 6]
+    out[0], out[1], out[2], out[3] = g, core_force, other, others
 
 
 axis_forces: Any = compile_function(_axis_forces, [kernel_calls.__file__], inline="always")

@@ -22,10 +22,11 @@ drive_at: Any = compile_function(_drive_at, inline="always")
 
 
 def _right_side(
-    t, y, direction, head, n, here, elements, modes, body, knots, values, rates, wave, segment, zone, edge, worked, f
-):
+    t, y, direction, head, n, riders, drive_lag, here, elements, modes, body, knots, values, rates, wave, segment, zone,
+    edge, worked, f,
+):  # fmt: skip
     """Rates f of all states, once `axis_forces` has been called; gives the drive's push and the riders' force."""
-    per_mass, spring, feedback, memory_length, drive_lag = body[0], body[1], body[2], body[3], body[5]
+    per_mass, spring, feedback, memory_length = body[0], body[1], body[2], body[3]
     at = head + n
     v = y[1]
     f[0] = v
@@ -35,7 +36,7 @@ def _right_side(
     for k in range(n):
         f[head + k] = elements[k, 0]
     reaction = 0.0
-    for o in range(modes.shape[0]):
+    for o in range(riders):
         pulled = modes[o, 0] * (y[0] - y[at]) - modes[o, 1] * y[at + 1]
         f[at], f[at + 1] = y[at + 1], pulled
         reaction += modes[o, 2] * pulled

@@ -1,7 +1,7 @@
 """Every effect and core behind one signature each: a C function that an integrator calls through its address.
 
-A built-in law is compiled by numba, once, from a small generated module that unpacks pointers into the law's named
-arguments. A user's own law, or one that numba cannot compile, is called back in Python through the same signature.
+A built-in law is compiled by numba, once (`sim.generated_kernels`). A user's own law, or one that numba cannot compile,
+is called back in Python through the same signature.
 
     effect(axis, p, out, slopes):  for the laws level, factor, force: out[law, 0] value, out[law, 1..5] slopes by
                                    position, velocity, travelled, contact age and time
@@ -13,47 +13,24 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import functools
-import importlib.util
-import inspect
 import math
-import sys
 import weakref
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from sim import compilation
 from sim.cores.core import Core
 from sim.effect import Axis, Effect, Parameter
-from sim.library import library
-from stagecad.parameters.atomic import atomic_write_text
+from sim.generated_kernels import BY, DIFFERENCE, LAWS, OUT, Kernel, SlopePlan, compile_core, compile_effect
+from sim.library import find, library
 from stagecad.parameters.errors import InputError
-
-LAWS = ("level", "factor", "force")
-HEAD = ("position", "velocity", "travelled", "contact_age")
-BY = (*HEAD, "time")
-OUT = 1 + len(BY)
 
 T = TypeVar("T")
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
 CORE_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, *[ctypes.c_double] * 3, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64)
-
-# Sizes over which a quantity of the axis changes, for differences where a slope is not declared.
-_DIFFERENCE = {"position": 1e-9, "velocity": 1e-9, "travelled": 1e-9, "contact_age": 1e-7, "time": 1e-7}
-
-
-@dataclass
-class Kernel:
-    """A law behind its signature: `address` to call, `compiled` or called back in Python; keep it while in use."""
-
-    address: int
-    compiled: bool
-    keep: Any
-    errors: list[BaseException] = field(default_factory=list)
 
 
 class _ByIdentity(Generic[T]):
@@ -155,8 +132,7 @@ def unsupported(effect: Effect) -> str | None:
     return None
 
 
-def _slope_plan(effect: Effect) -> list[tuple[int, int, str]]:
-    """(law, column, kind) of every slope that is not zero: `declared`, or by `difference`."""
+def _slope_plan(effect: Effect) -> SlopePlan:
     plan = []
     for i, law in enumerate(LAWS):
         for j, by in enumerate(BY):
@@ -165,87 +141,6 @@ def _slope_plan(effect: Effect) -> list[tuple[int, int, str]]:
             elif depends_on(effect, law, by):
                 plan.append((i, 1 + j, "difference"))
     return plan
-
-
-def load_generated(text: str, name: str, files: list[str]) -> Any:
-    """Write a generated module into the cache folder, keyed by all it depends on, and import it."""
-    folder = compilation.key_folder([*files, __file__, compilation.__file__])
-    path = folder / f"{name}.py"
-    if not path.exists() or path.read_text(encoding="utf-8") != text:
-        atomic_write_text(path, text)
-    spec = importlib.util.spec_from_file_location(f"sim_kernel_{name}", path)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    # numba finds the module of a kernel it has cached by its name.
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
-
-
-_EFFECT_TEXT = """\
-from numba import carray, njit
-from sim.effect import Axis
-from sim.library import find
-
-EFFECT = find({name!r})
-Values = EFFECT.values_type
-{functions}
-
-
-def kernel(axis, p, out, slopes):
-    a = carray(axis, ({axis},))
-    q = carray(p, ({size},))
-    r = carray(out, ({out},))
-    here = Axis({here})
-    values = Values({values})
-{lines}
-"""
-
-
-def _values_text(effect: Effect, held: bool) -> str:
-    """The parameters for a kernel: read from its table, or, of those held at their defaults, written in as numbers."""
-    return ", ".join(repr(float(p.default)) if held and p.fixed else f"q[{i}]" for i, p in enumerate(effect.parameters))
-
-
-def _effect_text(effect: Effect, held: bool) -> str:
-    functions, lines, sloped = [], [], []
-    fields = list(Axis._fields)
-    for i, law in enumerate(LAWS):
-        if getattr(effect, law) is not None:
-            functions.append(f"{law} = njit(error_model='numpy')(EFFECT.{law})")
-            lines.append(f"    r[{i * OUT}] = {law}(here, values)")
-        else:
-            lines.append(f"    r[{i * OUT}] = {1.0 if law == 'factor' else 0.0}")
-    for i, column, kind in _slope_plan(effect):
-        law, by = LAWS[i], BY[column - 1]
-        if kind == "declared":
-            functions.append(f"{law}_{by} = njit(error_model='numpy')(EFFECT.slopes['{law}.{by}'])")
-            sloped.append(f"        r[{i * OUT + column}] = {law}_{by}(here, values)")
-        else:
-            step = f"({_DIFFERENCE[by]!r} * (1.0 + abs(here.{by})))"
-            moved = [
-                ", ".join(f"here.{f} {sign} {step}" if f == by else f"here.{f}" for f in fields) for sign in ("+", "-")
-            ]
-            sloped.append(
-                f"        r[{i * OUT + column}] = "
-                f"({law}(Axis({moved[0]}), values) - {law}(Axis({moved[1]}), values)) / (2.0 * {step})"
-            )
-    if sloped:
-        lines += ["    if slopes:", *sloped]
-    return _EFFECT_TEXT.format(
-        name=effect.name,
-        functions="\n".join(functions),
-        axis=len(fields),
-        size=max(len(effect.parameters), 1),
-        out=len(LAWS) * OUT,
-        here=", ".join(f"a[{i}]" for i in range(len(fields))),
-        values=_values_text(effect, held),
-        lines="\n".join(lines),
-    )
-
-
-def source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
-    return [f.__code__.co_filename for f in functions if f is not None and inspect.isfunction(f)]
 
 
 @_ByIdentity
@@ -260,23 +155,13 @@ def is_built_in(effect: Effect) -> bool:
 
 @functools.cache
 def _compiled_effect(name: str, held: bool) -> Kernel | None:
-    from numba import types
-
-    from sim.library import find
-
     effect = find(name)
-    files = source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
-    signature = types.void(*[types.CPointer(types.double)] * 3, types.int64)
-    try:
-        module = load_generated(
-            _effect_text(effect, held), f"effect_{effect.values_type.__name__}{'_held' * held}", files
-        )
-        callback = compilation.compile_callback(module.kernel, signature, files)
-    except Exception as error:
-        if not type(error).__module__.startswith("numba"):
-            raise
-        return None
-    return Kernel(callback.address, True, callback)
+    return compile_effect(effect, held, _slope_plan(effect))
+
+
+@functools.cache
+def _compiled_core(name: str) -> Kernel | None:
+    return compile_core(find(name))
 
 
 def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
@@ -313,7 +198,7 @@ def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
                         slope = value(effect.slopes[f"{LAWS[i]}.{by}"], axis, p)
                     else:
                         here = getattr(axis, by)
-                        step = _DIFFERENCE[by] * (1.0 + abs(here))
+                        step = DIFFERENCE[by] * (1.0 + abs(here))
                         ahead = value(laws[i][1], axis._replace(**{by: here + step}), p)
                         behind = value(laws[i][1], axis._replace(**{by: here - step}), p)
                         slope = (ahead - behind) / (2.0 * step)
@@ -327,53 +212,6 @@ def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
     address = ctypes.cast(callback, ctypes.c_void_p).value
     assert address is not None
     return Kernel(address, False, callback, errors)
-
-
-_CORE_TEXT = """\
-from numba import carray, njit
-from sim.library import find
-
-EFFECT = find({name!r})
-Values = EFFECT.values_type
-law = njit(error_model='numpy')((EFFECT.core or EFFECT.element).law)
-element_slopes = njit(error_model='numpy')((EFFECT.core or EFFECT.element).slopes)
-
-
-def kernel(z, v, direction, g, p, out, n, slopes):
-    state = carray(z, (n,))
-    q = carray(p, ({size},))
-    r = carray(out, (n, 8))
-    values = Values({values})
-    for k in range(n):
-        r[k, 0], r[k, 1] = law(k, state[k], v, direction, g, values)
-        if slopes:
-            r[k, 2], r[k, 3], r[k, 4], r[k, 5], r[k, 6], r[k, 7] = element_slopes(
-                k, state[k], v, direction, g, values
-            )
-"""
-
-
-@functools.cache
-def _compiled_core(name: str) -> Kernel | None:
-    from numba import types
-
-    from sim.library import find
-
-    effect = find(name)
-    core: Core = effect.core or effect.element
-    size = len(effect.parameters)
-    text = _CORE_TEXT.format(name=name, size=max(size, 1), values=", ".join(f"q[{i}]" for i in range(size)))
-    files = source_files([core.law, core.slopes])
-    pointer = types.CPointer(types.double)
-    signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
-    try:
-        module = load_generated(text, f"core_{effect.values_type.__name__}", files)
-        callback = compilation.compile_callback(module.kernel, signature, files)
-    except Exception as error:
-        if not type(error).__module__.startswith("numba"):
-            raise
-        return None
-    return Kernel(callback.address, True, callback)
 
 
 def core_kernel(effect: Effect) -> Kernel:

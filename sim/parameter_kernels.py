@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from sim import compilation, derivative, kernels
+from sim import compilation, derivative, generated_kernels, kernels
 from sim.derivative import NotDifferentiableError, derivative_text
 from sim.effect import Axis, Effect
-from sim.kernels import LAWS, Kernel
+from sim.generated_kernels import LAWS, Kernel, load_generated, source_files
 
 RELATIVE_STEP = 1e-6
 
@@ -128,7 +128,7 @@ def _compiled(name: str, what: str) -> Kernel | None:
 
     effect = find(name)
     pointer = types.CPointer(types.double)
-    files = [derivative.__file__, kernels.__file__, __file__]
+    files = [derivative.__file__, generated_kernels.__file__, __file__]
     try:
         if what == "effect":
             text = _effect_text(effect)
@@ -138,8 +138,8 @@ def _compiled(name: str, what: str) -> Kernel | None:
             text = _core_text(effect)
             signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
             laws = [(effect.core or effect.element).law]
-        files += kernels.source_files(laws)
-        module = kernels.load_generated(text, f"by_parameter_{what}_{effect.values_type.__name__}", files)
+        files += source_files(laws)
+        module = load_generated(text, f"by_parameter_{what}_{effect.values_type.__name__}", files)
         callback = compilation.compile_callback(module.kernel, signature, files)
     except NotDifferentiableError:
         return None

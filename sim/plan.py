@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,13 @@ from sim import kernels
 from sim.drive import Drive, delayed
 from sim.effect import Axis, Effect
 from sim.in_time import DriveDelay, DriveLag, LaggedSpeed, Play, Rider
+from sim.merged_drive import merged
 from sim.model import Model
 from stagecad.parameters.errors import InputError
 
 FRICTION, FORCE = 1, 2
+SCALE = 1e-3
+"""Of position and velocity: an error is held below tolerance times (scale + value), m and m/s."""
 
 
 @dataclass(frozen=True)
@@ -65,16 +68,32 @@ class Plan:
         per_mass = 1.0 if self.drive.prescribes else 1.0 / self.rigid
         return (per_mass, float(self.drive.stiffness), feedback, float(memory_length), self.gap, self.lag, self.delay)
 
+    def shape(self, size: int) -> tuple[int, int] | None:
+        """States of the head and of the elements; None for the plain axis, one bristle and no more, whose code is
+        compiled for it."""
+        plain = (
+            size == 3 and self.elements == self.groups[0, 3] == 1 and self.head == 2 and self.gap == self.delay == 0.0
+        )
+        return None if plain else (self.head, self.elements)
+
+    def merged(self, begin: float, end: float, tolerance: float) -> Plan:
+        """The plan with pieces of its drive joined that the tolerance cannot tell apart; not with a play, which is
+        opened and closed by the force itself."""
+        if self.gap > 0.0:
+            return self
+        drive = merged(self.drive, begin, end, self.rigid, tolerance, SCALE)
+        return self if drive is self.drive else replace(self, drive=drive)
+
     def start(
         self, position: float, velocity: float, bristle: Any, tolerance: float, energy: bool
     ) -> tuple[np.ndarray, np.ndarray]:
         """Initial state and absolute tolerance of every state, in the integrator's order; a rider starts in step."""
         lagged = self.lag > 0.0
         size = self.head + self.elements + 2 * self.modes.shape[0] + int(lagged) + (3 if energy else 0)
-        start, absolute = np.zeros(size), np.full(size, tolerance * 1e-3)
+        start, absolute = np.zeros(size), np.full(size, tolerance * SCALE)
         start[0], start[1] = position, velocity
         if self.head > 2:
-            absolute[2] = tolerance * 1e-3 if "travelled" in self.carried else math.inf
+            absolute[2] = tolerance * SCALE if "travelled" in self.carried else math.inf
             absolute[3] = tolerance if "contact_age" in self.carried else math.inf
         at = self.head + self.elements
         if bristle is not None:

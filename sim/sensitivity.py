@@ -79,7 +79,7 @@ def sensitivity(
     for effect in model.effects:
         if effect.in_time is not None:
             raise InputError(f"sensitivity: effect '{effect.name}' acts through the history of the motion")
-    plan = plan_of(model, drive, mass, load, temperature, whole=True)
+    plan = plan_of(model, drive, mass, load, temperature, whole=True).merged(t[0], t[-1], tolerance)
     memory_length = plan.memory_length if memory_length is None else memory_length
     tangent, kept = _tangent(model, drive, plan, parameters, t.size)
     start, absolute = plan.start(
@@ -87,9 +87,9 @@ def sensitivity(
     )
     states, report = np.empty((2, t.size)), np.zeros(5 + start.size)
     integrator.integrate(
-        start, plan.head, t, plan.drive.knots, plan.drive.values, plan.drive.rates,
-        np.array(plan.drive.wave, dtype=float), plan.body(memory_length), plan.modes, plan.effects, plan.groups,
-        plan.elements, plan.base, tolerance, absolute, math.inf, most_steps, states, np.empty((0, 4)), report, tangent,
+        start, t, plan.drive.knots, plan.drive.values, plan.drive.rates, np.array(plan.drive.wave, dtype=float),
+        plan.body(memory_length), plan.shape(start.size), plan.modes, plan.effects, plan.groups, plan.base, tolerance,
+        absolute, math.inf, most_steps, states, np.empty((0, 4)), report, tangent,
     )  # fmt: skip
     errors = [error for kernel in [*plan.kernels, *kept] for error in kernel.errors]
     if report[0] != integrator.DONE or errors:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sim.drive import Drive
+from sim.merged_drive import force_at
 from sim.model import Model
 from sim.plan import plan_of
 from stagecad.parameters.errors import InputError
@@ -111,7 +112,8 @@ def simulate(
         raise InputError(f"simulation: mass = {mass:g} kg; must be positive")
     if not 1e-13 <= tolerance <= 1e-2:
         raise InputError(f"simulation: tolerance = {tolerance:g}; must lie between 1e-13 and 1e-2")
-    plan = plan_of(model, drive, mass, load, temperature)
+    whole = plan_of(model, drive, mass, load, temperature)
+    plan = whole.merged(t[0], t[-1], tolerance)
     if memory_length is None:
         memory_length = plan.memory_length
     if velocity is None:
@@ -123,17 +125,16 @@ def simulate(
     report = np.zeros(5 + start.size)
     integrator.integrate(
         start,
-        plan.head,
         t,
         plan.drive.knots,
         plan.drive.values,
         plan.drive.rates,
         np.array(plan.drive.wave, dtype=float),
         plan.body(memory_length),
+        plan.shape(start.size),
         plan.modes,
         plan.effects,
         plan.groups,
-        plan.elements,
         plan.base,
         tolerance,
         absolute,
@@ -146,6 +147,9 @@ def simulate(
     )
     if report[0] != integrator.DONE:
         raise failure(int(report[0]), report, model, [error for kernel in plan.kernels for error in kernel.errors])
+    if forces and plan.drive is not whole.drive and plan.lag == 0.0:
+        # The motion cannot tell the drive as given from the one with pieces joined; the force shown can.
+        found[:, 3] += force_at(whole.drive, t) - force_at(plan.drive, t)
     bristles = states[plan.head : plan.head + plan.elements].T
     work = states[-integrator.NWORK :] if energy else np.empty((3, 0))
     return Simulation(

@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 
-from sim import axis_forces as axis_forces_module
-from sim import axis_rates, kernel_calls, step_output
 from sim.axis_forces import OUT, axis_forces
 from sim.axis_rates import drive_at
 from sim.compilation import compile_function
@@ -29,39 +27,46 @@ EASY = 1e-6
 """Below this error of the integrator's own step, in units of its tolerance, three stages do for the derivatives."""
 _G = 0.43586652150845967
 # Row 0: SDIRK4; row 1: Alexander's method of order 3, in the first three stages.
-_GAMMA = np.array([0.25, _G])
-_A = np.zeros((2, STAGES, STAGES))
-_A[0] = [
+GAMMA_OF = np.array([0.25, _G])
+A_OF = np.zeros((2, STAGES, STAGES))
+A_OF[0] = [
     [1 / 4, 0.0, 0.0, 0.0, 0.0],
     [1 / 2, 1 / 4, 0.0, 0.0, 0.0],
     [17 / 50, -1 / 25, 1 / 4, 0.0, 0.0],
     [371 / 1360, -137 / 2720, 15 / 544, 1 / 4, 0.0],
     [25 / 24, -49 / 48, 125 / 16, -85 / 12, 1 / 4],
 ]
-_A[1, :3, :3] = [
+A_OF[1, :3, :3] = [
     [_G, 0.0, 0.0],
     [(1.0 - _G) / 2.0, _G, 0.0],
     [-(6.0 * _G**2 - 16.0 * _G + 1.0) / 4.0, (6.0 * _G**2 - 20.0 * _G + 5.0) / 4.0, _G],
 ]
-_C = np.array([[1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0], [_G, (1.0 + _G) / 2.0, 1.0, 0.0, 0.0]])
+C_OF = np.array([[1 / 4, 3 / 4, 11 / 20, 1 / 2, 1.0], [_G, (1.0 + _G) / 2.0, 1.0, 0.0, 0.0]])
 
 
 def _slopes_at(
-    part, t, h, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws, elements, here,
-    slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group, derived, derived_at, row,
-    by_head, into, own, ages, fp,
+    share, step, sizes, drive, body, laws_of, tangent, work, row, by_head, into, own, ages,
 ):  # fmt: skip
-    """The arrowhead and df/dp (parameters, states) at a part of the step."""
+    """The arrowhead and df/dp (parameters, states) at a part `share` of the step."""
+    t, h, y, fresh, dense, direction = step
+    head, n, cores, beside = sizes
+    knots, values, rates, wave, segment = drive
+    base, effects, groups, addresses = laws_of
+    parameters, by_effect, by_group, derived, derived_at, fp = (
+        tangent[0], tangent[1], tangent[2], tangent[3], tangent[4], tangent[9],
+    )  # fmt: skip
+    axis, laws, elements, here, slope, stage, z = work
     per_mass, spring, feedback, memory_length = body[0], body[1], body[2], body[3]
     size = head + n
-    at = t + part * h
+    at = t + share * h
     for j in range(size):
-        stage[j] = at_part(part, y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2])
+        stage[j] = at_part(share, y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2])
     for k in range(n):
         z[k] = stage[head + k]
     axis_forces(
-        at, stage, z, head, direction, 0.0, 0.0, 1, base, effects, groups, addresses, axis, laws, elements, here, slope
-    )
+        at, stage, z, head, direction, 0.0, 0.0, 1, base, effects, groups, cores, beside, addresses, axis, laws,
+        elements, here, slope,
+    )  # fmt: skip
     v = stage[1]
     for j in range(head):
         row[j] = -feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * per_mass
@@ -88,13 +93,13 @@ def _slopes_at(
             total *= laws[OUT]
             derived[i] = laws[OUT]
         if by_effect[i, 0] != 0:
-            at_i = derived_at + 8 * by_effect[i, 1]
+            at_i = derived_at[0] + 8 * by_effect[i, 1]
             call_effect(by_effect[i, 0], addresses[0], effects[i, 1], at_i, by_effect[i, 2])
     for i in range(groups.shape[0]):
         if by_group[i, 0] != 0 and groups[i, 3] > 0:
             call_elements(
                 by_group[i, 0], addresses[2] + 8 * groups[i, 2], v, direction, here[0], groups[i, 1],
-                derived_at + 8 * by_group[i, 1], groups[i, 3], by_group[i, 2],
+                derived_at[0] + 8 * by_group[i, 1], groups[i, 3], by_group[i, 2],
             )  # fmt: skip
     for q in range(parameters.shape[0]):
         for j in range(size):
@@ -129,90 +134,88 @@ def _slopes_at(
                 fp[q, 1] -= feedback * per_mass * derived[out + (2 * k + 1) * own_size + own_j]
 
 
-_slopes_at = compile_function(
-    _slopes_at, [str(m.__file__) for m in (kernel_calls, axis_forces_module, axis_rates, step_output)], _nrt=False
-)
+slopes_at: Any = compile_function(_slopes_at, inline="always")
 
 
-def _rate(u, q, head, n, direction, row, by_head, into, own, ages, fp, out):
-    """out = J u + df/dp of parameter q."""
-    out[0] = u[1]
+def _rate(w, q, head, n, direction, row, by_head, into, own, ages, fp, out):
+    """out = J w + df/dp of parameter q."""
+    out[0] = w[1]
     total = fp[q, 1]
     for j in range(head):
-        total += row[j] * u[j]
+        total += row[j] * w[j]
     for k in range(n):
-        total += into[k] * u[head + k]
-        change = fp[q, head + k] + own[k] * u[head + k]
+        total += into[k] * w[head + k]
+        change = fp[q, head + k] + own[k] * w[head + k]
         for j in range(head):
-            change += by_head[k, j] * u[j]
+            change += by_head[k, j] * w[j]
         out[head + k] = change
     out[1] = total
     if head > 2:
-        out[2] = direction * u[1]
-        out[3] = fp[q, 3] + ages[0] * u[1] + ages[1] * u[3]
+        out[2] = direction * w[1]
+        out[3] = fp[q, 3] + ages[0] * w[1] + ages[1] * w[3]
 
 
-_rate = compile_function(_rate, _nrt=False)
+rate: Any = compile_function(_rate, inline="always")
 
 
 def _advance(
-    t, h, part, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws, elements, here,
-    slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group, derived, derived_at, row,
-    by_head, into, own, ages, ratio, effective, u, fp, S, K, before, inner, easy,
+    part, step, sizes, drive, body, laws_of, tangent, work, row, by_head, into, own, ages, ratio, effective, inner, easy
 ):  # fmt: skip
     """Carry S (parameters, states) to the part of the step that was accepted; K[:, 4] is S' there.
 
+    step = (t, h, y, fresh, dense, direction); sizes = (head, n, cores, beside); drive = (knots, values, rates, wave,
+    segment); laws_of = (base, effects, groups, addresses); work = (axis, laws, elements, here, slope, stage, z).
     With `inner`, `before` (parameters, 4) holds S of position and velocity at the start of the step, and S' there.
     """
+    h, direction = step[1], step[5]
+    head, n = sizes[0], sizes[1]
+    parameters, S, K, before, u, fp = tangent[0], tangent[5], tangent[6], tangent[7], tangent[8], tangent[9]
+    stage = work[5]
     size = head + n
     count = parameters.shape[0]
     length = part * h
-    if inner:
-        _slopes_at(
-            0.0, t, h, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses, axis, laws,
-            elements, here, slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect, by_group,
-            derived, derived_at, row, by_head, into, own, ages, fp,
-        )  # fmt: skip
-        for q in range(count):
-            _rate(S[q], q, head, n, direction, row, by_head, into, own, ages, fp, u)
-            before[q, 0], before[q, 1], before[q, 2], before[q, 3] = S[q, 0], S[q, 1], u[0], u[1]
     which, stages = (1, 3) if easy else (0, STAGES)
-    s = 1.0 / (_GAMMA[which] * length)
-    for i in range(stages):
-        _slopes_at(
-            _C[which, i] * part, t, h, y, fresh, dense, direction, head, n, body, base, effects, groups, addresses,
-            axis, laws, elements, here, slope, stage, z, knots, values, rates, wave, segment, parameters, by_effect,
-            by_group, derived, derived_at, row, by_head, into, own, ages, fp,
-        )  # fmt: skip
-        for j in range(head):
-            effective[j] = row[j]
-        for k in range(n):
-            ratio[k] = 1.0 / (s - own[k])
+    s, over_s = 1.0 / (GAMMA_OF[which] * length), GAMMA_OF[which] * length
+    # What comes before the stages is S' at the start of the step.
+    for i in range(-1 if inner else 0, stages):
+        share = C_OF[which, i] * part if i >= 0 else 0.0
+        slopes_at(share, step, sizes, drive, body, laws_of, tangent, work, row, by_head, into, own, ages)
+        pivot, over_age = s - row[1], 0.0
+        if i >= 0:
             for j in range(head):
-                effective[j] += into[k] * by_head[k, j] * ratio[k]
-        pivot = s - effective[1] - effective[0] / s
-        if head > 2:
-            pivot -= effective[2] * direction / s + effective[3] * ages[0] / (s - ages[1])
+                effective[j] = row[j]
+            for k in range(n):
+                ratio[k] = 1.0 / (s - own[k])
+                for j in range(head):
+                    effective[j] += into[k] * by_head[k, j] * ratio[k]
+            pivot = s - effective[1] - effective[0] * over_s
+            if head > 2:
+                over_age = 1.0 / (s - ages[1])
+                pivot -= effective[2] * direction * over_s + effective[3] * ages[0] * over_age
+        over_pivot = 1.0 / pivot
         for q in range(count):
             for j in range(size):
                 total = 0.0
                 for m in range(i):
-                    total += _A[which, i, m] * K[q, m, j]
+                    total += A_OF[which, i, m] * K[q, m, j]
                 stage[j] = S[q, j] + length * total
-            _rate(stage, q, head, n, direction, row, by_head, into, own, ages, fp, u)
+            rate(stage, q, head, n, direction, row, by_head, into, own, ages, fp, u)
+            if i < 0:
+                before[q, 0], before[q, 1], before[q, 2], before[q, 3] = S[q, 0], S[q, 1], u[0], u[1]
+                continue
             for j in range(size):
                 u[j] *= s
-            right = u[1] + effective[0] * u[0] / s
+            right = u[1] + effective[0] * u[0] * over_s
             if head > 2:
-                right += effective[2] * u[2] / s + effective[3] * u[3] / (s - ages[1])
+                right += effective[2] * u[2] * over_s + effective[3] * u[3] * over_age
             for k in range(n):
                 right += into[k] * u[head + k] * ratio[k]
-            kv = right / pivot
+            kv = right * over_pivot
             u[1] = kv
-            u[0] = (u[0] + kv) / s
+            u[0] = (u[0] + kv) * over_s
             if head > 2:
-                u[2] = (u[2] + direction * kv) / s
-                u[3] = (u[3] + ages[0] * kv) / (s - ages[1])
+                u[2] = (u[2] + direction * kv) * over_s
+                u[3] = (u[3] + ages[0] * kv) * over_age
             for k in range(n):
                 total = u[head + k]
                 for j in range(head):
@@ -224,30 +227,28 @@ def _advance(
         for j in range(size):
             total = 0.0
             for i in range(stages):
-                total += _A[which, stages - 1, i] * K[q, i, j]
+                total += A_OF[which, stages - 1, i] * K[q, i, j]
             S[q, j] += length * total
             K[q, STAGES - 1, j] = K[q, stages - 1, j]
 
 
-def _spread(S, K, before, block, t, length, found):
-    """S of position and velocity at instants within the step, by Hermite's cubic; found (2, parameters, instants)."""
+def _spread(tangent, instants, t, length, first, last):
+    """S of position and velocity at instants within the step, rows `first` to `last`, by Hermite's cubic."""
+    S, K, before, found = tangent[5], tangent[6], tangent[7], tangent[10]
+    over = 1.0 / length
     for q in range(S.shape[0]):
         for w in range(2):
-            for o in range(block.size):
-                part = (block[o] - t) / length
+            start, end = before[q, w], S[q, w]
+            rise = end - start
+            early, late = length * before[q, 2 + w] - rise, rise - length * K[q, STAGES - 1, w]
+            into = found[w, q, first:last]
+            for o in range(instants.size):
+                part = (instants[o] - t) * over
                 rest = 1.0 - part
-                if part >= 1.0:
-                    found[w, q, o] = S[q, w]
-                    continue
-                found[w, q, o] = (
-                    (1.0 + 2.0 * part) * rest * rest * before[q, w]
-                    + part * rest * rest * length * before[q, 2 + w]
-                    + part * part * (3.0 - 2.0 * part) * S[q, w]
-                    - part * part * rest * length * K[q, 4, w]
-                )
+                into[o] = start + part * (rise + rest * (early * rest + late * part))
+            if instants[instants.size - 1] >= t + length:
+                into[instants.size - 1] = end
 
 
-spread: Any = compile_function(_spread, _nrt=False)
-advance: Any = compile_function(
-    _advance, [str(m.__file__) for m in (kernel_calls, axis_forces_module, axis_rates, step_output)], _nrt=False
-)
+spread: Any = compile_function(_spread, _nrt=False, fastmath={"contract"})
+advance: Any = compile_function(_advance, inline="always")

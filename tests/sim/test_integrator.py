@@ -128,7 +128,7 @@ def test_a_load_not_given_is_no_silent_zero():
 @pytest.mark.parametrize(
     ("effect", "message"),
     [
-        ("piezo_creep", "'piezo_creep' acts on the signal of a piezo, which this simulation of one axis does not have"),
+        ("piezo_creep", "'piezo_creep' acts on the signal of a piezo, which one axis does not have"),
         ("backlash", "'backlash' needs a drive that pulls a spring"),
     ],
 )
