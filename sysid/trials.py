@@ -12,7 +12,7 @@ from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
-from sysid.misfit import ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
+from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name
 
 Progress = Callable[[str, int, int], None]
@@ -155,8 +155,9 @@ def significance_of(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) 
 
     The drop of r^2 to (r - d)^2 is 2 r d - d^2; its noise is that of 2 r d, summed within blocks of time so that
     correlated samples count once, and with the residual's own size where d is large, so that a rough spot weighs less.
+    Beyond the corner the loss is linear: there d counts up to it, as it does in the drop.
     """
-    d = worse - better
+    d = np.clip(worse, -LOSS_CORNER, LOSS_CORNER) - np.clip(better, -LOSS_CORNER, LOSS_CORNER)
     drop = float(huber_square(worse).sum() - huber_square(better).sum())
     sums = np.bincount(numbers, d * np.clip(better, -8.0, 8.0))
     # Within a block noise may cancel by luck: no less than independent samples would give.
