@@ -15,6 +15,7 @@ import numpy as np
 from sim.effect import Effect
 from sim.library import find
 from sysid.base_fit import ranking_error
+from sysid.driven_stage_numbers import CONTACT_STIFFNESS, contact_damping
 from sysid.fit import least_squares
 from sysid.friction_drive import CONTACT, FrictionDriveRecord, beginning, predict_friction_drive
 from sysid.model import Model, Prepared, Scales, in_contact, with_effect
@@ -69,8 +70,10 @@ def slipping_starts(base: Model, effect: Effect, records: Sequence[Prepared], sc
         return []
     grown = with_effect(base, effect, scales)
     plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.core is not None else grown
-    given = {"rig.gain", "rig.contact_stiffness"}
-    found = rough_starts(plain, records, given, Effort(6, 4, 6, 1))
+    found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), Effort(6, 4, 6, 1))
+    if effect.core is not None:
+        # A contact that never slips had to make up for every slip: its numbers may be no start.
+        found += rough_starts(plain.at(_neutral(plain)), records, ())
     # A law with presliding begins from where plain slip comes nearest.
     levels = {_level_key(plain, True): _level_key(grown, True)}
     return [
@@ -176,9 +179,24 @@ def _absolute(model: Model, trial: dict[str, float], free: Collection[str]) -> d
 
 
 def _stiffened(model: Model, point: dict[str, float], stiffness: float, part: float) -> dict[str, float]:
-    """A point with another stiffness of the contact, its forces going along."""
-    forces = {key: part * value for key, value in point.items() if key.endswith(".force")}
-    return _within(model, {**point, **forces, "rig.contact_stiffness": part * stiffness})
+    """A point with another stiffness of the contact, its forces going along, and its dashpot at the same ratio."""
+    moved = {key: part * value for key, value in point.items() if key.endswith(".force")}
+    if any(u.key == "rig.contact_damping" for u in model.unknowns):
+        moved["rig.contact_damping"] = contact_damping(part * stiffness, model.values["rig.mass"])
+    return _within(model, {**point, **moved, "rig.contact_stiffness": part * stiffness})
+
+
+def _neutral(model: Model) -> dict[str, float]:
+    """The contact's own numbers, those of them that are free, where any fit begins."""
+    free = {u.key for u in model.unknowns}
+    stiffness = model.values["rig.contact_stiffness"]
+    if "rig.contact_stiffness" in free:
+        stiffness = CONTACT_STIFFNESS
+    neutral = {
+        "rig.contact_stiffness": stiffness,
+        "rig.contact_damping": contact_damping(stiffness, model.values["rig.mass"]),
+    }
+    return {key: value for key, value in neutral.items() if key in free}
 
 
 def _within(model: Model, point: dict[str, float]) -> dict[str, float]:
