@@ -167,7 +167,8 @@ def judge(
     if over <= enough and (share < 0.5 or (_of_turns(best) and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
-    if case.form == "force_balance" and _of_turns(best) and not patterned and not to_the_noise:
+    within_timing = not patterned or ranking_error(base.residual) <= 1.0
+    if case.form == "force_balance" and _of_turns(best) and within_timing and not to_the_noise:
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if after <= NEARLY_NOISE:
         return done("missing-effect", best, ties, left, "explains what can be explained")
@@ -222,6 +223,8 @@ AT_REVERSALS = (
     "backlash",
     "drive_lag",
     "drive_delay",
+    "sensor_lag",
+    "sensor_delay",
 )
 """Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
 

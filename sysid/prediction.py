@@ -124,7 +124,7 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
         return forces, None
     if core.core.name != "coulomb" or balance.stuck is None:
         p = values_of(core, values)
-        unseen = _unseen(balance, core, level, p)
+        unseen = unseen_part(balance, core, level, p)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
         held = along_from_rest(balance, core, axis, level, p, forces)
@@ -155,7 +155,7 @@ def _stretch_of(level: np.ndarray, p: Any) -> float:
     return float(p.stretch) if hasattr(p, "stretch") else float(np.median(level)) / max(float(p.stiffness), 1e-300)
 
 
-def _unseen(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> float:
+def unseen_part(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> float:
     """Part of a bristle's force, 0 to 1, that a noisy position cannot show, and the balance of forces has to.
 
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, target_of
@@ -14,6 +15,7 @@ from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name
+from sysid.prediction import unseen_part, values_of
 
 Progress = Callable[[str, int, int], None]
 
@@ -114,6 +116,9 @@ def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
         return None
     numbers = blocks(case.validate_records, base.weights)
     count = int(numbers.max()) + 1 if numbers.size else 0
+    share_at_rest = _share_at_rest(base, residual)
+    if share_at_rest < LEAST_AT_REST and _beyond_sight(case, candidate):
+        return None
     before = np.bincount(numbers, huber_square(base.residual), minlength=count)
     loss = np.bincount(numbers, huber_square(residual), minlength=count)
     before_fit = ranking_error(base.fitted.fit.residual)
@@ -127,8 +132,27 @@ def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
         residual=residual,
         p_value=_chance(before - loss),
         steadiness=_steadiness(before - loss),
-        share_at_rest=_share_at_rest(base, residual),
+        share_at_rest=share_at_rest,
     )
+
+
+LEAST_AT_REST = 0.3
+"""Part of a core's gain that displacements at rest must make where the position's noise hides its bristles."""
+
+OUT_OF_SIGHT = 0.95
+"""Part of a bristle's force that comes from the balance itself, from which the motion shows nothing of it."""
+
+
+def _beyond_sight(case: Case, candidate: Candidate) -> bool:
+    """Whether a new core has bristles that the records' noise hides: what it gains is not by them."""
+    core = candidate.effect
+    if core.core is None or core.core.name == "coulomb":
+        return False
+    model = candidate.fitted.model
+    driven = [r for r in case.fit_records if isinstance(r, Balance) and r.stuck is not None]
+    level = np.array([model.values.get(f"{core.name}.force", 0.0)])
+    p = values_of(core, model.values)
+    return bool(driven) and min(unseen_part(r, core, level, p) for r in driven) > OUT_OF_SIGHT
 
 
 def _share_at_rest(base: BaseFit, residual: np.ndarray) -> float:
