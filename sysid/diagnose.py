@@ -164,7 +164,8 @@ def judge(
     share = explained_share(base, best)
     clear = case.form == "output" or over >= CLEARLY_ABOVE
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
-    if over <= enough and (share < 0.5 or (_of_turns(best) and not to_the_noise)):
+    of_starts = _of_turns(best) or best.family == "dwell_strengthening"
+    if over <= enough and (share < 0.5 or (of_starts and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
     within_timing = not patterned or ranking_error(base.residual) <= 1.0
