@@ -179,11 +179,9 @@ def _absolute(model: Model, trial: dict[str, float], free: Collection[str]) -> d
 
 
 def _stiffened(model: Model, point: dict[str, float], stiffness: float, part: float) -> dict[str, float]:
-    """A point with another stiffness of the contact, its forces going along, and its dashpot at the same ratio."""
-    moved = {key: part * value for key, value in point.items() if key.endswith(".force")}
-    if any(u.key == "rig.contact_damping" for u in model.unknowns):
-        moved["rig.contact_damping"] = contact_damping(part * stiffness, model.values["rig.mass"])
-    return _within(model, {**point, **moved, "rig.contact_stiffness": part * stiffness})
+    """A point with another stiffness of the contact, its forces going along."""
+    forces = {key: part * value for key, value in point.items() if key.endswith(".force")}
+    return _within(model, {**point, **forces, "rig.contact_stiffness": part * stiffness})
 
 
 def _neutral(model: Model) -> dict[str, float]:
