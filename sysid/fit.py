@@ -85,7 +85,9 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
     size = np.abs(residual)
     corner = HUBER * scale
     inner = np.minimum(size, corner)
-    return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
+    # A step too far may make residuals beyond all numbers: their cost is endless, and the step is not taken.
+    with np.errstate(over="ignore"):
+        return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
 
 
 class _Priors:
