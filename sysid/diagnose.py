@@ -164,7 +164,7 @@ def judge(
     share = explained_share(base, best)
     clear = case.form == "output" or over >= CLEARLY_ABOVE
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
-    of_starts = _of_turns(best) or best.family == "dwell_strengthening"
+    of_starts = _of_turns(best) or best.family in AT_STARTS
     nothing_above = over <= NOTHING_ABOVE and ranking_error(base.residual) <= 1.0
     if over <= enough and (nothing_above or share < 0.5 or (of_starts and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
@@ -232,6 +232,9 @@ AT_REVERSALS = (
     "sensor_delay",
 )
 """Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
+
+AT_STARTS = ("dwell_strengthening", "flexible_mode")
+"""The same of the time at which motion starts, while the error is at the noise."""
 
 AT_REST = 0.5
 """Part of a gain that comes from displacements at rest from which no error in the time of a turn looks like it."""
