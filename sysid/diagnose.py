@@ -9,15 +9,14 @@ from time import perf_counter
 
 import numpy as np
 
-from sim.library import find
 from sysid.balance import Balance
 from sysid.base_fit import ranking_error
-from sysid.candidates import Candidate
-from sysid.case import Case, load_case, make_case
+from sysid.case import Case, load_case
 from sysid.case_fit import BaseFit, fit_case
+from sysid.coarse_steps import coarse_steps
 from sysid.experiment import DesignValues
 from sysid.ladder_files import read_ladder
-from sysid.misfit import ChannelMisfit, blocks, misfit
+from sysid.misfit import ChannelMisfit, blocks, excess, misfit
 from sysid.model import Model, base_name
 from sysid.pairs import Pair, best_pairs, searched_again
 from sysid.residual_maps import ResidualMap, residual_maps
@@ -94,7 +93,7 @@ def diagnose(
     base = fit_case(case)
     present = [e.name for e in case.start.effects]
     search = try_all(case, base, present, all_effects, progress)
-    found = judge(case, base, search, _quantisation(case, base), began, all_effects)
+    found = judge(case, base, search, coarse_steps(case, base, ADEQUATE_OVER_NOISE[case.form]), began, all_effects)
     # While something is missing the next round comes first; a model that is enough is asked only what it can spare.
     swaps = (
         []
@@ -276,11 +275,6 @@ def _of_turns(trial: Trial) -> bool:
     return trial.family in AT_REVERSALS and trial.share_at_rest < AT_REST
 
 
-def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
-    """Largest error over noise of any channel, on the records of the fit or the held-out ones."""
-    return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
-
-
 def _left(before: float, after: float) -> float:
     """Share of the variance above the noise that is left."""
     return float(min(1.0, max(0.0, after**2 - 1.0) / max(before**2 - 1.0, 1e-9)))
@@ -392,29 +386,3 @@ def _beside(
 
 LEANS = 0.5
 """Part of the loss above the noise, left beside the best effect, that another pair must fall below to unseat it."""
-
-
-def _quantisation(case: Case, base: BaseFit) -> Trial | None:
-    """The coarse grid of a channel's values as a trial, where it is coarser than the noise the user gave."""
-    if any(name.partition("@")[0] == "sensor_quantisation" for name in case.experiment.effects):
-        return None
-    coarse = [
-        channel for channel, noise in case.noise.items()
-        if noise.quantum is not None and noise.quantum / np.sqrt(12.0) > noise.value
-    ]  # fmt: skip
-    if not coarse:
-        return None
-    names = [
-        *case.experiment.effects,
-        *(["sensor_quantisation"] if len(case.noise) == len(coarse) else [f"sensor_quantisation@{c}" for c in coarse]),
-    ]
-    other = make_case(case.experiment, case.records, names)
-    refit = fit_case(other)
-    after_fit = misfit(refit.fitted.model, other.fit_records)
-    after = misfit(refit.fitted.model, other.validate_records)
-    before = excess(misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records))
-    if before <= ADEQUATE_OVER_NOISE[case.form] or excess(after_fit, after) > 0.9 * before:
-        return None
-    error = ranking_error(refit.residual)
-    candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)
-    return Trial(names[-1], candidate, error, 0.0, 99.0, 0.0, refit.residual, after_fit, after)

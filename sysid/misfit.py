@@ -123,6 +123,11 @@ def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit
     return out
 
 
+def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
+    """Largest error over noise of any channel, on the records of the fit or the held-out ones."""
+    return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
+
+
 @dataclass(frozen=True)
 class Weighting:
     """What makes residuals comparable between models: fixed deviations and thinning, taken from the base model."""
