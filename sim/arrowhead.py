@@ -64,7 +64,10 @@ def _factorise(
     h, gamma, direction, head, n, riders, drive_lag, age_out, age_own, modes, body, row, own, into, by_head, ratio,
     effective,
 ):  # fmt: skip
-    """Eliminate all but the velocity from W; s = 1/(gamma h), 1/s, 1/pivot, 1/(s - age_own), 1/(s + 1/drive_lag)."""
+    """Eliminate all but the velocity from W; s = 1/(gamma h), 1/s, 1/pivot, 1/(s - age_own), 1/(s + 1/drive_lag).
+
+    `ratio` is 1/pivot of each element, then of each rider's velocity.
+    """
     per_mass, feedback = body[0], body[2]
     s, over_s = 1.0 / (gamma * h), gamma * h
     for j in range(head):
@@ -76,7 +79,8 @@ def _factorise(
     pivot = s - effective[1]
     for i in range(riders):
         back = modes[i, 0] * over_s + modes[i, 1]
-        effective[0] -= feedback * modes[i, 2] * per_mass * modes[i, 0] * (1.0 - back / (s + back))
+        ratio[n + i] = 1.0 / (s + back)
+        effective[0] -= feedback * modes[i, 2] * per_mass * modes[i, 0] * (1.0 - back * ratio[n + i])
     pivot -= effective[0] * over_s
     over_age = 0.0
     if head > 2:
@@ -102,7 +106,7 @@ def _solve(
     for o in range(riders):
         back = modes[o, 0] * over_s + modes[o, 1]
         f2, g2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
-        moved = (g2 - modes[o, 0] * over_s * f2) / (s + back)
+        moved = (g2 - modes[o, 0] * over_s * f2) * ratio[n + o]
         right += feedback * modes[o, 2] * per_mass * (modes[o, 0] * over_s * f2 + back * moved)
     if drive_lag > 0.0:
         f[tail] *= over_lag
@@ -114,14 +118,14 @@ def _solve(
         f[2] = (f[2] + direction * kv) * over_s
         f[3] = (f[3] + age_out * kv) * over_age
     for k in range(n):
-        total = f[head + k]
-        for j in range(head):
-            total += by_head[k, j] * f[j]
+        total = f[head + k] + (by_head[k, 0] * f[0] + by_head[k, 1] * f[1])
+        if head > 2:
+            total += by_head[k, 2] * f[2] + by_head[k, 3] * f[3]
         f[head + k] = total * ratio[k]
     for o in range(riders):
         back = modes[o, 0] * over_s + modes[o, 1]
         f2, g2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
-        v2 = (g2 + modes[o, 0] * (f[0] - over_s * f2)) / (s + back)
+        v2 = (g2 + modes[o, 0] * (f[0] - over_s * f2)) * ratio[n + o]
         f[first_mode + 2 * o + 1] = v2
         f[first_mode + 2 * o] = (f2 + v2) * over_s
     if worked:

@@ -109,7 +109,7 @@ def compile_callback(function: Callable[..., Any], signature: Any, also: Iterabl
     """`function` compiled to a C callback (`.address`) with `signature`, cached on disk."""
     numba = _numba_parts()
     with _caching_in(key_folder([function.__code__.co_filename, __file__, *also])):
-        return numba.cfunc(signature, cache=True, error_model="numpy")(function)
+        return numba.cfunc(signature, cache=True, error_model="numpy", forceinline=True)(function)
 
 
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -56,7 +56,7 @@ def _steps(
     references, which would cost more than the arithmetic; and once more for the plain axis, `shape` None, whose sizes
     are then known while it is compiled."""
     (
-        y, fresh, stage, earlier, z, K, dense, f, f_start, ft, axis, laws, elements, here, slope, by_head, own, into,
+        y, fresh, stage, earlier, z, K, dense, f_start, ft, axis, laws, elements, here, slope, by_head, own, into,
         ratio, work_head, work_z, row, effective, past,
     ) = work  # fmt: skip
     spring, memory_length = body[1], body[3]
@@ -120,7 +120,7 @@ def _steps(
                 pull, pull_rate = y[lag_at], (s_here - y[lag_at]) / drive_lag
             zone, edge = side_of_play(pull - spring * y[0], pull_rate - spring * v, gap, slack)
         if delay > 0.0:
-            past_speed(history, oldest, newest, t - delay, start[1], past)
+            past_speed(history, oldest, newest, t - delay, start[1], True, past)
             oldest = int(past[2])
         if abs(v) > 2.0 * quiet:
             direction = 1.0 if v > 0.0 else -1.0
@@ -156,6 +156,8 @@ def _steps(
             )  # fmt: skip
             finite = True
             for i in range(STAGES):
+                # Solved where it is kept.
+                f = K[i * size : (i + 1) * size]
                 if i == 0:
                     for j in range(size):
                         f[j] = f_start[j] + h * TIME_SLOPE[0] * ft[j]
@@ -165,7 +167,7 @@ def _steps(
                     for k in range(n):
                         z[k] = stage[head + k]
                     if delay > 0.0:
-                        past_speed(history, oldest, newest, at - delay, start[1], past)
+                        past_speed(history, oldest, newest, at - delay, start[1], False, past)
                     axis_forces(
                         at, stage, z, head, direction, past[0], past[1], 0, base, effects, groups, cores, beside,
                         addresses, axis, laws, elements, here, slope,
@@ -184,11 +186,10 @@ def _steps(
                 if not math.isfinite(kv):
                     finite = False
                     break
-                for j in range(size):
-                    K[i * size + j] = f[j]
             error = math.inf
             if finite:
                 error = 0.0
+                f = K[(STAGES - 1) * size :]
                 for j in range(size):
                     fresh[j] = stage[j] + f[j]
                     scale = absolute[j] + relative * max(abs(y[j]), abs(fresh[j]))
@@ -235,7 +236,9 @@ def _steps(
         steps += 1
         after = stop if lands else t + part * h
         due = due_by(outputs, next_output, after)
-        for j in range(size if part < 1.0 or tangent is not None else kept):
+        # Nothing looks at the dense output of a whole step within which nothing is due.
+        looked_at = size if part < 1.0 or tangent is not None else kept if due > next_output else 0
+        for j in range(looked_at):
             if j != 1:
                 bends(K, size, j, dense)
         if due > next_output:
@@ -260,7 +263,7 @@ def _steps(
                 for k in range(n):
                     z[k] = states[head + k, o]
                 if delay > 0.0:
-                    past_speed(history, oldest, newest, at - delay, start[1], past)
+                    past_speed(history, oldest, newest, at - delay, start[1], False, past)
                 for j in range(size):
                     stage[j] = states[j, o]
                 axis_forces(
@@ -278,7 +281,7 @@ def _steps(
                 outcome = TOO_MANY_STEPS
                 break
             k = newest & (history.shape[0] - 1)
-            history[k, 0], history[k, 1], history[k, 2], history[k, 3] = t, h, y[1], fresh[1]
+            history[k, 0], history[k, 1], history[k, 2], history[k, 3] = t, over_h, y[1], fresh[1]
             history[k, 4], history[k, 5], history[k, 6] = dense[1, 0], dense[1, 1], dense[1, 2]
             newest += 1
         for j in range(size):
@@ -326,7 +329,7 @@ def _integrate(
     axis, laws, z, elements = np.zeros(NAXIS), np.zeros(3 * OUT + OUT), np.zeros(m), np.zeros((m, 8))
     work = (
         start.copy(), np.zeros(size), np.zeros(size), np.zeros(size), z, np.zeros(STAGES * size), np.zeros((size, 3)),
-        np.zeros(size), np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)),
+        np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)),
         np.zeros((m, 4)), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros((NWORK, 4)), np.zeros(m), np.zeros(4),
         np.zeros(4), np.zeros(3),
     )  # fmt: skip

@@ -185,7 +185,7 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
         kernel = kernels.effect_kernel(effect, p)
         kept.append(kernel)
         row = (kernel.address, table.ctypes.data)
-        sees_lag = delay > 0.0 and friction and "velocity" in kernels.carried(effect)
+        sees_lag = delay > 0.0 and any(kernels.depends_on(effect, law, "velocity") for law in ("level", "factor"))
         if sees_lag and force:
             rows += [(*row, FRICTION, 1), (*row, FORCE, 0)]
         else:

@@ -11,7 +11,7 @@ from sim.compilation import compile_function
 from sim.stage_sums import bends
 
 HISTORY = 7
-"""Numbers kept of a step to look back on: start, length, velocity at both ends, dense output of the velocity."""
+"""Numbers kept of a step to look back on: start, 1/length, velocity at both ends, dense output of the velocity."""
 PAST_STEPS = 1 << 17
 """Steps kept to look back on, of a lag; more in one lag are too many. A power of two: places in the ring are masked."""
 _SOURCES = [str(module.__file__) for module in (rodas5p, axis_rates_module, stage_sums)]
@@ -25,8 +25,8 @@ def _at_part(part, before, after, d0, d1, d2):
 at_part: Any = compile_function(_at_part, inline="always")
 
 
-def _past_speed(history, oldest, newest, t, start_velocity, found):
-    """Speed and its rate at a past time `t`, from the dense outputs kept; found = [speed, rate, entry]."""
+def _past_speed(history, oldest, newest, t, start_velocity, rated, found):
+    """Speed at a past time `t`, from the dense outputs kept, and its rate if `rated`; found = [speed, rate, entry]."""
     k, ring = oldest, history.shape[0] - 1
     if newest == 0 or t <= history[oldest & ring, 0]:
         found[0], found[1], found[2] = abs(start_velocity), 0.0, oldest
@@ -34,15 +34,16 @@ def _past_speed(history, oldest, newest, t, start_velocity, found):
     while k + 1 < newest and history[(k + 1) & ring, 0] <= t:
         k += 1
     at = k & ring
-    h = history[at, 1]
-    part = (t - history[at, 0]) / h
+    over_h = history[at, 1]
+    part = (t - history[at, 0]) * over_h
     v0, v1, d0, d1, d2 = history[at, 2], history[at, 3], history[at, 4], history[at, 5], history[at, 6]
     v = at_part(part, v0, v1, d0, d1, d2)
-    bend = d0 + part * (d1 + part * d2)
-    rate = (v1 - v0 + (1.0 - 2.0 * part) * bend + part * (1.0 - part) * (d1 + 2.0 * part * d2)) / h
     found[0] = abs(v)
-    found[1] = rate if v >= 0.0 else -rate
     found[2] = k
+    if rated:
+        bend = d0 + part * (d1 + part * d2)
+        rate = (v1 - v0 + (1.0 - 2.0 * part) * bend + part * (1.0 - part) * (d1 + 2.0 * part * d2)) * over_h
+        found[1] = rate if v >= 0.0 else -rate
 
 
 past_speed: Any = compile_function(_past_speed, _SOURCES, _nrt=False)

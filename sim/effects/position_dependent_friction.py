@@ -14,8 +14,16 @@ def _factor(axis: Axis, p: Any) -> Any:
     return 1.0 + p.amplitude * np.sin(2.0 * np.pi * axis.position / p.pitch + p.phase)
 
 
+def _factor_position(axis: Axis, p: Any) -> Any:
+    return p.amplitude * 2.0 * np.pi / p.pitch * np.cos(2.0 * np.pi * axis.position / p.pitch + p.phase)
+
+
 def _gradient_factor(axis: Axis, p: Any) -> Any:
     return 1.0 + p.gradient * axis.position
+
+
+def _gradient_factor_position(axis: Axis, p: Any) -> Any:
+    return p.gradient + 0.0 * axis.position
 
 
 _SINE = Effect(
@@ -42,6 +50,7 @@ _SINE = Effect(
         Parameter("phase", "rad", 0.0, -50.0, 50.0, "angle at x = 0", "full circle", role="phase"),
     ),
     factor=_factor,
+    slopes={"factor.position": _factor_position},
 )
 
 _GRADIENT = replace(
@@ -53,6 +62,7 @@ _GRADIENT = replace(
         Parameter("gradient", "1/m", 1.0, -1e6, 1e6, "relative change of the level per length", "either sign"),
     ),
     factor=_gradient_factor,
+    slopes={"factor.position": _gradient_factor_position},
 )
 
 EFFECT = replace(_SINE, variants=(_GRADIENT,))

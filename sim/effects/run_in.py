@@ -13,6 +13,10 @@ def _factor(axis: Axis, p: Any) -> Any:
     return 1.0 + p.excess * np.exp(-axis.travelled / p.distance)
 
 
+def _factor_travelled(axis: Axis, p: Any) -> Any:
+    return -p.excess / p.distance * np.exp(-axis.travelled / p.distance)
+
+
 EFFECT = Effect(
     name="run_in",
     meaning="the friction level settles with the distance slid",
@@ -36,4 +40,5 @@ EFFECT = Effect(
         ),
     ),
     factor=_factor,
+    slopes={"factor.travelled": _factor_travelled},
 )
