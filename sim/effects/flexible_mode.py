@@ -46,7 +46,16 @@ _SMOOTH = Effect(
             role="shape",
             scan=Scan("sample", 0.004, 0.4, 48),
         ),
-        Parameter("damping", "1", 0.05, 1e-3, 0.9, "damping ratio", "bolted structures: 0.01-0.1", role="shape"),
+        Parameter(
+            "damping",
+            "1",
+            0.05,
+            1e-3,
+            0.35,
+            "damping ratio: beyond it hardly rings",
+            "bolted structures: 0.01-0.1",
+            role="shape",
+        ),
         Parameter(
             "mass_ratio",
             "1",
