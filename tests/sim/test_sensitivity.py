@@ -19,7 +19,8 @@ LAWS = [
     for base in library().values()
     for effect in (base, *base.variants)
     for law in ("level", "factor", "force")
-    if getattr(effect, law) is not None and not (law == "force" and effect.element is not None)
+    if getattr(effect, law) is not None
+    and not (law == "force" and effect.element is not None)
     # A law that needs a whole record is not simulated, and has no derivative in a simulation.
     and (kernels.unsupported(effect) is None or effect.acts_on == "piezo")
 ]
