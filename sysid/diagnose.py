@@ -164,7 +164,8 @@ def judge(
     clear = case.form == "output" or over >= CLEARLY_ABOVE
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
     of_starts = _of_turns(best) or best.family in AT_STARTS
-    nothing_above = over <= NOTHING_ABOVE and ranking_error(base.residual) <= 1.0
+    at_noise = over <= NOTHING_ABOVE and ranking_error(base.residual) <= 1.0
+    nothing_above = case.form == "force_balance" and at_noise
     if over <= enough and (nothing_above or share < 0.5 or (of_starts and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
@@ -214,7 +215,7 @@ NOISE_ALONE = 1.1
 """Ranking error, in deviations, from which an effect has left nothing but noise: no accident of timing does that."""
 
 NOTHING_ABOVE = 1.1
-"""Error over noise up to which, with a ranking error within the noise too, no gain is one on anything but noise."""
+"""Error over noise of a force balance up to which, with a ranking error within the noise too, a gain is of noise."""
 
 ADEQUATE_OVER_NOISE = {"output": 1.15, "force_balance": 1.35}
 """Robust error over noise up to which a model is adequate, by form: the noise itself is known to no better, and a force
