@@ -163,14 +163,14 @@ def judge(
     share = explained_share(base, best)
     clear = case.form == "output" or over >= CLEARLY_ABOVE
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
-    of_starts = _of_turns(best) or best.family in AT_STARTS
+    of_starts = _of_turns(case, best) or best.family in AT_STARTS
     at_noise = over <= NOTHING_ABOVE and ranking_error(base.residual) <= 1.0
     nothing_above = case.form == "force_balance" and at_noise
     if over <= enough and (nothing_above or share < 0.5 or (of_starts and not to_the_noise)):
         return done("adequate", None, (), 0.0, "what is left is noise; no effect is worth its parameters")
     patterned = pattern >= LEAST_PATTERN or persistence(case, base) >= LEAST_PERSISTENCE
     within_timing = not patterned or ranking_error(base.residual) <= 1.0
-    if case.form == "force_balance" and _of_turns(best) and within_timing and not to_the_noise:
+    if case.form == "force_balance" and _of_turns(case, best) and within_timing and not to_the_noise:
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if after <= NEARLY_NOISE:
         return done("missing-effect", best, ties, left, "explains what can be explained")
@@ -192,7 +192,7 @@ def judge(
             return done("missing-effect", best, ties, left, f"explains its share; {other} explains the rest")
     remaining = _pattern_of(case, base, best.candidate.fitted.model)
     part = max(share, 1.0 - left)
-    turn_like = case.form == "force_balance" and _of_turns(best)
+    turn_like = case.form == "force_balance" and _of_turns(case, best)
     took_the_pattern = part >= SHARE_WITH_THE_PATTERN and pattern >= LEAST_PATTERN > remaining and not turn_like
     if took_the_pattern or (part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT):
         return done(
@@ -228,8 +228,6 @@ AT_REVERSALS = (
     "backlash",
     "drive_lag",
     "drive_delay",
-    "sensor_lag",
-    "sensor_delay",
 )
 """Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
 
@@ -271,9 +269,11 @@ LEAST_GAIN = 0.03
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
 
 
-def _of_turns(trial: Trial) -> bool:
+def _of_turns(case: Case, trial: Trial) -> bool:
     """Whether a small error in the time of the turns would look like this effect."""
-    return trial.family in AT_REVERSALS and trial.share_at_rest < AT_REST
+    # On a driven mass a late sensor of its motion is a late drive.
+    late = case.kind == "force-drive" and trial.family in ("sensor_lag", "sensor_delay")
+    return (late or trial.family in AT_REVERSALS) and trial.share_at_rest < AT_REST
 
 
 def _left(before: float, after: float) -> float:
