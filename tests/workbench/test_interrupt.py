@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -58,9 +59,12 @@ def test_an_interrupt_of_side_by_side_runs_ends_their_processes(tmp_path):
         while _children(started.pid) < 3 and time.monotonic() < deadline:
             time.sleep(0.1)
         time.sleep(0.5)
-        os.killpg(started.pid, signal.SIGINT)
-        # A compilation that has begun, on a machine that never ran the program, is not cut short.
-        error = started.communicate(timeout=240)[1]
+        # Python may lose an interrupt that falls into a callback of its own: who waits in vain presses again.
+        for _ in range(4):
+            os.killpg(started.pid, signal.SIGINT)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                error = started.communicate(timeout=30)[1]
+                break
     finally:
         if started.poll() is None:
             os.killpg(started.pid, signal.SIGKILL)
