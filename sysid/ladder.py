@@ -11,7 +11,7 @@ from typing import Any
 from sim.library import find
 from stagecad.parameters.errors import InputError, nearest
 from sysid.base_fit import Fitted, fit_model
-from sysid.candidate_list import candidates_of
+from sysid.candidate_list import candidates_of, shows_on
 from sysid.candidates import target_of, try_effect
 from sysid.case import Case, load_case, make_case
 from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, open_laws
@@ -134,6 +134,9 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     if ":" not in name and "@" not in name:
         family = [c for c in candidates_of(case, present, all_effects=True) if base_name(c.name) == effect.name]
         options = family or options
+    if not options and effect.core is not None and ":" in name and shows_on(case, effect):
+        # Laws that a diagnosis does not try, since another of the family holds them, can be asked for.
+        options = [effect]
     if not options:
         can = sorted({base_name(c.name) for c in candidates_of(case, present, all_effects=True)})
         raise InputError(
