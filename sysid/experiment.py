@@ -71,6 +71,28 @@ class Experiment:
     sha256: str
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where an experiment lies: its folder and its file, whatever the file says."""
+
+    folder: Path
+    path: Path
+
+
+def find_experiment(path: str | Path) -> Place:
+    """The place of an experiment whose file is TOML, and need not be a valid experiment.
+
+    Args:
+        path: the folder, or its `experiment.toml`.
+
+    Raises:
+        InputError: no such file, or no TOML.
+    """
+    file = _experiment_file(Path(path))
+    read_toml(file, shown_path(str(file)))
+    return Place(file.parent, file)
+
+
 def load_experiment(path: str | Path, design: DesignValues | None = None) -> Experiment:
     """Read an experiment.
 

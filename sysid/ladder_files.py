@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
@@ -29,6 +29,16 @@ from sysid.model_table import grown_model, json_data, model_hash, model_of, with
 SCHEMA = 1
 LOCK_SECONDS = 10.0
 _RUNG = re.compile(r"(\d{3,})\.json")
+
+
+class Placed(Protocol):
+    """What the ladder needs of an experiment: where it lies."""
+
+    @property
+    def folder(self) -> Path: ...
+
+    @property
+    def path(self) -> Path: ...
 
 
 @dataclass(frozen=True)
@@ -54,7 +64,7 @@ class Rung:
 
 
 @contextmanager
-def ladder_lock(experiment: Experiment, timeout: float = LOCK_SECONDS) -> Iterator[None]:
+def ladder_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[None]:
     """Keep other runs from writing to the experiment; may be taken again by whoever holds it.
 
     Raises:
@@ -64,7 +74,7 @@ def ladder_lock(experiment: Experiment, timeout: float = LOCK_SECONDS) -> Iterat
         yield
 
 
-def read_ladder(experiment: Experiment) -> list[Rung]:
+def read_ladder(experiment: Placed) -> list[Rung]:
     """The rungs from 000 up; empty where nothing was added yet. Writes nothing.
 
     Raises:
@@ -77,7 +87,7 @@ def read_ladder(experiment: Experiment) -> list[Rung]:
     return rungs if _stands(experiment, rungs[-1]) else rungs[:-1]
 
 
-def edited_by_hand(experiment: Experiment, rungs: Sequence[Rung]) -> bool:
+def edited_by_hand(experiment: Placed, rungs: Sequence[Rung]) -> bool:
     """Whether `[model]` says something else than the last rung."""
     return bool(rungs) and model_hash(model_of(_current_text(experiment))) != model_hash(rungs[-1].model)
 
@@ -134,8 +144,12 @@ def append_rung(
         return rung
 
 
-def undo(experiment: Experiment, timeout: float = LOCK_SECONDS) -> tuple[Rung, Path]:
+def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Rung, Path]:
     """Go back to the rung before the last; the last one is kept in `ladder/undone/`.
+
+    Args:
+        experiment: where it lies: a `[model]` edited by hand may be one that cannot be loaded.
+        timeout: s to wait for another run.
 
     Returns:
         The rung restored, and where the undone one lies now.
@@ -167,7 +181,7 @@ def undo(experiment: Experiment, timeout: float = LOCK_SECONDS) -> tuple[Rung, P
         return before, kept
 
 
-def _current_text(experiment: Experiment) -> str:
+def _current_text(experiment: Placed) -> str:
     try:
         return experiment.path.read_bytes().decode("utf-8-sig")
     except OSError as error:
@@ -212,7 +226,7 @@ def _read_rung(path: Path) -> Rung:
 
 
 def _write_rung(
-    experiment: Experiment,
+    experiment: Placed,
     number: int,
     model: Mapping[str, Any],
     document: Mapping[str, Any],
@@ -240,7 +254,7 @@ def _pending_path(folder: Path) -> Path:
     return folder / "ladder" / "pending.json"
 
 
-def _note_pending(experiment: Experiment, operation: str, number: int) -> None:
+def _note_pending(experiment: Placed, operation: str, number: int) -> None:
     note = json.dumps({"operation": operation, "rung": number}).encode()
     atomic_write_bytes(_pending_path(experiment.folder), note)
 
@@ -253,12 +267,12 @@ def _pending(folder: Path) -> dict[str, Any] | None:
         return None
 
 
-def _stands(experiment: Experiment, rung: Rung) -> bool:
+def _stands(experiment: Placed, rung: Rung) -> bool:
     """Whether `experiment.toml` holds the model of `rung`, which a stopped run was about to write or to undo."""
     return model_hash(model_of(_current_text(experiment))) == model_hash(rung.model)
 
 
-def _recover(experiment: Experiment) -> None:
+def _recover(experiment: Placed) -> None:
     """Bring a change that was stopped half way to one side or the other."""
     folder = experiment.folder
     pending = _pending(folder)

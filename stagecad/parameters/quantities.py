@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
-from difflib import SequenceMatcher
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.unit_names import nearest_symbol
 
 BASES = ("m", "kg", "s", "A", "K", "rad")
 Dimension = tuple[Fraction, ...]
@@ -139,14 +139,6 @@ def _plain(text: str) -> str:
     return text.replace("°C", "degC").replace("°", "deg").replace("Ω", "ohm").replace("Ω", "ohm").translate(_LOOKALIKES)
 
 
-def _nearest_symbol(symbol: str) -> str:
-    def likeness(known: str) -> tuple[float, float, str]:
-        folded = SequenceMatcher(None, symbol.lower(), known.lower()).ratio()
-        return folded, SequenceMatcher(None, symbol, known).ratio(), known
-
-    return max(SYMBOLS, key=likeness)
-
-
 @cache
 def _unit(unit: str) -> tuple[float, Dimension]:
     """Size in SI and dimension of a unit.
@@ -164,7 +156,7 @@ def _unit(unit: str) -> tuple[float, Dimension]:
         symbol = match["symbol"]
         if symbol != "1":
             if symbol not in SYMBOLS:
-                raise InputError(f"unknown unit symbol '{symbol}'; did you mean '{_nearest_symbol(symbol)}'?")
+                raise InputError(f"unknown unit symbol '{symbol}'; did you mean '{nearest_symbol(symbol, SYMBOLS)}'?")
             try:
                 power = sign * Fraction(match["power"] or "1")
                 factor, exponents = SYMBOLS[symbol]

@@ -14,7 +14,7 @@ import pytest
 
 import sysid.ladder_files as ladder
 from stagecad.parameters.errors import InputError
-from sysid.experiment import Experiment, load_experiment
+from sysid.experiment import Experiment, find_experiment, load_experiment
 from sysid.ladder_files import append_rung, edited_by_hand, ladder_lock, read_ladder, undo
 
 TEXT = """# my rig, spring no. 3
@@ -129,6 +129,21 @@ def test_undo_refuses_after_an_edit_by_hand_and_add_keeps_that_model(tmp_path):
     _add(load_experiment(tmp_path), "constant_bias")
     rungs = read_ladder(load_experiment(tmp_path))
     assert len(rungs) == 4 and rungs[2].document["edited_by_hand"] and "cable_spring" in rungs[2].effects
+
+
+def test_undo_says_so_where_the_model_edited_by_hand_is_no_valid_one(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck", starts={"stribeck.velocity": (0.002, "m/s")})
+    edited = "\n".join(line for line in experiment.path.read_text().splitlines() if line.strip(" ,") != '"stribeck"')
+    experiment.path.write_text(edited)
+    with pytest.raises(InputError, match=r"stribeck\.velocity"):
+        load_experiment(tmp_path)
+    with pytest.raises(InputError, match=r"\[model\] was edited by hand since rung 001"):
+        undo(find_experiment(tmp_path))
+    assert experiment.path.read_text() == edited
+    experiment.path.write_text(edited + "[model\n")
+    with pytest.raises(InputError, match=r"experiment\.toml: "):
+        undo(find_experiment(tmp_path))
 
 
 def test_a_comment_or_another_order_of_keys_is_no_edit(tmp_path):

@@ -50,11 +50,10 @@ def command(
 
 
 def _undo(run: Run, experiment: Path) -> None:
-    from sysid.experiment import load_experiment
+    from sysid.experiment import find_experiment
     from sysid.ladder_files import undo
-    from workbench.design_values import design_values
 
-    rung, kept = undo(load_experiment(experiment, design_values(run)))
+    rung, kept = undo(find_experiment(experiment))
     effects_now = ", ".join(rung.effects) or "no effects"
     run.say(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
     run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
