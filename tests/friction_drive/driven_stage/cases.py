@@ -13,6 +13,7 @@ from .voltages import MOTIONS
 
 SAMPLE = 5e-4
 NOISE = 2e-9
+PADS_LOAD = 30.0
 
 Change = dict[str, float]
 Draw = Callable[[np.random.Generator], Change]
@@ -118,6 +119,41 @@ HIDDEN: dict[str, Hidden] = {
         ("magnetic_cogging",),
     ),
     "cable_spring": Hidden(lambda r: {"spring": _between(3e4, 3e5)(r)}, ("cable_spring",), AT_ONE_PLACE),
+    "piezo_hysteresis_of_plays": Hidden(
+        lambda r: {"loop": r.uniform(0.08, 0.3), "loop_width": r.uniform(6, 30)}, ("piezo_hysteresis",)
+    ),
+    "bristle_damping": Hidden(
+        lambda r: {"bristle_damping": _between(100.0, 600.0)(r)}, ("bristle_damping",), ("lean",),
+        ("presliding",), {"presliding": 1e-6},
+    ),
+    "frictional_lag": Hidden(
+        lambda r: {"memory": _between(5e-3, 2e-2)(r)}, ("frictional_lag",), ("lean",), ("coulomb", "stribeck"),
+        {"stribeck": 1.0, "stribeck_velocity": 1e-4},
+    ),
+    "dwell_strengthening": Hidden(
+        lambda r: {"dwell": r.uniform(0.3, 1.0), "dwell_time": _between(0.01, 0.05)(r)}, ("dwell_strengthening",),
+        ("rests",),
+    ),
+    "load_dependent_friction": Hidden(
+        lambda r: {"pads_unloaded": r.uniform(0.7, 1.0), "record.load": 1.0}, ("load_dependent_friction",),
+        AT_ONE_PLACE,
+    ),
+    "temperature_dependent_friction": Hidden(
+        lambda r: {"warmth": _between(0.02, 0.08)(r), "record.temperature": 1.0},
+        ("temperature_dependent_friction",), AT_ONE_PLACE,
+    ),
+    "nothing_recorded_besides": Hidden(
+        lambda r: {"record.load": 1.0, "record.temperature": 1.0}, (), AT_ONE_PLACE
+    ),
+    "run_in": Hidden(
+        lambda r: {"run_in": r.uniform(0.3, 1.0), "run_in_distance": _between(2e-5, 8e-5)(r)}, ("run_in",),
+        AT_ONE_PLACE,
+    ),
+    "quadratic_drag": Hidden(lambda r: {"quadratic": _between(2e6, 2e7)(r)}, ("quadratic_drag",), AT_ONE_PLACE),
+    "constant_bias": Hidden(
+        lambda r: {"bias_force": _sign(r) * r.uniform(0.1, 0.5)}, ("constant_bias", "direction_asymmetry")
+    ),
+    "sensor_delay": Hidden(lambda r: {"sensor.delay": _between(5e-4, 5e-3)(r)}, ("drive_delay", "sensor_delay")),
     "UNKNOWN_slew": Hidden(lambda r: {"slew": r.uniform(1200.0, 2000.0)}, ("unexplained",), AT_ONE_PLACE),
     "UNKNOWN_event": Hidden(
         lambda r: {"time.event": _sign(r) * r.uniform(1e-7, 4e-7)}, ("unexplained",), AT_ONE_PLACE
@@ -137,6 +173,10 @@ def _sensed(x: np.ndarray, change: Change, random: np.random.Generator) -> np.nd
             state += (value - state) * (1.0 - np.exp(-SAMPLE / lag))
             out[i] = state
         x = out
+    late = change.get("sensor.delay", 0.0) / SAMPLE
+    if late > 0.0:
+        rows = np.arange(x.size)
+        x = np.interp(rows - late, rows, x)
     span = float(np.max(np.abs(x)))
     bend = change.get("sensor.bend", 0.0)
     x = x + bend * x * (x / span) ** 2 + change.get("sensor.drift", 0.0) * (np.arange(x.size) / x.size) ** 0.8
@@ -181,9 +221,17 @@ def write_case(
     for role in ("fit", "validate"):
         time = np.arange(rows) * SAMPLE
         first, second = MOTIONS[kind](random, time)
-        x = _sensed(motion(truth, SAMPLE, first, second, np.zeros(rows)), change, random)
-        table = np.column_stack([time, first, second, x])
-        header = "time [s],voltage_1 [V],voltage_2 [V],position [m]"
+        columns = {"time [s]": time, "voltage_1 [V]": first, "voltage_2 [V]": second}
+        load, warm = np.ones(rows), np.zeros(rows)
+        if "record.load" in change:
+            load = 1.0 + 0.35 * np.sin(2 * np.pi * random.uniform(1.0, 2.5) * time + random.uniform(0, 6))
+            columns["normal_load [N]"] = PADS_LOAD * load
+        if "record.temperature" in change:
+            warm = 12.0 * (1.0 - np.exp(-time / (0.4 * time[-1])))
+            columns["temperature [degC]"] = 21.0 + warm
+        x = _sensed(motion(truth, SAMPLE, first, second, np.zeros(rows), load, warm), change, random)
+        table = np.column_stack([*columns.values(), x])
+        header = ",".join([*columns, "position [m]"])
         np.savetxt(folder / f"{role}.csv", table, delimiter=",", header=header, comments="", fmt="%.10g")
         entries.append(f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n')
     lines = [

@@ -9,14 +9,18 @@ from numba import njit
 
 STEP = 5e-6
 SPACING, HEIGHT, BIAS = 0.046, 0.02, 75.0
+LOOPS = 40
+LOOP_SUM = float(np.sum(np.exp(-(np.arange(LOOPS) + 0.5) / 10.0)))
 
 
 class Truth(NamedTuple):
     """SI units, voltages in V; zero switches a law off.
 
     `slip` is what the contact holds at rest and at the bias, N, zero for a contact that never slips; it goes with the
-    load to `load_exponent`. `press` is how far the tip is pressed in at the bias. Parts (`hysteresis`, `creep`,
-    `mismatch`, `contact_asymmetry`, `wave`, `asymmetry`, `ring_share`) are of one.
+    load to `load_exponent`. `press` is how far the tip is pressed in at the bias. Parts (`hysteresis`, `loop`, `creep`,
+    `mismatch`, `contact_asymmetry`, `wave`, `asymmetry`, `ring_share`, `run_in`, `pads_unloaded`) are of one.
+    `memory` is how late (s) the pads' Stribeck level knows of the speed; `dwell` (N) grows as a rest goes on, in times
+    of `dwell_time`, and is gone after `dwell_distance`; `warmth` is by what the pads lose per kelvin.
     """
 
     mass: float = 3.0
@@ -46,11 +50,22 @@ class Truth(NamedTuple):
     spring: float = 0.0
     bias_force: float = 0.0
     pads_unloaded: float = 0.0
+    bristle_damping: float = 0.0
+    memory: float = 0.0
+    dwell: float = 0.0
+    dwell_time: float = 0.02
+    dwell_distance: float = 2e-7
+    run_in: float = 0.0
+    run_in_distance: float = 2e-5
+    quadratic: float = 0.0
+    warmth: float = 0.0
     drive_lag: float = 0.0
     drive_delay: float = 0.0
     slew: float = 0.0
     hysteresis: float = 0.0
     hysteresis_width: float = 15.0
+    loop: float = 0.0
+    loop_width: float = 15.0
     creep: float = 0.0
     creep_time: float = 0.3
     mismatch: float = 0.0
@@ -67,6 +82,7 @@ def _stack(volts, sample, per, p, second):
     lagging, loop, slewing = volts[0], 0.0, volts[0]
     before = volts[0]
     slow = np.full(3, volts[0])
+    yielding = np.zeros(LOOPS)
     late = round(p.drive_delay / sample * per)
     h = sample / per
     gain = p.gain * (1.0 + p.mismatch) if second else p.gain
@@ -88,6 +104,12 @@ def _stack(volts, sample, per, p, second):
         # Duhem: the loop grows with the voltage, and forgets by the path.
         loop += du - abs(du) * loop / p.hysteresis_width
         stretch = u - p.hysteresis * loop
+        if p.loop > 0.0:
+            # Elements of dry friction, each with a place of its own at which it yields: the same way back as forth.
+            for k in range(yielding.size):
+                most = p.loop_width * (k + 0.5) / 10.0
+                yielding[k] = min(max(yielding[k] + du, -most), most)
+                stretch -= p.loop * np.exp(-(k + 0.5) / 10.0) / LOOP_SUM * yielding[k]
         for k in range(3):
             slow[k] += (u - slow[k]) * h / (p.creep_time * (0.2, 1.0, 6.0)[k])
             stretch += p.creep * (0.4, 0.35, 0.25)[k] * slow[k]
@@ -100,7 +122,7 @@ def _stack(volts, sample, per, p, second):
 
 
 @njit(cache=True)
-def _move(one, two, per, h, p, push, out):
+def _move(one, two, per, h, p, push, load_of_pads, warm, out):
     x, v = 0.0, 0.0
     lever = HEIGHT / SPACING
     tip_before = -lever * (two[0] - one[0])
@@ -111,6 +133,7 @@ def _move(one, two, per, h, p, push, out):
     for k in range(elements):
         widths[k] = 0.15 * 1.6**k
     held = 0.0
+    remembered, rested, aged, path = 0.0, 0.0, 0.0, 0.0
     for i in range(one.size):
         tip = -lever * (two[i] - one[i])
         load = max(1.0 + 0.5 * (one[i] + two[i]) / p.press, 0.0)
@@ -143,17 +166,37 @@ def _move(one, two, per, h, p, push, out):
                 force = min(max(trial + p.damping * sliding, -most), most)
                 held = min(max(trial, -most), most)
             force += p.contact_viscous * sliding
-        level = p.pads + p.stribeck / (1.0 + (v / p.stribeck_velocity) ** 2)
+        known = v
+        if p.memory > 0.0:
+            remembered += (v - remembered) * (1.0 - np.exp(-h / p.memory))
+            known = remembered
+        level = p.pads + p.stribeck / (1.0 + (known / p.stribeck_velocity) ** 2)
+        if p.dwell > 0.0:
+            if v == 0.0:
+                rested += h
+                aged = max(aged, p.dwell * rested / (rested + p.dwell_time))
+            else:
+                rested = 0.0
+                aged *= max(1.0 - 2.0 * abs(v) * h / p.dwell_distance, 0.0)
+            level += aged
+        if p.run_in > 0.0:
+            path += abs(v) * h
+            level *= 1.0 + p.run_in / (1.0 + path / p.run_in_distance) ** 2
+        level *= np.exp(-p.warmth * warm[i // per])
         level *= 1.0 + p.asymmetry * (1.0 if v > 0.0 else -1.0)
         level *= 1.0 + p.wave * np.sin(2.0 * np.pi * x / p.wave_pitch + p.wave_phase)
-        level *= 1.0 - p.pads_unloaded * (load - 1.0)
-        other = p.viscous * v + p.cogging * np.sin(2.0 * np.pi * x / p.cogging_pitch + p.cogging_phase)
+        if p.pads_unloaded > 0.0:
+            level *= max(load_of_pads[i // per], 0.0) ** p.pads_unloaded
+        other = p.viscous * v + p.quadratic * v * abs(v)
+        other += p.cogging * np.sin(2.0 * np.pi * x / p.cogging_pitch + p.cogging_phase)
         other += p.spring * x + p.bias_force + push[i // per]
         if p.presliding > 0.0:
             friction = 0.0
             for k in range(elements):
                 reach = widths[k] * p.presliding
                 friction += level * pads[k] / reach / elements
+                if p.bristle_damping > 0.0 and abs(pads[k]) < reach:
+                    friction += p.bristle_damping / elements * v
             v += h * (force - other - friction) / p.mass
             for k in range(elements):
                 reach = widths[k] * p.presliding
@@ -168,11 +211,20 @@ def _move(one, two, per, h, p, push, out):
             out[i // per] = x
 
 
-def motion(truth: Truth, sample: float, first: np.ndarray, second: np.ndarray, push: np.ndarray) -> np.ndarray:
-    """Position (n,) of the stage, m, under two voltages (V) linear between samples, and a push (N) against it."""
+def motion(
+    truth: Truth,
+    sample: float,
+    first: np.ndarray,
+    second: np.ndarray,
+    push: np.ndarray,
+    load: np.ndarray,
+    warm: np.ndarray,
+) -> np.ndarray:
+    """Position (n,) of the stage, m, under two voltages (V) linear between samples, a push (N) against it, the pads'
+    load over its mean, and how much warmer (K) they are than at first."""
     per = max(1, round(sample / STEP))
     one = _stack(first - BIAS, sample, per, truth, False)
     two = _stack(second - BIAS, sample, per, truth, True)
     out = np.zeros(first.size)
-    _move(one, two, per, sample / per, truth, push, out)
+    _move(one, two, per, sample / per, truth, push, load, warm, out)
     return out

@@ -1,4 +1,4 @@
-"""Voltages of a friction drive: leaning, leaning while the tip rises and falls, stepping, and sawteeth."""
+"""Voltages of a friction drive: leaning, leaning while the tip rises and falls, stepping, resting, and sawteeth."""
 
 from __future__ import annotations
 
@@ -48,6 +48,18 @@ def walk(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray, np.
     return BIAS + up - side, BIAS + up + side
 
 
+def rests(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Leans to one place after another, with rests of many lengths between."""
+    side = np.zeros(time.size)
+    start, at = 0.1, 0.0
+    while start < time[-1]:
+        to, move = random.uniform(-40.0, 40.0), random.uniform(0.01, 0.06)
+        on = time >= start
+        side[on] = at + (to - at) * np.clip((time[on] - start) / move, 0.0, 1.0)
+        at, start = to, start + move + float(np.exp(random.uniform(np.log(0.003), np.log(0.3))))
+    return BIAS - side, BIAS + side
+
+
 def sawtooth(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Slow one way and quick the other: the stage stays behind the quick stroke."""
     side = np.zeros(time.size)
@@ -64,4 +76,4 @@ def sawtooth(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray,
     return BIAS - side, BIAS + side
 
 
-MOTIONS = {"lean": lean, "lift": lift, "walk": walk, "sawtooth": sawtooth}
+MOTIONS = {"lean": lean, "lift": lift, "walk": walk, "rests": rests, "sawtooth": sawtooth}
