@@ -5,6 +5,8 @@ Imported only inside the laws that need them, since importing numba takes longer
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sim.compilation import compiled
@@ -28,26 +30,39 @@ def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np
     return out
 
 
-@compiled
 def resonance(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """Response of y'' + 2 d w y' + w^2 y = w^2 u, w = 2 pi frequency, exact for an input linear between samples.
 
     Started at rest on the first sample.
     """
-    n = signal.size
-    out = np.empty(n)
-    w = 2.0 * np.pi * frequency
-    wd = w * np.sqrt(1.0 - damping * damping)
-    e = np.exp(-damping * w * step)
-    c, s = np.cos(wd * step), np.sin(wd * step)
-    # Transition of (error, rate of error) about the particular solution u - 2 d / w * u'.
-    a11, a12 = e * (c + damping * w / wd * s), e * s / wd
-    a21, a22 = -e * w * w / wd * s, e * (c - damping * w / wd * s)
+    late = 2.0 * damping / (2.0 * math.pi * frequency)
+    return _ringing(signal, step, late, _transition(step, frequency, damping))
+
+
+def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
+    """The same for an input that is held from each row to the next, as a converter holds a voltage."""
+    return _ringing_of_steps(signal, _transition(step, frequency, damping))
+
+
+def _transition(step: float, frequency: float, damping: float) -> tuple[float, float, float, float]:
+    """What a resonance left alone makes of (y, y') in one step, row by row."""
+    w = 2.0 * math.pi * frequency
+    wd = w * math.sqrt(1.0 - damping * damping)
+    e = math.exp(-damping * w * step)
+    c, s = math.cos(wd * step), math.sin(wd * step)
+    return e * (c + damping * w / wd * s), e * s / wd, -e * w * w / wd * s, e * (c - damping * w / wd * s)
+
+
+@compiled
+def _ringing(signal: np.ndarray, step: float, late: float, transition: tuple[float, float, float, float]) -> np.ndarray:
+    """Steps of (error, its rate) about the particular solution u - late * u'."""
+    a11, a12, a21, a22 = transition
+    out = np.empty(signal.size)
     y, rate = signal[0], 0.0
     out[0] = y
-    for i in range(1, n):
+    for i in range(1, signal.size):
         slope = (signal[i] - signal[i - 1]) / step
-        lag = 2.0 * damping / w * slope
+        lag = late * slope
         error = y - (signal[i - 1] - lag)
         error_rate = rate - slope
         y = signal[i] - lag + a11 * error + a12 * error_rate
@@ -57,19 +72,13 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
 
 
 @compiled
-def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
-    """The same for an input that is held from each row to the next, as a converter holds a voltage."""
-    n = signal.size
-    out = np.empty(n)
-    w = 2.0 * np.pi * frequency
-    wd = w * np.sqrt(1.0 - damping * damping)
-    e = np.exp(-damping * w * step)
-    c, s = np.cos(wd * step), np.sin(wd * step)
-    a11, a12 = e * (c + damping * w / wd * s), e * s / wd
-    a21, a22 = -e * w * w / wd * s, e * (c - damping * w / wd * s)
+def _ringing_of_steps(signal: np.ndarray, transition: tuple[float, float, float, float]) -> np.ndarray:
+    """Steps of (error, its rate) about the value held."""
+    a11, a12, a21, a22 = transition
+    out = np.empty(signal.size)
     y, rate = signal[0], 0.0
     out[0] = y
-    for i in range(1, n):
+    for i in range(1, signal.size):
         error = y - signal[i - 1]
         y, rate = signal[i - 1] + a11 * error + a12 * rate, a21 * error + a22 * rate
         out[i] = y

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from sim.cores.core import Core
-from sim.cores.maxwell_slip import level, sum_of_stops
+from sim.cores.maxwell_slip import along_springs, level
 from sim.effect import Effect, Parameter, Scan
 
 ELEMENTS = 10
@@ -75,10 +75,7 @@ def shares_of(stretches: np.ndarray, curve: np.ndarray) -> np.ndarray:
 
 
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
-    """Friction (n,) along a measured motion: the level times a weighted sum of stop operators, exact per step."""
-    stretches, weights = springs(p)
-    dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    return sum_of_stops(dx, np.ascontiguousarray(level, dtype=float), stretches, weights)
+    return along_springs(position, level, *springs(p))
 
 
 def scale(p: Any) -> float:

@@ -84,11 +84,14 @@ def elements_of(stretch: float, curvature: float) -> tuple[np.ndarray, np.ndarra
     return stretch * knots[1:], weights
 
 
-def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+def along_springs(position: np.ndarray, level: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Friction (n,) along a measured motion: the level times a weighted sum of stop operators, exact per step."""
-    stretches, weights = springs(p)
     dx = np.diff(np.ascontiguousarray(position, dtype=float))
     return sum_of_stops(dx, np.ascontiguousarray(level, dtype=float), stretches, weights)
+
+
+def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+    return along_springs(position, level, *springs(p))
 
 
 def springs(p: Any) -> tuple[np.ndarray, np.ndarray]:
