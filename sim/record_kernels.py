@@ -177,17 +177,29 @@ def strengthened(
 
 
 @compiled
-def bouc_wen(signal: np.ndarray, width: float, shape: float) -> np.ndarray:
-    """Bouc-Wen hysteresis h driven by `signal`: dh = du (1 - |h/width|^shape) while loading, du while unloading."""
+def bouc_wen(signal: np.ndarray, width: float, turning: float) -> np.ndarray:
+    """Bouc-Wen hysteresis h driven by `signal`: dh = du - (turning |du| h + (1 - turning) du |h|) / width.
+
+    While loading dh = du (1 - |h|/width), while unloading dh = du (1 + (2 turning - 1) |h|/width); either is solved
+    exactly along a straight piece of the signal.
+    """
     out = np.empty(signal.size)
     h = 0.0
     out[0] = 0.0
+    back = (2.0 * turning - 1.0) / width
     for i in range(1, signal.size):
         du = signal[i] - signal[i - 1]
-        substeps = 1 + int(abs(du) / (0.2 * width))
-        for _ in range(substeps):
-            ratio = min(1.0, abs(h) / width) ** shape
-            same = 1.0 if h * du > 0 else -1.0
-            h += du / substeps * (1.0 - ratio * 0.5 * (1.0 + same))
+        side, path = (1.0 if du > 0.0 else -1.0), abs(du)
+        down = -side * h
+        if down > 0.0:
+            # Unloading, to zero at the most: the magnitude's fall per path is 1 + back * magnitude.
+            to_zero = np.log1p(back * down) / back if abs(back) > 1e-12 else down
+            gone = min(path, to_zero)
+            faded = np.exp(-back * gone)
+            left = down * faded - ((1.0 - faded) / back if abs(back) > 1e-12 else gone)
+            h = -side * max(left, 0.0)
+            path -= gone
+        if path > 0.0:
+            h = side * (width + (side * h - width) * np.exp(-path / width))
         out[i] = h
     return out

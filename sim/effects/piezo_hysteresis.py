@@ -40,7 +40,7 @@ def _free_plays(signal: Any, step: float, p: Any) -> Any:
 def _bouc_wen(signal: Any, step: float, p: Any) -> Any:
     from sim.record_kernels import bouc_wen
 
-    return signal - p.strength * bouc_wen(np.ascontiguousarray(signal), p.width, 1.0)
+    return signal - p.strength * bouc_wen(np.ascontiguousarray(signal), p.width, p.turning)
 
 
 _PLAY = Effect(
@@ -73,9 +73,22 @@ _BOUC_WEN = replace(
     _PLAY,
     name="piezo_hysteresis:bouc_wen",
     meaning="the stretch of a piezo lags behind its voltage (Bouc-Wen)",
-    equation="d = u - strength * h;  dh = du (1 - |h|/width) loading, du unloading",
-    source="Low and Guo, IEEE Trans. UFFC 42 (1995) 230",
-    parameters=_PLAY.parameters[:2],
+    equation="d = u - strength * h;  dh = du - (turning |du| h + (1 - turning) du |h|)/width",
+    source="Low and Guo, J. Microelectromech. Syst. 4 (1995) 230, beta = turning/width, gamma = (1 - turning)/width; "
+    "for Duhem's law Banning et al., Automatica 37 (2001) 1883",
+    parameters=(
+        *_PLAY.parameters[:2],
+        Parameter(
+            "turning",
+            "1",
+            0.5,
+            0.5,
+            1.5,
+            "how fast the loop forgets on the way back",
+            "0.5: straight back; 1: Duhem's (Dahl's) law, which forgets as fast either way; takes energy from 0.5 on",
+            role="shape",
+        ),
+    ),
     signal=_bouc_wen,
 )
 
