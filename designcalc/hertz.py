@@ -172,7 +172,7 @@ def point_contact(
     Source: Johnson, Contact Mechanics (1985), section 4.2(c).
     """
     force, e_star = np.asarray(load, float), np.asarray(modulus, float)
-    _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N")
+    _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N, and finite")
     _require(np.all(e_star > 0), "modulus", "must be above 0 Pa")
     small, large = relative_curvatures(
         radius_1,
@@ -241,7 +241,7 @@ def line_contact(
     Source: Johnson (1985), eq. 4.43 to 4.45.
     """
     force, span, e_star = (np.asarray(v, float) for v in (load, length, modulus))
-    _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N")
+    _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N, and finite")
     _require(np.all(span > 0), "length", "must be above 0 m")
     _require(np.all(e_star > 0), "modulus", "must be above 0 Pa")
     curvature = 1 / np.asarray(radius_1, float) + 1 / np.asarray(radius_2, float)

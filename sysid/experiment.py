@@ -151,21 +151,22 @@ def _experiment_file(path: Path) -> Path:
         if path.is_dir():
             file = path / "experiment.toml"
             if not file.is_file():
-                others = [other.name for other in path.glob("*.toml")]
-                raise InputError(
-                    f"{name}: has no experiment.toml{nearest('experiment.toml', others) if others else ''}"
-                )
+                raise InputError(f"{name}: has no experiment.toml{_meant('experiment.toml', path)}")
             return file
         if path.is_file():
             return path
-        folder = path.parent
-        beside = [other.name for other in folder.iterdir()] if folder.is_dir() else []
+        meant = _meant(path.name, path.parent)
     except InputError:
         raise
     except (OSError, ValueError) as error:
         raise InputError(f"{name}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    near = nearest(path.name, beside) if beside else ""
-    raise InputError(f"{name}: no such folder or file{near if 'did you mean' in near else ''}")
+    raise InputError(f"{name}: no such folder or file{meant}")
+
+
+def _meant(name: str, folder: Path) -> str:
+    """Ending of a message that names what lies in `folder` under nearly this name; empty where nothing does."""
+    near = nearest(name, [other.name for other in folder.iterdir()]) if folder.is_dir() else ""
+    return near if "did you mean" in near else ""
 
 
 def _check_schema(top: TomlTable) -> None:

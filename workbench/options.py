@@ -128,6 +128,10 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     def wrapper(
         params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
     ) -> Any:
-        return function(Run(params, overrides, out, json_target), **rest)
+        run = Run(params, overrides, out, json_target)
+        if params is not None or overrides:
+            # A mistake in them is one for every command, also for one that asks the design for little or nothing.
+            _ = run.design
+        return function(run, **rest)
 
     return wrapper

@@ -30,14 +30,21 @@ def moving_mass(run: Run, given: str | None) -> float:
     """
     if given is None:
         return run.design.friction.mass
-    if given != "design":
-        from stagecad.parameters.quantities import parse_quantity
+    return design_mass(run) if given == "design" else mass_given(given)
 
-        mass = parse_quantity(given, "kg", "--mass")
-        if not 0.0 < mass < float("inf"):
-            raise InputError(f"--mass {given}: must be positive and finite")
-        return mass
-    return design_mass(run)
+
+def mass_given(text: str) -> float:
+    """Mass written as a quantity, kg.
+
+    Raises:
+        InputError: no mass, or none above zero.
+    """
+    from stagecad.parameters.quantities import parse_quantity
+
+    mass = parse_quantity(text, "kg", "--mass")
+    if not 0.0 < mass < float("inf"):
+        raise InputError(f"--mass {text}: must be positive and finite")
+    return mass
 
 
 def design_mass(run: Run) -> float:

@@ -54,7 +54,10 @@ def read_range(text: str, design: Design) -> Range:
     parts = [part.strip().strip("\"'").strip() for part in rest.split(":")]
     if not equals or len(parts) not in (2, 3) or not all(parts):
         raise InputError(f"--sweep '{text}': write KEY=LOW:HIGH or KEY=LOW:HIGH:N, like stage.thickness=8mm:20mm:13")
-    entry = design.entry(key)
+    try:
+        entry = design.entry(key)
+    except InputError as error:
+        raise InputError(f"--sweep '{text}': {error}") from None
     if isinstance(entry.value, str | bool):
         raise InputError(f"--sweep '{text}': {key} = '{entry.text}' is no number")
     low, high = (from_si(parse_quantity(part, entry.unit, f"--sweep {key}"), entry.unit) for part in parts[:2])
@@ -70,7 +73,6 @@ def read_range(text: str, design: Design) -> Range:
     values = [float(f"{v:.12g}") for v in np.linspace(low, high, count)]
     if isinstance(entry.value, int):
         values = [float(v) for v in dict.fromkeys(round(v) for v in values)]
-        return Range(key, entry.unit, tuple(values))
     return Range(key, entry.unit, tuple(values))
 
 

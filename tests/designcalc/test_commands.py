@@ -161,7 +161,7 @@ def test_calc_takes_its_defaults_from_the_design(capsys):
     "words, message",
     [
         (("hertx",), "no calculator 'hertx'; did you mean 'hertz'?"),
-        (("hertz", "--laod", "3 N"), "no option '--laod'; did you mean 'load'?"),
+        (("hertz", "--laod", "3 N"), "no option '--laod'; did you mean '--load'?"),
         (("hertz", "--load"), "--load needs a value"),
         (("hertz", "--load", "3"), "--load: '3' has no unit"),
         (("hertz", "--load", "3 m"), "wrong dimension"),

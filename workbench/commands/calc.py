@@ -53,6 +53,7 @@ def command(run: Run, name: str, arguments: tuple[str, ...]) -> None:
 def _written(name: str, calculator: Calculator, arguments: Sequence[str]) -> dict[str, str]:
     """The options as written: key (with underscores) to text."""
     known = [*calculator.options, *calculator.words]
+    options = ["--" + key.replace("_", "-") for key in known]
     written: dict[str, str] = {}
     words = list(arguments)
     while words:
@@ -62,7 +63,7 @@ def _written(name: str, calculator: Calculator, arguments: Sequence[str]) -> dic
         flag, equals, value = word[2:].partition("=")
         key = flag.replace("-", "_")
         if key not in known:
-            raise InputError(f"calc {name}: no option '--{flag}'{nearest(flag, [k.replace('_', '-') for k in known])}")
+            raise InputError(f"calc {name}: no option '--{flag}'{nearest('--' + flag, options)}")
         if not equals:
             if not words:
                 raise InputError(f"calc {name}: --{flag} needs a value")

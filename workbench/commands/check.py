@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
@@ -45,6 +46,8 @@ def command(
     from designcalc.checks.sweep import read_range
     from workbench.check_report import write_check_files
 
+    if scheduler is not None and swept is None and not tolerance:
+        raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
     design = run.design
     wanted = read_range(swept, design) if swept is not None else None
     weighed = weighed_solids(run) if solids else None

@@ -11,7 +11,7 @@ import click
 from stagecad.parameters.errors import InputError, nearest
 from workbench.feature_text import feature_text
 from workbench.options import Run, common_options
-from workbench.simulation_inputs import moving_mass
+from workbench.simulation_inputs import mass_given, moving_mass
 from workbench.simulation_jobs import Job, features_document
 from workbench.simulation_sweep import Wanted
 
@@ -88,6 +88,8 @@ def command(
     for study in studies:
         if study not in STUDIES:
             raise InputError(f"--study {study}: no such study of the stage{nearest(study, STUDIES)}")
+    if mass is not None and mass != "design":
+        mass_given(mass)
     wanted = tuple(name for name in (*EXPERIMENTS, *EXTRA) if name in names) if names else EXPERIMENTS
     if studies and "stage" not in wanted:
         raise InputError("--study: only the experiment 'stage' has studies; name it")
