@@ -21,6 +21,11 @@ CONSTANTS = (
     (diagnose, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
     (diagnose, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
     (diagnose, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),
+    (
+        diagnose,
+        "BENT",
+        "share of what is left, over the coordinate of an effect with one law, that tells of another law",
+    ),
     (diagnose, "SHARE_OF_A_PART", "share from which an effect is missing beside others, if it leaves little pattern"),
     (diagnose, "LEAST_PATTERN_LEFT", "that little: share of what is left that some coordinate explains"),
     (diagnose, "SHARE_WITH_THE_PATTERN", "the same for an effect that leaves no pattern at all"),

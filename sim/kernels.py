@@ -115,6 +115,8 @@ def unsupported(effect: Effect) -> str | None:
         return None
     if effect.memory is not None and not any(takes(effect)):
         return "changes the motion along a whole record, and has no law at one instant"
+    if effect.signal is not None and effect.acts_on == "drive":
+        return "depends on the rows of a record, which a simulation in time does not have"
     if effect.signal is not None and effect.acts_on != "sensor":
         return f"acts on the signal of a {effect.acts_on}, which one axis does not have; see: stagecad simulate stage"
     if effect.signal is not None:

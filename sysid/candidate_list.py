@@ -83,7 +83,8 @@ def shows_on(case: Case, effect: Effect) -> bool:
         return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
     if isinstance(records[0], FrictionDriveRecord):
         return can_show(records[0], effect)
-    if acts == "piezo" or effect.name == "flexible_mode:of_steps":
+    if acts == "piezo" or effect.name.endswith(":of_steps"):
+        # Steps of a voltage ring and lag; what is measured elsewhere has no steps to speak of.
         return False
     if effect.core is not None and effect.core.name == "free_maxwell_slip":
         # So many shares take a motion that is known, not one that is measured.

@@ -174,12 +174,14 @@ def judge(
         return done("adequate", None, (), 0.0, "what is left follows no coordinate: the timing of the axis's turns")
     if after <= NEARLY_NOISE:
         return done("missing-effect", best, ties, left, "explains what can be explained")
+    enough_alone = share >= SHARE_ENOUGH or 1.0 - left >= VARIANCE_ENOUGH
+    bent = enough_alone and _bent(case, base, best)
     pair, first = _beside(case, base, search, best, best_of_family)
     if first is not best:
         best, ties = first, ()
         share = explained_share(base, best)
         left = _left(over, excess(*_misfits(case, best)))
-    elif share >= SHARE_ENOUGH or 1.0 - left >= VARIANCE_ENOUGH:
+    elif enough_alone and not bent:
         return done("missing-effect", best, ties, left, "explains what can be explained")
     if pair is not None:
         other = next(name for name in pair.names if name != best.family)
@@ -188,7 +190,8 @@ def judge(
         pattern_left = _pattern_of(case, base, pair.model)
         quiet = rest >= SHARE_ENOUGH and pattern_left < LEAST_PATTERN_LEFT
         silent = rest >= SHARE_OF_A_PART and pattern >= LEAST_PATTERN > pattern_left
-        if quiet or silent or rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO:
+        much = not bent and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)
+        if quiet or silent or much:
             return done("missing-effect", best, ties, left, f"explains its share; {other} explains the rest")
     remaining = _pattern_of(case, base, best.candidate.fitted.model)
     part = max(share, 1.0 - left)
@@ -198,6 +201,12 @@ def judge(
         return done(
             "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
         )
+    if bent:
+        return done(
+            "unexplained", None, (), left,
+            f"{best.family} takes {100 * part:.0f} % of the misfit, but what it leaves still follows "
+            f"{' and '.join(best.candidate.effect.coordinates)}: the law is another than its own",
+        )  # fmt: skip
     return done(
         "unexplained", None, (), 1.0 - max(share, 0.0),
         f"the best effect, {best.family}, takes only {100 * share:.0f} % of the misfit, and no second one the rest",
@@ -249,6 +258,10 @@ effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at th
 
 VARIANCE_ENOUGH = 0.93
 """The same in the robust variance, which a few rough samples do not weigh down: 0.95 and more, against 0.86."""
+
+BENT = 0.4
+"""Share of what an effect with one law leaves from which its own coordinate tells that the law is another: a spring
+that is not straight leaves 0.45 and more over its position (generated records)."""
 
 SHARE_OF_A_PART = 0.55
 LEAST_PATTERN_LEFT = 0.3
@@ -338,11 +351,21 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
     return tuple(names), best
 
 
-def _pattern_of(case: Case, base: BaseFit, model: Model) -> float:
-    """Largest share of a model's residual that one coordinate explains."""
+def _pattern_of(case: Case, base: BaseFit, model: Model, coordinates: Sequence[str] = ()) -> float:
+    """Largest share of a model's residual that one coordinate explains, of all or of some."""
     weights = base.fitted.weights
     maps = residual_maps(model, case.fit_records, weights, case.validate_records, base.weights)
-    return max((m.share for m in maps), default=0.0)
+    return max((m.share for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
+
+
+def _bent(case: Case, base: BaseFit, trial: Trial) -> bool:
+    """Whether an effect of one straight law leaves a residual that still follows the coordinate it is a law of."""
+    effect = trial.candidate.effect
+    one_law = effect.coordinates and not effect.variants and all(p.role != "shape" for p in effect.parameters)
+    if not one_law or effect.acts_on == "sensor":
+        return False
+    model = trial.candidate.fitted.model
+    return _pattern_of(case, base, model, effect.coordinates) >= BENT
 
 
 def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> list[Trial]:

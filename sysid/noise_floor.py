@@ -16,7 +16,7 @@ Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinm
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -37,6 +37,10 @@ better than 80 dB from sample to sample."""
 
 LEAST = 1e-9
 """Noise over the largest value below which there is none: what rounding to nine digits leaves."""
+
+
+UNEVEN = 2.5
+"""How many times stronger the noise of a record may be than where its input stands still, and yet be the same noise."""
 
 
 @dataclass(frozen=True)
@@ -201,10 +205,16 @@ def _quiet(records: Sequence[Record], channel: str, overall: Colour, quantum: fl
     if sum(piece.size for piece in pieces) < 1000:
         return None
     colour = colour_of(pieces, quantum, flat=True)
-    # Where neighbours differ otherwise than in the whole record, the stretches do not hold the same noise.
-    if colour is None or colour.filtered or not 0.6 * overall.white < colour.white < 1.25 * overall.white:
+    if colour is None or colour.filtered:
         return None
-    return colour
+    uneven = overall.white / max(colour.white, 1e-300)
+    if 0.8 < uneven < 1.0 / 0.6:
+        return colour
+    if 1.0 / UNEVEN < uneven < UNEVEN:
+        # Noise of one colour that is stronger at some times: its size is that of the whole record.
+        return replace(colour, value=uneven * colour.value, white=overall.white)
+    # Where neighbours differ far otherwise than in the whole record, the stretches do not hold the same noise.
+    return None
 
 
 def _inputs(record: Record) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from sim.effect import Effect, Parameter, Scan
@@ -14,7 +15,13 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
     return first_order_lag(signal, step, p.time_constant)
 
 
-EFFECT = Effect(
+def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
+    from sim.sampled_lag import lag_of_steps
+
+    return lag_of_steps(signal, step, p.time_constant, p.early)
+
+
+_SMOOTH = Effect(
     name="drive_lag",
     meaning="the drive follows its command with a first-order lag",
     equation="y' = (u - y) / time_constant",
@@ -38,3 +45,29 @@ EFFECT = Effect(
     signal=_signal,
     in_time=lambda p: DriveLag(p.time_constant),
 )
+
+_OF_STEPS = replace(
+    _SMOOTH,
+    name="drive_lag:of_steps",
+    meaning="the drive follows, with a first-order lag, a command that goes in steps from row to row",
+    equation="as drive_lag; u is held, and goes from a row's value to the next the part `early` of a step before it",
+    source="Astrom and Wittenmark, Computer-Controlled Systems (1997), sec. 2.3 (delay of a part of a step)",
+    parameters=(
+        *_SMOOTH.parameters,
+        Parameter(
+            "early",
+            "1",
+            0.5,
+            0.0,
+            1.0,
+            "part of a step from the change of the input to the row that shows its value; a digital filter has 1",
+            "a part of a step",
+            role="shape",
+            scan=Scan("one", 0.1, 0.9, 2, "linear"),
+        ),
+    ),
+    signal=_signal_of_steps,
+    in_time=None,
+)
+
+EFFECT = replace(_SMOOTH, variants=(_OF_STEPS,))

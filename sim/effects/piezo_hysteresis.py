@@ -13,34 +13,51 @@ PLAYS = 6
 _THRESHOLDS = np.linspace(0.1, 1.0, 8)
 
 
+def _with_the_way_to_it(signal: Any, settled: float) -> Any:
+    """The signal (n,) after one row more: the voltage at which the piezo rested before it was brought to the first."""
+    return np.concatenate([[settled * signal[0]], signal])
+
+
 def _prandtl_ishlinskii(signal: Any, step: float, p: Any) -> Any:
     from sim.record_kernels import play
 
     weights = _THRESHOLDS**p.shape
     weights = weights / weights.sum()
-    signal = np.ascontiguousarray(signal)
-    lost = np.zeros_like(signal)
+    path = _with_the_way_to_it(signal, p.settled)
+    lost = np.zeros_like(path)
     for threshold, weight in zip(_THRESHOLDS, weights, strict=True):
         # A play less the straight line it would follow, so that the mean gain stays with the base model.
-        lost += weight * (play(signal, threshold * p.width) - signal)
-    return signal + p.strength * lost
+        lost += weight * (play(path, threshold * p.width) - path)
+    return signal + p.strength * lost[1:]
 
 
 def _free_plays(signal: Any, step: float, p: Any) -> Any:
     from sim.record_kernels import play
 
-    signal = np.ascontiguousarray(signal)
-    out = np.array(signal)
+    path = _with_the_way_to_it(signal, p.settled)
+    out = np.array(path)
     for k, weight in enumerate((p.play_1, p.play_2, p.play_3, p.play_4, p.play_5, p.play_6)):
         if weight != 0.0:
-            out += weight * (play(signal, (k + 1) / PLAYS * p.width) - signal)
-    return out
+            out += weight * (play(path, (k + 1) / PLAYS * p.width) - path)
+    return out[1:]
 
 
 def _bouc_wen(signal: Any, step: float, p: Any) -> Any:
     from sim.record_kernels import bouc_wen
 
-    return signal - p.strength * bouc_wen(np.ascontiguousarray(signal), p.width, p.turning)
+    return signal - p.strength * bouc_wen(_with_the_way_to_it(signal, p.settled), p.width, p.turning)[1:]
+
+
+_SETTLED = Parameter(
+    "settled",
+    "1",
+    1.0,
+    0.0,
+    1.0,
+    "part of the first voltage, from bias, at which the piezo rested before: 1 at the first voltage itself, 0 at bias",
+    "what was before the first row is not on record",
+    role="shape",
+)
 
 
 _PLAY = Effect(
@@ -65,6 +82,7 @@ _PLAY = Effect(
             scan=Scan("input", 0.05, 0.8, 5),
         ),
         Parameter("shape", "1", 0.0, -2.0, 3.0, "how the plays are spread over the width", "0: evenly", role="shape"),
+        _SETTLED,
     ),
     signal=_prandtl_ishlinskii,
 )
@@ -88,6 +106,7 @@ _BOUC_WEN = replace(
             "0.5: straight back; 1: Duhem's (Dahl's) law, which forgets as fast either way; takes energy from 0.5 on",
             role="shape",
         ),
+        _SETTLED,
     ),
     signal=_bouc_wen,
 )
@@ -104,6 +123,7 @@ _FREE = replace(
             for k in range(PLAYS)
         ),
         _PLAY.parameters[1],
+        _SETTLED,
     ),
     signal=_free_plays,
 )
