@@ -7,7 +7,7 @@ from typing import Any
 
 from sim import kernel_calls
 from sim.compilation import compile_function
-from sim.kernel_calls import call_effect, call_elements
+from sim.kernel_calls import call_effect, call_elements, call_model
 
 BY = 5
 """Slopes are by position, velocity, travelled, contact age, time: a kernel's columns 1 to 5 of `OUT`."""
@@ -18,17 +18,16 @@ FRICTION, FORCE = 1, 2
 
 
 def _axis_forces(
-    t, y, z, head, direction, lagged, lagged_rate, slopes, base, effects, groups, cores, beside, at, axis, laws,
-    elements, out, slope,
+    t, y, head, direction, lagged, lagged_rate, slopes, base, effects, groups, cores, beside, axis, laws, elements, out,
+    slope,
 ):  # fmt: skip
     """Level and forces at one instant of a motion in `direction`.
 
     base = [level, factor, force, load, temperature] with what never changes; effects[i] = [kernel, its parameters, what
     is taken of it, whether it sees the lagged speed]; groups[i] = [kernel, its parameters, first element, elements], of
-    which the first is the core, with `cores` elements, and `beside` more follow; at = addresses of axis, laws, z and
-    elements. out = [level, force of the core, of the effects, of elements beside the core]. Slopes by (position,
-    velocity, travelled, age, time): of the level, of the core's and of the other elements' force at constant states, of
-    the effects' force.
+    which the first is the core, with `cores` elements, and `beside` more follow. out = [level, force of the core, of
+    the effects, of elements beside the core]. Slopes by (position, velocity, travelled, age, time): of the level, of
+    the core's and of the other elements' force at constant states, of the effects' force.
     """
     x, v = y[0], y[1]
     axis[0], axis[1], axis[2] = t, x, v
@@ -53,7 +52,7 @@ def _axis_forces(
                 laws[j] = 0.0
         if effects[i, 3]:
             axis[2] = direction * lagged
-        call_effect(effects[i, 0], at[0], effects[i, 1], at[1], slopes)
+        call_effect(effects[i, 0], axis, effects[i, 1], laws, 0, slopes)
         if effects[i, 3]:
             axis[2] = v
             if slopes:
@@ -79,7 +78,7 @@ def _axis_forces(
             slope[0, j] = slope[0, j] * factor + level * laws[own + j]
     core_force, others = 0.0, 0.0
     if cores > 0:
-        call_elements(groups[0, 0], at[2], v, direction, g, groups[0, 1], at[3], cores, slopes)
+        call_elements(groups[0, 0], y, head, v, direction, g, groups[0, 1], elements, 0, cores, slopes)
         for k in range(cores):
             core_force += elements[k, 1]
             if slopes:
@@ -88,9 +87,7 @@ def _axis_forces(
                 slope[1, 1] += elements[k, 6]
     for i in range(1, 1 + beside):
         first, count = groups[i, 2], groups[i, 3]
-        call_elements(
-            groups[i, 0], at[2] + 8 * first, v, direction, g, groups[i, 1], at[3] + 64 * first, count, slopes,
-        )  # fmt: skip
+        call_elements(groups[i, 0], y, head + first, v, direction, g, groups[i, 1], elements, 8 * first, count, slopes)
         for k in range(first, first + count):
             others += elements[k, 1]
             if slopes:
@@ -101,3 +98,19 @@ def _axis_forces(
 
 
 axis_forces: Any = compile_function(_axis_forces, [kernel_calls.__file__], inline="always")
+
+
+def _values_at(
+    t, y, head, direction, lagged, base, effects, groups, at_once, cores, beside, axis, laws, elements, out, slope
+):
+    """The same without slopes: by one kernel of the whole model, where there is one: at_once = [kernel, parameters]."""
+    if at_once[0] != 0:
+        call_model(at_once[0], t, y, direction, lagged, base, at_once[1], elements, out)
+    else:
+        axis_forces(
+            t, y, head, direction, lagged, 0.0, 0, base, effects, groups, cores, beside, axis, laws, elements, out,
+            slope,
+        )  # fmt: skip
+
+
+values_at: Any = compile_function(_values_at, [kernel_calls.__file__], inline="always")

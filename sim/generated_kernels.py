@@ -73,9 +73,16 @@ def kernel(axis, p, out, slopes):
 """
 
 
-def _values_text(effect: Effect, held: bool) -> str:
-    """The parameters for a kernel: read from its table, or, of those held at their defaults, written in as numbers."""
-    return ", ".join(repr(float(p.default)) if held and p.fixed else f"q[{i}]" for i, p in enumerate(effect.parameters))
+LAW_OPTIONS = "error_model='numpy', no_cpython_wrapper=True, no_cfunc_wrapper=True"
+"""How a law is compiled within its kernel: nothing calls it from outside, and wrappers take as long as the law."""
+
+
+def values_text(effect: Effect, held: bool, first: int = 0) -> str:
+    """The parameters for a kernel: read from its table `q` from `first` on, or, of those held at their defaults,
+    written in as numbers."""
+    return ", ".join(
+        repr(float(p.default)) if held and p.fixed else f"q[{first + i}]" for i, p in enumerate(effect.parameters)
+    )
 
 
 def _effect_text(effect: Effect, held: bool, slopes: SlopePlan) -> str:
@@ -83,14 +90,14 @@ def _effect_text(effect: Effect, held: bool, slopes: SlopePlan) -> str:
     fields = list(Axis._fields)
     for i, law in enumerate(LAWS):
         if getattr(effect, law) is not None:
-            functions.append(f"{law} = njit(error_model='numpy')(EFFECT.{law})")
+            functions.append(f"{law} = njit({LAW_OPTIONS})(EFFECT.{law})")
             lines.append(f"    r[{i * OUT}] = {law}(here, values)")
         else:
             lines.append(f"    r[{i * OUT}] = {1.0 if law == 'factor' else 0.0}")
     for i, column, kind in slopes:
         law, by = LAWS[i], BY[column - 1]
         if kind == "declared":
-            functions.append(f"{law}_{by} = njit(error_model='numpy')(EFFECT.slopes['{law}.{by}'])")
+            functions.append(f"{law}_{by} = njit({LAW_OPTIONS})(EFFECT.slopes['{law}.{by}'])")
             sloped.append(f"        r[{i * OUT + column}] = {law}_{by}(here, values)")
         else:
             step = f"({DIFFERENCE[by]!r} * (1.0 + abs(here.{by})))"
@@ -110,7 +117,7 @@ def _effect_text(effect: Effect, held: bool, slopes: SlopePlan) -> str:
         size=max(len(effect.parameters), 1),
         out=len(LAWS) * OUT,
         here=", ".join(f"a[{i}]" for i in range(len(fields))),
-        values=_values_text(effect, held),
+        values=values_text(effect, held),
         lines="\n".join(lines),
     )
 
@@ -144,8 +151,8 @@ from sim.library import find
 
 EFFECT = find({name!r})
 Values = EFFECT.values_type
-law = njit(error_model='numpy')((EFFECT.core or EFFECT.element).law)
-element_slopes = njit(error_model='numpy')((EFFECT.core or EFFECT.element).slopes)
+law = njit({options})((EFFECT.core or EFFECT.element).law)
+element_slopes = njit({options})((EFFECT.core or EFFECT.element).slopes)
 
 
 def kernel(z, v, direction, g, p, out, n, slopes):
@@ -168,7 +175,9 @@ def compile_core(effect: Effect) -> Kernel | None:
 
     core: Core = effect.core or effect.element
     size = len(effect.parameters)
-    text = _CORE_TEXT.format(name=effect.name, size=max(size, 1), values=", ".join(f"q[{i}]" for i in range(size)))
+    text = _CORE_TEXT.format(
+        name=effect.name, size=max(size, 1), values=values_text(effect, held=False), options=LAW_OPTIONS
+    )
     files = source_files([core.law, core.slopes])
     pointer = types.CPointer(types.double)
     signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)

@@ -27,7 +27,7 @@ from sim import stage_sums as stage_sums_module
 from sim import step_output as step_output_module
 from sim import tangent_step as tangent_step_module
 from sim.arrowhead import NWORK, assemble, factorise, solve
-from sim.axis_forces import BY, NAXIS, OUT, axis_forces
+from sim.axis_forces import BY, NAXIS, OUT, axis_forces, values_at
 from sim.axis_rates import drive_at, right_side
 from sim.compilation import compile_function
 from sim.rodas5p import GAMMA, STAGES, TIME, TIME_SLOPE
@@ -49,14 +49,14 @@ DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 
 
 def _steps(
-    start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, base, relative, absolute, longest,
-    most_steps, states, forces, report, work, addresses, history, tangent,
+    start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, at_once, base, relative, absolute,
+    longest, most_steps, states, forces, report, work, history, tangent,
 ):  # fmt: skip
     """All of the integration, in arrays that are given: `work` as `_integrate` makes it. Compiled without counting of
     references, which would cost more than the arithmetic; and once more for the plain axis, `shape` None, whose sizes
     are then known while it is compiled."""
     (
-        y, fresh, stage, earlier, z, K, dense, f_start, ft, axis, laws, elements, here, slope, by_head, own, into,
+        y, fresh, stage, earlier, K, dense, f_start, ft, axis, laws, elements, here, slope, by_head, own, into,
         ratio, work_head, work_z, row, effective, past,
     ) = work  # fmt: skip
     spring, memory_length = body[1], body[3]
@@ -109,8 +109,6 @@ def _steps(
             lands = True
 
         # Right side and Jacobian at the start of the step.
-        for k in range(n):
-            z[k] = y[head + k]
         v = y[1]
         s_here, s_rate = drive_at(t, knots, values, rates, wave, segment)
         zone, edge = 1.0, 0.0
@@ -127,8 +125,8 @@ def _steps(
         push, reaction = 0.0, 0.0
         for turn in range(2):
             axis_forces(
-                t, y, z, head, direction, past[0], past[1], 1, base, effects, groups, cores, beside, addresses, axis,
-                laws, elements, here, slope,
+                t, y, head, direction, past[0], past[1], 1, base, effects, groups, cores, beside, axis, laws, elements,
+                here, slope,
             )  # fmt: skip
             push, reaction = right_side(
                 t, y, direction, head, n, riders, drive_lag, here, elements, modes, body, knots, values, rates, wave,
@@ -164,13 +162,11 @@ def _steps(
                 else:
                     at = t + TIME[i] * h
                     stage_sums(i, size, y, K, over_h, stage, earlier)
-                    for k in range(n):
-                        z[k] = stage[head + k]
                     if delay > 0.0:
                         past_speed(history, oldest, newest, at - delay, start[1], False, past)
-                    axis_forces(
-                        at, stage, z, head, direction, past[0], past[1], 0, base, effects, groups, cores, beside,
-                        addresses, axis, laws, elements, here, slope,
+                    values_at(
+                        at, stage, head, direction, past[0], base, effects, groups, at_once, cores, beside, axis, laws,
+                        elements, here, slope,
                     )  # fmt: skip
                     right_side(
                         at, stage, direction, head, n, riders, drive_lag, here, elements, modes, body, knots, values,
@@ -251,8 +247,8 @@ def _steps(
             inside = due > next_output and outputs[next_output] < after
             advance(
                 part, (t, h, y, fresh, dense, direction), (head, n, cores, beside),
-                (knots, values, rates, wave, segment), body, (base, effects, groups, addresses), tangent,
-                (axis, laws, elements, here, slope, stage, z), row, by_head, into, own, past, ratio, effective, inside,
+                (knots, values, rates, wave, segment), body, (base, effects, groups), tangent,
+                (axis, laws, elements, here, slope, stage), row, by_head, into, own, past, ratio, effective, inside,
                 error < EASY * EASY,
             )  # fmt: skip
             if due > next_output:
@@ -260,15 +256,13 @@ def _steps(
         if forces.shape[0] > 0:
             for o in range(next_output, due):
                 at = outputs[o]
-                for k in range(n):
-                    z[k] = states[head + k, o]
                 if delay > 0.0:
                     past_speed(history, oldest, newest, at - delay, start[1], False, past)
                 for j in range(size):
                     stage[j] = states[j, o]
-                axis_forces(
-                    at, stage, z, head, direction, past[0], past[1], 0, base, effects, groups, cores, beside, addresses,
-                    axis, laws, elements, here, slope,
+                values_at(
+                    at, stage, head, direction, past[0], base, effects, groups, at_once, cores, beside, axis, laws,
+                    elements, here, slope,
                 )  # fmt: skip
                 s_here, _ = drive_at(at, knots, values, rates, wave, segment)
                 pull = states[lag_at, o] if drive_lag > 0.0 else s_here
@@ -321,23 +315,21 @@ _compiled_steps = compile_function(_steps, _SOURCES, _nrt=False, fastmath={"cont
 
 
 def _integrate(
-    start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, base, relative, absolute, longest,
-    most_steps, states, forces, report, tangent,
+    start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, at_once, base, relative, absolute,
+    longest, most_steps, states, forces, report, tangent,
 ):  # fmt: skip
     """Integrate from the first to the last of `outputs`; see `sim.plan` for what the arrays hold."""
     size, m = start.size, max(start.size - 2, 1)
-    axis, laws, z, elements = np.zeros(NAXIS), np.zeros(3 * OUT + OUT), np.zeros(m), np.zeros((m, 8))
+    axis, laws, elements = np.zeros(NAXIS), np.zeros(3 * OUT + OUT), np.zeros((m, 8))
     work = (
-        start.copy(), np.zeros(size), np.zeros(size), np.zeros(size), z, np.zeros(STAGES * size), np.zeros((size, 3)),
-        np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)),
-        np.zeros((m, 4)), np.zeros(m), np.zeros(m), np.zeros(m), np.zeros((NWORK, 4)), np.zeros(m), np.zeros(4),
-        np.zeros(4), np.zeros(3),
+        start.copy(), np.zeros(size), np.zeros(size), np.zeros(size), np.zeros(STAGES * size), np.zeros((size, 3)),
+        np.zeros(size), np.zeros(size), axis, laws, elements, np.zeros(4), np.zeros((4, BY)), np.zeros((m, 4)),
+        np.zeros(m), np.zeros(m), np.zeros(m), np.zeros((NWORK, 4)), np.zeros(m), np.zeros(4), np.zeros(4), np.zeros(3),
     )  # fmt: skip
-    addresses = (axis.ctypes.data, laws.ctypes.data, z.ctypes.data, elements.ctypes.data)
     history = np.empty((PAST_STEPS if body[6] > 0.0 else 1, HISTORY))
     _compiled_steps(
-        start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, base, relative, absolute,
-        longest, most_steps, states, forces, report, work, addresses, history, tangent,
+        start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, at_once, base, relative,
+        absolute, longest, most_steps, states, forces, report, work, history, tangent,
     )  # fmt: skip
 
 

@@ -166,6 +166,12 @@ def _compiled_core(name: str) -> Kernel | None:
     return compile_core(find(name))
 
 
+def is_held(effect: Effect, p: Any) -> bool:
+    """Whether every parameter that is held has its default."""
+    fixed = [q for q in effect.parameters if q.fixed]
+    return bool(fixed) and all(getattr(p, q.name) == q.default for q in fixed)
+
+
 def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
     """The kernel of one effect; see the head of this file for its signature.
 
@@ -173,9 +179,7 @@ def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
     square is much cheaper than a power.
     """
     if is_built_in(effect):
-        fixed = [q for q in effect.parameters if q.fixed]
-        held = p is not None and bool(fixed) and all(getattr(p, q.name) == q.default for q in fixed)
-        compiled = _compiled_effect(effect.name, held)
+        compiled = _compiled_effect(effect.name, p is not None and is_held(effect, p))
         if compiled is not None:
             return compiled
     plan = _slope_plan(effect)

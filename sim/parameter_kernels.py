@@ -22,7 +22,7 @@ import numpy as np
 from sim import compilation, derivative, generated_kernels, kernels
 from sim.derivative import NotDifferentiableError, derivative_text
 from sim.effect import Axis, Effect
-from sim.generated_kernels import LAWS, Kernel, load_generated, source_files
+from sim.generated_kernels import LAW_OPTIONS, LAWS, Kernel, load_generated, source_files
 
 RELATIVE_STEP = 1e-6
 
@@ -55,7 +55,7 @@ OF = {owner}
 def compiled(text, name, law):
     names = dict(law.__globals__, np=np, math=math)
     exec(text, names)
-    return njit(error_model='numpy')(names[name])
+    return njit({options})(names[name])
 
 
 """
@@ -73,7 +73,7 @@ def _effect_text(effect: Effect) -> str:
                 lines.append(f"    if wanted & {1 << j}:\n        r[{i * size + j}] = {name}(here, values)")
     fields = len(Axis._fields)
     return (
-        _HEAD.format(name=effect.name, owner="EFFECT")
+        _HEAD.format(name=effect.name, owner="EFFECT", options=LAW_OPTIONS)
         + "\n".join(parts)
         + f"""
 
@@ -103,7 +103,7 @@ def _core_text(effect: Effect) -> str:
         if name
     ]
     return (
-        _HEAD.format(name=effect.name, owner="EFFECT.core or EFFECT.element")
+        _HEAD.format(name=effect.name, owner="EFFECT.core or EFFECT.element", options=LAW_OPTIONS)
         + "\n".join(parts)
         + f"""
 

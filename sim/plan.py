@@ -14,6 +14,7 @@ from sim.effect import Axis, Effect
 from sim.in_time import DriveDelay, DriveLag, LaggedSpeed, Play, Rider
 from sim.merged_drive import merged
 from sim.model import Model
+from sim.model_kernel import FEWEST, Law, model_kernel
 from stagecad.parameters.errors import InputError
 
 FRICTION, FORCE = 1, 2
@@ -30,6 +31,7 @@ class Plan:
         effects: of each effect that changes in time: kernel, parameters (addresses), what is taken of it, whether it
             sees the lagged speed; shape (effects, 4).
         groups: of the core, then of each element beside it: kernel, parameters, first state, states; shape (groups, 4).
+        at_once: one kernel for all of them, and its parameters (addresses); zeros where there is none.
         elements: states of all groups.
         modes: w^2, 2 damping w, and mass of each rider; shape (riders, 3).
         base: [level, factor, force] of all that never changes, load, temperature.
@@ -46,6 +48,7 @@ class Plan:
     drive: Drive
     effects: np.ndarray
     groups: np.ndarray
+    at_once: np.ndarray
     elements: int
     modes: np.ndarray
     base: np.ndarray
@@ -185,19 +188,30 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
         kernel = kernels.effect_kernel(effect, p)
         kept.append(kernel)
         row = (kernel.address, table.ctypes.data)
-        sees_lag = delay > 0.0 and any(kernels.depends_on(effect, law, "velocity") for law in ("level", "factor"))
+        sees_lag = _sees_lag(effect, delay)
         if sees_lag and force:
             rows += [(*row, FRICTION, 1), (*row, FORCE, 0)]
         else:
             rows.append((*row, FRICTION * friction + FORCE * force, int(sees_lag)))
+    head = 4 if carried & {"travelled", "contact_age"} else 2
+    at_once = np.zeros(2, dtype=np.int64)
+    if len(row_of) + len(group_of) >= FEWEST and all(kernel.compiled for kernel in kept):
+        # The core's elements stand first.
+        order = sorted({*row_of, *group_of}, key=lambda i: group_of.get(i) != 0)
+        kernel = model_kernel(tuple(_law(*acting[i], i in row_of, group_of.get(i, -1), delay) for i in order), head)
+        if kernel is not None:
+            kept.append(kernel)
+            tables.append(np.concatenate([tables[i][: len(model.values[i])] for i in order] + [np.zeros(1)]))
+            at_once[:] = kernel.address, tables[-1].ctypes.data
     return Plan(
         drive=drive,
         effects=np.array(rows, dtype=np.int64).reshape(-1, 4),
         groups=np.array(groups, dtype=np.int64),
+        at_once=at_once,
         elements=count,
         modes=np.array(modes, dtype=float).reshape(-1, 3),
         base=base,
-        head=4 if carried & {"travelled", "contact_age"} else 2,
+        head=head,
         rigid=mass * (1.0 - ridden),
         scales=np.array(scales),
         gap=gap,
@@ -209,6 +223,25 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
         tables=tables,
         row_of=row_of,
         group_of=group_of,
+    )
+
+
+def _sees_lag(effect: Effect, delay: float) -> bool:
+    return delay > 0.0 and any(kernels.depends_on(effect, law, "velocity") for law in ("level", "factor"))
+
+
+def _law(effect: Effect, p: Any, taken: bool, group: int, delay: float) -> Law:
+    """What the kernel of the whole model takes of an effect."""
+    friction, force = kernels.takes(effect) if taken else (False, False)
+    wanted = {"level": friction, "factor": friction, "force": force}
+    declared = effect.core or effect.element
+    return Law(
+        effect.name,
+        kernels.is_held(effect, p),
+        tuple(law for law, is_wanted in wanted.items() if is_wanted and getattr(effect, law) is not None),
+        _sees_lag(effect, delay),
+        int(declared.elements(p)) if group >= 0 else 0,
+        group > 0,
     )
 
 

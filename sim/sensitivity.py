@@ -88,8 +88,8 @@ def sensitivity(
     states, report = np.empty((2, t.size)), np.zeros(5 + start.size)
     integrator.integrate(
         start, t, plan.drive.knots, plan.drive.values, plan.drive.rates, np.array(plan.drive.wave, dtype=float),
-        plan.body(memory_length), plan.shape(start.size), plan.modes, plan.effects, plan.groups, plan.base, tolerance,
-        absolute, math.inf, most_steps, states, np.empty((0, 4)), report, tangent,
+        plan.body(memory_length), plan.shape(start.size), plan.modes, plan.effects, plan.groups, plan.at_once,
+        plan.base, tolerance, absolute, math.inf, most_steps, states, np.empty((0, 4)), report, tangent,
     )  # fmt: skip
     errors = [error for kernel in [*plan.kernels, *kept] for error in kernel.errors]
     if report[0] != integrator.DONE or errors:
@@ -161,7 +161,7 @@ def _tangent(model: Model, drive: Drive, plan: Any, parameters: Sequence[str], c
     size, q = plan.head + plan.elements, len(rows)
     derived = np.zeros(max(room, 1))
     return (
-        np.array(rows, dtype=np.int64).reshape(-1, 5), by_effect, by_group, derived, np.array([derived.ctypes.data]),
+        np.array(rows, dtype=np.int64).reshape(-1, 5), by_effect, by_group, derived,
         np.zeros((q, size)), np.zeros((q, tangent_step.STAGES, size)), np.zeros((q, 4)), np.zeros(size),
         np.zeros((q, size)), np.empty((2, q, count)),
     ), kept  # fmt: skip

@@ -135,6 +135,7 @@ def simulate(
         plan.modes,
         plan.effects,
         plan.groups,
+        plan.at_once,
         plan.base,
         tolerance,
         absolute,

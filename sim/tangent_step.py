@@ -51,22 +51,17 @@ def _slopes_at(
     t, h, y, fresh, dense, direction = step
     head, n, cores, beside = sizes
     knots, values, rates, wave, segment = drive
-    base, effects, groups, addresses = laws_of
-    parameters, by_effect, by_group, derived, derived_at, fp = (
-        tangent[0], tangent[1], tangent[2], tangent[3], tangent[4], tangent[9],
-    )  # fmt: skip
-    axis, laws, elements, here, slope, stage, z = work
+    base, effects, groups = laws_of
+    parameters, by_effect, by_group, derived, fp = tangent[0], tangent[1], tangent[2], tangent[3], tangent[8]
+    axis, laws, elements, here, slope, stage = work
     per_mass, spring, feedback, memory_length = body[0], body[1], body[2], body[3]
     size = head + n
     at = t + share * h
     for j in range(size):
         stage[j] = at_part(share, y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2])
-    for k in range(n):
-        z[k] = stage[head + k]
     axis_forces(
-        at, stage, z, head, direction, 0.0, 0.0, 1, base, effects, groups, cores, beside, addresses, axis, laws,
-        elements, here, slope,
-    )  # fmt: skip
+        at, stage, head, direction, 0.0, 0.0, 1, base, effects, groups, cores, beside, axis, laws, elements, here, slope
+    )
     v = stage[1]
     for j in range(head):
         row[j] = -feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * per_mass
@@ -89,17 +84,16 @@ def _slopes_at(
     for i in range(effects.shape[0]):
         derived[i] = 1.0
         if by_effect[i, 3] != 0:
-            call_effect(effects[i, 0], addresses[0], effects[i, 1], addresses[1], 0)
+            call_effect(effects[i, 0], axis, effects[i, 1], laws, 0, 0)
             total *= laws[OUT]
             derived[i] = laws[OUT]
         if by_effect[i, 0] != 0:
-            at_i = derived_at[0] + 8 * by_effect[i, 1]
-            call_effect(by_effect[i, 0], addresses[0], effects[i, 1], at_i, by_effect[i, 2])
+            call_effect(by_effect[i, 0], axis, effects[i, 1], derived, by_effect[i, 1], by_effect[i, 2])
     for i in range(groups.shape[0]):
         if by_group[i, 0] != 0 and groups[i, 3] > 0:
             call_elements(
-                by_group[i, 0], addresses[2] + 8 * groups[i, 2], v, direction, here[0], groups[i, 1],
-                derived_at[0] + 8 * by_group[i, 1], groups[i, 3], by_group[i, 2],
+                by_group[i, 0], stage, head + groups[i, 2], v, direction, here[0], groups[i, 1], derived,
+                by_group[i, 1], groups[i, 3], by_group[i, 2],
             )  # fmt: skip
     for q in range(parameters.shape[0]):
         for j in range(size):
@@ -164,12 +158,12 @@ def _advance(
     """Carry S (parameters, states) to the part of the step that was accepted; K[:, 4] is S' there.
 
     step = (t, h, y, fresh, dense, direction); sizes = (head, n, cores, beside); drive = (knots, values, rates, wave,
-    segment); laws_of = (base, effects, groups, addresses); work = (axis, laws, elements, here, slope, stage, z).
+    segment); laws_of = (base, effects, groups); work = (axis, laws, elements, here, slope, stage).
     With `inner`, `before` (parameters, 4) holds S of position and velocity at the start of the step, and S' there.
     """
     h, direction = step[1], step[5]
     head, n = sizes[0], sizes[1]
-    parameters, S, K, before, u, fp = tangent[0], tangent[5], tangent[6], tangent[7], tangent[8], tangent[9]
+    parameters, S, K, before, u, fp = tangent[0], tangent[4], tangent[5], tangent[6], tangent[7], tangent[8]
     stage = work[5]
     size = head + n
     count = parameters.shape[0]
@@ -234,7 +228,7 @@ def _advance(
 
 def _spread(tangent, instants, t, length, first, last):
     """S of position and velocity at instants within the step, rows `first` to `last`, by Hermite's cubic."""
-    S, K, before, found = tangent[5], tangent[6], tangent[7], tangent[10]
+    S, K, before, found = tangent[4], tangent[5], tangent[6], tangent[9]
     over = 1.0 / length
     for q in range(S.shape[0]):
         for w in range(2):
