@@ -20,7 +20,8 @@ from sysid.noise_floor import Noise
 from sysid.prepare import driven_mass, velocity_drive
 from sysid.records import Record, load_records
 from sysid.rig_numbers import rig_numbers
-from sysid.tip import tip_record
+from sysid.tip import TipRecord, tip_record
+from sysid.uniform import step_of
 
 FORMS = {
     "velocity-drive": "output",
@@ -101,6 +102,7 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
     fits = tuple(p for p in prepared if p.role == "fit")
     held_out = tuple(p for p in prepared if p.role != "fit")
     scales = scales_of(fits)
+    _need_motion(records, fits, scales)
     model = Model((), rig, tuple(rig_unknowns))
     for name in names:
         model = with_effect(model, find(name, custom), scales)
@@ -123,12 +125,23 @@ def _need_tip(experiment: Experiment) -> None:
             )
 
 
+def _need_motion(records: Sequence[Record], fits: Sequence[Prepared], scales: Scales) -> None:
+    """Something must have moved, or been driven, in the records of the fit."""
+    files = ", ".join(record.file for record in records if record.role == "fit")
+    if all(isinstance(fit, TipRecord) for fit in fits):
+        if scales.input == 0.0:
+            raise InputError(f"{files}: the voltages never change; what they move cannot be told")
+    elif scales.position == 0.0 or scales.velocity == 0.0:
+        raise InputError(f"{files}: nothing moves; a record of motion is wanted")
+
+
 def _prepare(
     experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise], rig: Mapping[str, float]
 ) -> list[Prepared]:
     kind = experiment.rig.kind
     prepared: list[Prepared] = []
     width = None
+    longest_step = max(step_of(record) for record in records)
     for record in records:
         if kind == "velocity-drive":
             prepared.append(velocity_drive(record, noise))
@@ -139,8 +152,9 @@ def _prepare(
             prepared.append(tip_record(record, known, noise))
         else:
             balance = driven_mass(
-                record, kind, noise, rig["rig.mass"], rig.get("rig.pull_stiffness"), experiment.rig.input_hold, width
-            )
+                record, kind, noise, rig["rig.mass"], rig.get("rig.pull_stiffness"), experiment.rig.input_hold, width,
+                longest_step,
+            )  # fmt: skip
             width = balance.whole.width if balance.whole is not None else None
             prepared.append(balance)
     return prepared

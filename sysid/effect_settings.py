@@ -154,7 +154,27 @@ def _setting(
                 f"{table.where()}: start = {_said(table, 'start', start)} lies outside {key} = "
                 f"{_said(table, key, bound)}"
             )
+    _within_declared(table, parameter, start, low, high, fixed)
     return Setting(start, low, high, fixed, None if fixed else std)
+
+
+def _within_declared(
+    table: TomlTable, parameter: Parameter, start: float | None, low: float | None, high: float | None, fixed: bool
+) -> None:
+    """Refuse a start beyond the effect's own bounds, unless the file moves them; a fixed value may lie anywhere."""
+    if start is None or fixed:
+        return
+    # A start that a fit left at a bound is written with nine digits.
+    room = 1e-6 * abs(start)
+    for beyond, given, bound, key in (
+        (start < parameter.low - room, low, parameter.low, "low"),
+        (start > parameter.high + room, high, parameter.high, "high"),
+    ):
+        if beyond and given is None:
+            raise InputError(
+                f"{table.where()}: start = {_said(table, 'start', start)} lies outside the effect's own {key} = "
+                f"{bound:g}; give {key} with it if it is meant"
+            )
 
 
 def _said(table: TomlTable, key: str, value: float) -> str:

@@ -92,6 +92,7 @@ def driven_mass(
     pull_stiffness: float | None = None,
     hold: str = "zero",
     width: float | None = None,
+    least_width: float = 0.0,
 ) -> Balance:
     """A spring-pull or force-drive record: the force is balanced against mass times the measured acceleration.
 
@@ -103,6 +104,7 @@ def driven_mass(
         pull_stiffness: of the pulling spring, N/m.
         hold: `zero` when each row's drive force is held to the next, `linear` when it runs straight to it.
         width: of the filter, s, where it is to be the same as another record's.
+        least_width: s, where another record that shares the filter has longer steps.
     """
     time, step, channels, hole = uniform(record)
     n = time.size
@@ -156,7 +158,13 @@ def driven_mass(
         raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
     if width is None:
         target = max(sigma_force, 1e-3 * scale)
-        width = filter_width(sigma_position, step, mass, target, n, correlation)
+        width = max(filter_width(sigma_position, step, mass, target, n, correlation), least_width)
+    reach = int(np.ceil(EDGE_WIDTHS * width / step))
+    if 2 * (reach + 1) >= n:
+        raise InputError(
+            f"{record.file}: its {n * step:.3g} s are too short for the filter of {width:.3g} s, which the "
+            "position's noise and the longest step of all records set; give more, or see that time is in one unit"
+        )
     law_width = LAW_SHARE * width
     light, whole = GaussianFilter(law_width, step, n), GaussianFilter(width, step, n)
     rest_of = GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, n)
@@ -177,7 +185,6 @@ def driven_mass(
         max(3, int(np.ceil(2.0 * law_width / step))),
     )
 
-    reach = int(np.ceil(EDGE_WIDTHS * width / step))
     missing = gap_motion | hole | gap_force
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
     bad = missing | spread(longer_than(missing, width / step), reach)

@@ -128,6 +128,8 @@ def residual_maps(
     for channel in _worst_channels(model, [*fit_records, *held_out]):
         learn = _samples(model, fit_records, fit_weights, channel)
         judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
+        if learn is None or judge is None:
+            continue
         for name in learn[0]:
             if name != "_direction" and name in judge[0]:
                 maps.append(_map(name, learn, judge, rng))
@@ -159,14 +161,16 @@ def _worst_channels(model: Model, records: Sequence[Prepared]) -> list[str]:
 
 def _samples(
     model: Model, records: Sequence[Prepared], weights: Weighting, channel: str
-) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
-    """Coordinates, residual (n,) and block number (n,) at the scored samples of all records and channels."""
+) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray] | None:
+    """Coordinates, residual (n,) and block number (n,) at the scored samples of all records that hold the channel."""
     coordinates: dict[str, list[np.ndarray]] = {}
     residuals, block_numbers, start = [], [], 0
     for record, deviations, picks in zip(records, weights.deviations, weights.picks, strict=True):
+        pick = picks.get(channel)
+        if pick is None:
+            continue
         predicted = predict(record, model.effects, model.values)
         of_record = coordinates_of(record)
-        pick = picks[channel]
         residuals.append((record.measured[channel][pick] - predicted[channel][pick]) / deviations[channel][pick])
         block_numbers.append(start + (pick * BLOCKS) // record.size)
         for name, values in of_record.items():
@@ -176,6 +180,8 @@ def _samples(
         direction = record.axis.direction if isinstance(record, Balance) else np.ones(record.size)
         coordinates.setdefault("_direction", []).append(direction[pick])
         start += BLOCKS
+    if not residuals:
+        return None
     residual = np.concatenate(residuals)
     corner = float(np.quantile(np.abs(residual), KEPT_BELOW))
     merged = {name: np.concatenate(parts) for name, parts in coordinates.items()}
@@ -261,6 +267,8 @@ def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.r
     """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
     best = ResidualMap("frequency", 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
     for record in records:
+        if channel not in record.measured or record.size < 2 * (8 + 1):
+            continue
         predicted = predict(record, model.effects, model.values)
         y = record.measured[channel]
         r = np.where(record.valid[channel], y - predicted[channel], 0.0) / record.noise[channel]
@@ -277,7 +285,7 @@ def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.r
         local = float(np.median(power[max(8, k // 2) : 2 * k + 9])) / np.log(2.0) + 1e-300
         p = float(min(1.0, power.size * np.exp(-min(power[k] / local, 700.0))))
         if share > best.share:
-            rough = 96
+            rough = min(96, frequency.size)
             edges = np.linspace(0, frequency.size, rough + 1).astype(int)
             mean = np.array([power[a:b].max() for a, b in pairwise(edges)])
             centre = 0.5 * (frequency[edges[:-1]] + frequency[np.minimum(edges[1:], frequency.size - 1)])

@@ -4,7 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from stagecad.parameters.errors import InputError
 from sysid.records import Record
+
+MOST_SAMPLES = 1_000_000
+MOST_PER_ROW = 100
+"""The uniform grid may have this many samples, and this many for each row."""
+
+
+def step_of(record: Record) -> float:
+    """The median step of a record's time, s."""
+    return float(np.median(np.diff(record.time)))
 
 
 def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
@@ -13,13 +23,23 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
     Returns:
         time from zero (n,), step in s, channels by name, and the mask (n,) of samples that were not measured:
         in a hole of the time axis more than three steps wide, or where a regular log misses a row.
+
+    Raises:
+        InputError: the holes of the time axis are out of all proportion to its steps.
     """
     time = record.time - record.time[0]
-    step = float(np.median(np.diff(time)))
+    step = step_of(record)
     if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
         grid = step * np.arange(time.size)
         return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
-    grid = step * np.arange(int(np.floor(time[-1] / step)) + 1)
+    count = int(np.floor(time[-1] / step)) + 1
+    if count > max(MOST_SAMPLES, MOST_PER_ROW * time.size):
+        before = int(np.argmax(np.diff(time)))
+        raise InputError(
+            f"{record.file}: no row between {record.time[before]:.9g} s and {record.time[before + 1]:.9g} s, "
+            f"at a usual step of {step:.3g} s; leave one side out with from or to, or make it a record of its own"
+        )
+    grid = step * np.arange(count)
     channels = {}
     for name, values in record.channels.items():
         known = np.isfinite(values)
