@@ -3,71 +3,28 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
-from sim.effect import Effect, Parameter, Scan
+from sim.effects import sensor_lag
 from sim.in_time import DriveLag
 
-
-def _signal(signal: Any, step: float, p: Any) -> Any:
-    from sim.record_kernels import first_order_lag
-
-    return first_order_lag(signal, step, p.time_constant)
-
-
-def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
-    from sim.sampled_lag import lag_of_steps
-
-    return lag_of_steps(signal, step, p.time_constant, p.early)
-
-
-_SMOOTH = Effect(
-    name="drive_lag",
-    meaning="the drive follows its command with a first-order lag",
-    equation="y' = (u - y) / time_constant",
-    shows="the residual grows with the rate of change of the signal: fast motion comes late and rounded",
-    source="first-order system, e.g. Ljung, System Identification (1999), sec. 4.2",
-    acts_on="drive",
-    coordinates=("frequency", "input"),
-    parameters=(
-        Parameter(
-            "time_constant",
-            "s",
-            1e-3,
-            0.0,
-            100.0,
-            "time to 63 % of a step",
-            "amplifier or piezo charging lag",
-            role="shape",
-            scan=Scan("sample", 0.3, 300.0, 10),
-        ),
-    ),
-    signal=_signal,
-    in_time=lambda p: DriveLag(p.time_constant),
-)
+_SENSOR, _SENSOR_OF_STEPS = sensor_lag.EFFECT, sensor_lag.EFFECT.variants[0]
+_TIME_CONSTANT = replace(_SENSOR.parameters[0], source="amplifier or piezo charging lag")
 
 _OF_STEPS = replace(
-    _SMOOTH,
+    _SENSOR_OF_STEPS,
     name="drive_lag:of_steps",
     meaning="the drive follows, with a first-order lag, a command that goes in steps from row to row",
     equation="as drive_lag; u is held, and goes from a row's value to the next the part `early` of a step before it",
-    source="Astrom and Wittenmark, Computer-Controlled Systems (1997), sec. 2.3 (delay of a part of a step)",
-    parameters=(
-        *_SMOOTH.parameters,
-        Parameter(
-            "early",
-            "1",
-            0.5,
-            0.0,
-            1.0,
-            "part of a step from the change of the input to the row that shows its value; a digital filter has 1",
-            "a part of a step",
-            role="shape",
-            scan=Scan("one", 0.1, 0.9, 2, "linear"),
-        ),
-    ),
-    signal=_signal_of_steps,
-    in_time=None,
+    acts_on="drive",
+    parameters=(_TIME_CONSTANT, *_SENSOR_OF_STEPS.parameters[1:]),
 )
 
-EFFECT = replace(_SMOOTH, variants=(_OF_STEPS,))
+EFFECT = replace(
+    _SENSOR,
+    name="drive_lag",
+    meaning="the drive follows its command with a first-order lag",
+    acts_on="drive",
+    parameters=(_TIME_CONSTANT,),
+    in_time=lambda p: DriveLag(p.time_constant),
+    variants=(_OF_STEPS,),
+)
