@@ -139,6 +139,8 @@ def weigh(
         weights = weighting(models[0], [record], thin=False)
         apart = [count * separation(models[0], other, [record], weights) for other in models[1:]]
         found_pairs.append([Pair((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
+    if progress is not None:
+        progress("", len(motions), len(motions))
     # Two names for one thing on this rig: no motion is to blame.
     same = [n for k, n in enumerate(names[1:]) if max(pairs[k].deviations for pairs in found_pairs) < 1.0]
     worths = []

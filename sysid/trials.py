@@ -18,6 +18,7 @@ from sysid.model import base_name
 from sysid.prediction import unseen_part, values_of
 
 Progress = Callable[[str, int, int], None]
+"""Called with what comes next, how many steps are done, and of how many; once more when all are."""
 
 
 @dataclass
@@ -96,16 +97,28 @@ def try_all(
     case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
 ) -> Search:
     """Try every candidate on top of a fitted model."""
-    looks, target = looks_on(case, base, present, all_effects, progress)
+    scored, steps = 0, 0
+
+    def scoring(name: str, count: int, total: int) -> None:
+        nonlocal scored, steps
+        scored, steps = total, total + min(REFITTED, total)
+        if progress is not None:
+            progress(name, count, steps)
+
+    looks, target = looks_on(case, base, present, all_effects, scoring)
     trials = []
     for k, look in enumerate(looks):
         if k < REFITTED:
+            if progress is not None:
+                progress(f"refitting {look.effect.name}", scored + k, steps)
             candidate = refined(base.fitted, look, case.fit_records, case.scales)
         else:
             candidate = as_it_looks(look)
         trial = trial_of(case, base, candidate)
         if trial is not None:
             trials.append(trial)
+    if progress is not None:
+        progress("", steps, steps)
     return Search(sorted(trials, key=lambda t: t.error), looks, target)
 
 

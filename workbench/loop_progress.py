@@ -1,4 +1,4 @@
-"""The progress bar of a search for effects: counted while effects are scored, running while the best are refitted."""
+"""The progress bar of a search for effects: counted while they are scored and the best refitted, running after that."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 
-def shown_on(
-    progress: Progress, afterwards: str = "refitting the best, alone and in pairs"
-) -> Callable[[str, int, int], None]:
-    """What to call with a name, a count and a total; after the last of them the bar runs on, `afterwards` beside it.
+def shown_on(progress: Progress, afterwards: str = "weighing what was found") -> Callable[[str, int, int], None]:
+    """What to call with a name, a count and a total; when all are counted the bar runs on, `afterwards` beside it.
 
-    How many pairs will be looked at, and how many effects searched for anew, depends on what the scores and refits
-    find: nobody knows that beforehand.
+    Whether pairs are looked at then, or effects of the model searched for anew, depends on what the refits found:
+    nobody knows that beforehand, and it takes less time than what was counted.
     """
     task = progress.add_task("reading, and fitting the model as it stands", total=None)
     began = progress.tasks[-1].start_time
@@ -28,7 +26,7 @@ def shown_on(
         progress.tasks[-1].start_time = began
 
     def show(name: str, count: int, total: int) -> None:
-        if count + 1 == total:
+        if count == total:
             another(afterwards, None)
             return
         if count == 0:

@@ -1,16 +1,20 @@
-"""The bar of a search counts the effects, runs on without an end afterwards, and its clock never starts again."""
+"""The bar of a search counts every step, runs on without an end afterwards, and its clock never restarts."""
 
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
 from rich.console import Console
 from rich.progress import Progress
 
+from sysid.diagnose import diagnose
+from sysid.trials import REFITTED
+from workbench.commands.demo import fresh_copy
 from workbench.loop_progress import shown_on
 
 
-def test_a_bar_counts_what_is_scored_and_then_runs_on() -> None:
+def test_a_bar_counts_what_is_done_and_then_runs_on() -> None:
     now = 0.0
     with Progress(console=Console(file=io.StringIO()), get_time=lambda: now, auto_refresh=False) as progress:
         show = shown_on(progress, "afterwards")
@@ -18,7 +22,19 @@ def test_a_bar_counts_what_is_scored_and_then_runs_on() -> None:
         seen = []
         for count in range(3):
             now += 5.0
-            show(f"effect {count}", count, 3)
+            show(f"effect {count}", count, 2)
             (task,) = progress.tasks
             seen.append((task.description, task.completed, task.total, task.elapsed))
-    assert seen == [("effect 0", 0, 3, 5.0), ("effect 1", 1, 3, 10.0), ("afterwards", 0, None, 15.0)]
+    assert seen == [("effect 0", 0, 2, 5.0), ("effect 1", 1, 2, 10.0), ("afterwards", 0, None, 15.0)]
+
+
+def test_a_diagnosis_knows_from_the_first_step_how_many_it_counts(tmp_path: Path) -> None:
+    steps: list[tuple[str, int, int]] = []
+    found = diagnose(fresh_copy(tmp_path / "rig"), progress=lambda *step: steps.append(step))
+    assert len({total for _, _, total in steps}) == 1
+    total = steps[0][2]
+    assert [count for _, count, _ in steps] == list(range(total + 1))
+    refitted = [name.removeprefix("refitting ") for name, _, _ in steps if name.startswith("refitting ")]
+    assert len(refitted) == REFITTED
+    assert found.best is not None and found.best.name in refitted
+    assert steps[-1] == ("", total, total)

@@ -21,7 +21,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     from workbench.loop_suggestion import sentences, suggestion_section, suggestion_table, worth_json, write_motions
 
     with run.progress() as progress:
-        found = suggest(experiment, design_values(run), shown_on(progress, "refitting and weighing"))
+        found = suggest(experiment, design_values(run), shown_on(progress))
     paths = write_motions(run, found)
     run.console.print(suggestion_table(found))
     for line in sentences(found):
