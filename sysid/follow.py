@@ -62,6 +62,7 @@ def follow(
             # Levels go straight from row to row; where one is infinite, or the tip off, the new row's holds at once.
             part = (s + 1.0) / substeps
             level = contact_level[i]
+            pushed = push[i - 1] + part * (push[i] - push[i - 1])
             if part < 1.0 and 0.0 < level < np.inf and 0.0 < contact_level[i - 1] < np.inf:
                 level = contact_level[i - 1] + part * (level - contact_level[i - 1])
             pad = pad_level[i - 1] + part * (pad_level[i] - pad_level[i - 1])
@@ -80,7 +81,7 @@ def follow(
             d = known
             low, high = -1e300, 1e300
             for _ in range(60):
-                force = inertia * (d - known) - push[i]
+                force = inertia * (d - known) - pushed
                 slope = inertia
                 for e in range(bristles):
                     cap = pad * pad_weights[e]

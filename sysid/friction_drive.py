@@ -11,8 +11,9 @@ With `position_y` logged the stage moves in the plane: the third stack leans the
 
 The stage's motion is predicted, from rest, and compared with the measured position: the form is `output`. Friction
 sticks and slips as bristles that yield at their share of a level (one for `coulomb`, many for `presliding`); their
-stretch follows the predicted motion. What sets the level (speed, position, load, distance, age) is read off the
-measured motion: it is known far better than any level changes with it, and the prediction stays one pass.
+stretch follows the predicted motion, and so does a level that goes by the speed. What else sets a level (position,
+load, distance, age) is read off the measured motion: it is known far better than any level changes with it, and the
+prediction stays one pass.
 
 The motion tells forces and mass over the contact's stiffness k (`driven_stage_numbers`).
 """
@@ -29,8 +30,9 @@ from sim.effect import Axis, Effect
 from sim.library import find
 from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
+from sysid.curves_of_speed import NO_CURVES, Curves, curves_of, goes_by_speed
 from sysid.follow import follow
-from sysid.follow_exactly import follow_exactly, looks
+from sysid.follow_exactly import follow_exactly
 from sysid.follow_plane import follow_plane, substeps
 from sysid.noise_floor import Noise
 from sysid.prediction import Values, axis_force, friction_level, remember, sensed, values_of
@@ -50,6 +52,10 @@ LONGEST_STEP = 1e-4
 REST_SIGMAS = 5.0
 LIGHT = 4.0
 """Width in steps of the filter through which the motion is seen that sets the levels."""
+LIGHTEST = 1.0
+"""The same of the position itself: its noise is far below any pitch, its turns are not wider than a few rows."""
+TOP = 1.5
+"""Over the largest speeds of tip and stage: how far curves of speed go."""
 RIGID_STRETCH = 1e-9
 """m: of a Coulomb bristle, far below what the contact itself gives."""
 READ_LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
@@ -100,9 +106,10 @@ def friction_drive_record(
     velocity = light(position, 1)
     rest = REST_SIGMAS * sigma * light.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
     load, temperature = (_optional(channels, name) for name in ("normal_load", "temperature"))
+    axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
     return FrictionDriveRecord(
         name=record.name, role=record.role, kind="friction-drive", step=step,
-        axis=make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest),
+        axis=axis._replace(position=GaussianFilter(LIGHTEST * step, step, time.size)(position)),
         measured=measured, valid=valid, noise={name: noise[name].value for name in measured},
         acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, time.size), force_channel="position",
         drives=drives, lever=known["tip_height"] / known["piezo_spacing"],
@@ -199,23 +206,61 @@ def _follow(
     pads = [e for e in effects if not e.name.startswith(CONTACT)]
     contact = [e for e in effects if e.name.startswith(CONTACT)]
     pad_core, contact_core = _core(pads), _core(contact)
+    stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
+    if all(core is None or core.core.name == "coulomb" for core in (pad_core, contact_core)):
+        top = TOP * (float(np.max(np.abs(np.diff(along)))) / record.step + float(np.max(np.abs(record.axis.velocity))))
+        pad_level, pad_share, pad_push, pad_curves = _pads(record, pads, values, top)
+        level, share, contact_push, contact_curves = _slider(record, contact, values, along, load, top)
+        return follow_exactly(
+            along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
+            contact_curves, share, pad_curves, pad_share,
+        )  # fmt: skip
     pad_level = np.zeros(record.size)
     if pad_core is not None:
         pad_level = pad_level + friction_level(record, pads, values)
     level, extra = _contact(record, contact, values, along, load)
     push = extra - axis_force(record, pads, values)
-    stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
-    if all(core is None or core.core.name == "coulomb" for core in (pad_core, contact_core)):
-        return follow_exactly(
-            along, push, load, level, stiffness, damping, pad_level, mass, record.step,
-            looks(stiffness, mass, record.step),
-        )  # fmt: skip
     pad_reach, pad_weights = _bristles(pad_core, values)
     reach, weights = _bristles(contact_core, values)
     return follow(
         along, push, np.where(load > 0.0, level, 0.0), reach, weights, stiffness, damping, pad_level, pad_reach,
         pad_weights, mass, record.step, max(1, int(np.ceil(record.step / LONGEST_STEP))),
     )  # fmt: skip
+
+
+Friction = tuple[np.ndarray, np.ndarray, np.ndarray, Curves]
+"""Level at rest (n,), N; by what its extra levels are multiplied (n,); other forces on the stage (n,), N; curves."""
+
+
+def _pads(record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, top: float) -> Friction:
+    """Friction of the pads, up to the speed `top`, m/s."""
+    swift = [] if any(e.memory is not None for e in effects) else [e for e in effects if goes_by_speed(e)]
+    rest = [e for e in effects if e not in swift]
+    none, one = np.zeros(record.size), np.ones(record.size)
+    level = none + friction_level(record, rest, values) if _core(rest) is not None else none
+    share = one
+    for effect in rest if swift else []:
+        if effect.factor is not None:
+            share = share * effect.factor(record.axis, values_of(effect, values))
+    return level, share, -axis_force(record, rest, values), curves_of(swift, values, record.axis, top)
+
+
+def _slider(
+    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray,
+    top: float,
+) -> Friction:  # fmt: skip
+    """Friction between tip and stage, up to the speed `top`, m/s."""
+    swift = [e for e in effects if goes_by_speed(e)] if _core(effects) is not None else []
+    rest = [e for e in effects if e not in swift]
+    level, push = _contact(record, rest, values, along, load)
+    if not swift:
+        return level, np.ones(record.size), push, NO_CURVES
+    axis = record.axis._replace(load=_carried(record, load))
+    share = np.ones(record.size)
+    for effect in rest:
+        if effect.factor is not None:
+            share = share * effect.factor(axis, values_of(effect, values))
+    return level, share, push, curves_of(swift, values, axis, top)
 
 
 def _core(effects: Sequence[Effect]) -> Effect | None:
@@ -247,7 +292,7 @@ def _contact(
     push = np.zeros(record.size)
     if _core(effects) is None:
         return np.full(record.size, np.inf), push
-    carried = float(np.mean(record.axis.load)) * np.maximum(load, 0.0)
+    carried = _carried(record, load)
     moving = any(e.name.removeprefix(CONTACT) not in READ_LOAD_ONLY for e in effects)
     axis = _sliding(record, along, carried) if moving else record.axis._replace(load=carried)
     total: Any = 0.0
@@ -261,6 +306,11 @@ def _contact(
         if effect.force is not None:
             push = push + np.where(load > 0.0, effect.force(axis, p), 0.0)
     return np.maximum(total * factor, 0.0), push
+
+
+def _carried(record: FrictionDriveRecord, load: np.ndarray) -> np.ndarray:
+    """Load of the contact in units of the pads' recorded one, (n,)."""
+    return float(np.mean(record.axis.load)) * np.maximum(load, 0.0)
 
 
 def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -> Axis:

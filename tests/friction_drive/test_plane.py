@@ -10,7 +10,7 @@ import pytest
 
 from sysid.case import load_case
 from sysid.case_fit import fit_case
-from sysid.follow_exactly import follow_exactly, looks
+from sysid.follow_exactly import follow_exactly
 from sysid.follow_plane import follow_plane, substeps
 from sysid.misfit import misfit
 
@@ -28,7 +28,7 @@ def test_in_a_plane_without_a_guide_no_direction_is_special(slip):
     one, rest = np.ones(time.size), np.zeros(time.size)
     level, pads = np.full(time.size, slip), np.full(time.size, PADS)
     line = follow_exactly(
-        tip, rest, one, level, STIFFNESS, DAMPING, pads, MASS, step, looks(STIFFNESS, MASS, step)
+        tip, rest, one, level, STIFFNESS, DAMPING, pads, MASS, step
     )  # fmt: skip
     along, across = follow_plane(
         0.6 * tip, 0.8 * tip, rest, one, level, STIFFNESS, DAMPING, pads, 0.0, 0.0, MASS, step,

@@ -1,4 +1,4 @@
-"""What a driven stage really does, and its motion in steps of 5 us."""
+"""What a driven stage really does, and its motion in steps of 1 us."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-STEP = 5e-6
+STEP = 1e-6
 SPACING, HEIGHT, BIAS = 0.046, 0.02, 75.0
 LOOPS = 40
 LOOP_SUM = float(np.sum(np.exp(-(np.arange(LOOPS) + 0.5) / 10.0)))
@@ -183,7 +183,8 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
             path += abs(v) * h
             level *= 1.0 + p.run_in / (1.0 + path / p.run_in_distance) ** 2
         level *= np.exp(-p.warmth * warm[i // per])
-        level *= 1.0 + p.asymmetry * (1.0 if v > 0.0 else -1.0)
+        way = v if v != 0.0 else force - p.spring * x - p.bias_force - push[i // per]
+        level *= 1.0 + p.asymmetry * (1.0 if way > 0.0 else -1.0)
         level *= 1.0 + p.wave * np.sin(2.0 * np.pi * x / p.wave_pitch + p.wave_phase)
         if p.pads_unloaded > 0.0:
             level *= max(load_of_pads[i // per], 0.0) ** p.pads_unloaded
