@@ -15,7 +15,7 @@ SUBSTEPS = 20
 class AxisTruth(NamedTuple):
     """What the axis really does; SI, zero switches a law off.
 
-    Units: forces N, distances m, velocities m/s, times s; `load_exponent`, `asymmetry`, `run_in`, `position_wave`,
+    Units: forces N, distances m, velocities m/s, times s; `load_share`, `asymmetry`, `run_in`, `position_wave`,
     `flexible_share`, `flexible_damping` and `texture` are pure numbers, `temperature_rate` is 1/K.
     """
 
@@ -36,7 +36,7 @@ class AxisTruth(NamedTuple):
     position_wave: float = 0.0
     position_pitch: float = 0.02
     position_phase: float = 0.0
-    load_exponent: float = 0.0
+    load_share: float = 0.0
     load_reference: float = 10.0
     temperature_rate: float = 0.0
     temperature_reference: float = 21.0
@@ -77,8 +77,10 @@ def _level(p, x, v_seen, aged, load, warmth, travelled, factor, pitches, phases)
     a = abs(v_seen) / p.stribeck_velocity
     shape = 1.0 / (1.0 + a * a) if p.stribeck_lorentzian > 0.5 else np.exp(-a * a)
     level = p.coulomb + p.stribeck * shape + aged
-    if p.load_exponent != 0.0:
-        level *= (max(load, 1e-3) / p.load_reference) ** p.load_exponent
+    if p.load_share != 0.0:
+        # A part of the friction is an elastic contact that adheres with a fifth of the usual load.
+        pressed = (max(load, 0.0) / p.load_reference + 0.2) / 1.2
+        level *= 1.0 - p.load_share + p.load_share * pressed ** (2.0 / 3.0)
     if p.temperature_rate != 0.0:
         level *= np.exp(-p.temperature_rate * (warmth - p.temperature_reference))
     if p.position_wave != 0.0:

@@ -123,7 +123,7 @@ _listed(
 _listed(
     "load_dependent_friction",
     AXIS,
-    lambda r, b: Draw({"load_exponent": _uniform(r, 0.35, 1.0)}, limit=1.4),
+    lambda r, b: Draw({"load_share": _uniform(r, 0.6, 1.5)}, limit=1.3),
     needs="load",
 )
 _listed(
