@@ -6,7 +6,6 @@ pieces; the integrator steps from knot to knot of s, so a corner or a jump in it
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -101,8 +100,3 @@ def delayed(drive: Drive, delay: float) -> Drive:
         rates=np.append(0.0, drive.rates),
         wave=(amplitude, frequency, phase - frequency * delay),
     )
-
-
-def is_smooth(drive: Drive) -> bool:
-    """Whether the drive has neither corners nor jumps."""
-    return drive.knots.size == 1 or bool(np.all(np.diff(drive.rates) == 0.0) and math.isfinite(drive.stiffness))

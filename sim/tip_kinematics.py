@@ -30,11 +30,3 @@ def tip_position(first: Any, second: Any, piezo_spacing: float, tip_height: floa
     x = 0.5 * piezo_spacing - tip_height * rise / length
     y = 0.5 * (np.asarray(first, dtype=float) + second) + tip_height * piezo_spacing / length
     return x, y
-
-
-def small_tip_motion(first: Any, second: Any, piezo_spacing: float, tip_height: float) -> tuple[Any, Any]:
-    """Motion of the tip about its rest to first order, as `actuator-tip` experiments take it.
-
-    x = -h (d2 - d1)/D, y = (d1 + d2)/2; arguments as `tip_position`.
-    """
-    return -tip_height * (second - first) / piezo_spacing, 0.5 * (first + second)

@@ -18,7 +18,7 @@ from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.driven_stage_starts import slipping_starts
 from sysid.fit import robust_scale
 from sysid.misfit import weighted_residual
-from sysid.model import Model, Prepared, Scales, shape_grid, size_of, with_effect
+from sysid.model import Prepared, Scales, shape_grid, size_of, with_effect
 
 KEPT_SCORES = 6
 """Grid points of an effect that are remembered: starts for its refit."""
@@ -295,11 +295,3 @@ def _spread(scores: list[Score], count: int) -> list[Score]:
 
 def _apart(a: dict[str, float], b: dict[str, float]) -> bool:
     return any(abs(a[k] - b.get(k, 0.0)) > 0.3 * max(abs(a[k]), abs(b.get(k, 0.0))) for k in a)
-
-
-def base_model(effects: Sequence[Effect], scales: Scales, rig_values: dict[str, float]) -> Model:
-    """A model of effects at their starting values; `rig_values` are held."""
-    model = Model((), dict(rig_values), ())
-    for effect in effects:
-        model = with_effect(model, effect, scales)
-    return model

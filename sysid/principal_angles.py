@@ -3,8 +3,8 @@
     A, B: sensitivities of the residual to each effect's own values, the base model's taken out of both
     cos(angle_k) = k-th singular value of Q_A^T Q_B,   Q orthonormal
 
-(Bjorck and Golub, Math. Comp. 27 (1973) 579). The largest of them is the angle between the effects: where it is small,
-the one with more values can do all that the other can, to first order.
+(Bjorck and Golub, Math. Comp. 27 (1973) 579). Where the angle between what one effect takes and what another could make
+is small, the other could stand in its place, to first order.
 """
 
 from __future__ import annotations
@@ -13,9 +13,6 @@ import numpy as np
 
 from sysid.base_fit import Fitted
 from sysid.candidates import orthonormal
-
-ONE_GROUP = np.deg2rad(15.0)
-"""Angle, rad, up to which two effects are one group."""
 
 LEAST_OWN = 1e-4
 """Part of a sensitivity that the base model does not make itself, below which it is no direction of its own."""
@@ -44,14 +41,6 @@ def own_directions(fitted: Fitted, base: Fitted) -> np.ndarray:
     basis = orthonormal(base.fit.jacobian)
     free = columns - basis @ (basis.T @ columns)
     return orthonormal(free[:, np.linalg.norm(free, axis=0) > LEAST_OWN])
-
-
-def angle_between(one: Fitted, other: Fitted, base: Fitted) -> float | None:
-    """Largest principal angle, rad, between two effects added to one base model; none where either adds nothing."""
-    a, b = own_directions(one, base), own_directions(other, base)
-    if a.shape[1] == 0 or b.shape[1] == 0:
-        return None
-    return float(principal_angles(a, b)[-1])
 
 
 def stand_in_angle(effect: Fitted, other: Fitted, base: Fitted) -> float | None:

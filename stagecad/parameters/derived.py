@@ -205,11 +205,6 @@ class Derived:
         return self.design.screws.way.length - self.design.bearing_way.flange_thickness
 
     @property
-    def travel_ends(self) -> tuple[float, float]:
-        """Positions x of the stage's middle at the ends of the travel."""
-        return -self.design.stage.travel / 2, self.design.stage.travel / 2
-
-    @property
     def sea_length(self) -> float:
         """Length of the sea along the travel: the stage's own."""
         return self.design.stage.length
@@ -218,15 +213,6 @@ class Derived:
     def sea_width(self) -> float:
         """Width of the sea: its strip, or the whole underside for two axes."""
         return self.design.stage.width if self.design.sea.whole_underside else self.design.sea.width
-
-    @property
-    def moving_envelope(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """Lowest and highest corner of the box the stage sweeps over its travel, tooth irons included."""
-        stage = self.design.stage
-        reach, low = (stage.length + stage.travel) / 2, self.sea_height - self.design.pads.height
-        if self.design.teeth.fitted:
-            low = min(low, self.sea_height + stage.iron_pocket_depth - self.design.tooth_iron.height)
-        return (-reach, -stage.width / 2, low), (reach, stage.width / 2, self.payload_height)
 
     @property
     def iron_width(self) -> float:

@@ -13,7 +13,10 @@ from sim.library import find
 from sysid.base_fit import Fitted, fit_model
 from sysid.case import Case
 from sysid.model import with_effect
-from sysid.principal_angles import ONE_GROUP, angle_between, own_directions, principal_angles, stand_in_angle
+from sysid.principal_angles import own_directions, principal_angles, stand_in_angle
+
+ONE_GROUP = np.deg2rad(15.0)
+"""Below it the tutorial calls two effects one and the same to these records."""
 
 
 @pytest.mark.parametrize("tilt", [1e-9, 1e-4, 0.02, 0.3, 1.2])
@@ -45,7 +48,7 @@ def added(case: Case, base: Fitted, effect: str) -> Fitted:
 
 def angle(case: Case, one: str, other: str) -> float | None:
     base = fit_model(case.start, case.fit_records)
-    return angle_between(added(case, base, one), added(case, base, other), base)
+    return stand_in_angle(added(case, base, one), added(case, base, other), base)
 
 
 def test_two_names_for_one_thing_are_no_angle_apart(case: Case) -> None:
@@ -56,7 +59,7 @@ def test_two_names_for_one_thing_are_no_angle_apart(case: Case) -> None:
         asymmetry.effects, asymmetry.values, tuple(u for u in asymmetry.unknowns if "asymmetry.viscous" not in u.key)
     )
     one = fit_model(held, case.fit_records, base.weights, 4)
-    apart = angle_between(one, added(case, base, "constant_bias"), base)
+    apart = stand_in_angle(one, added(case, base, "constant_bias"), base)
     assert apart is not None
     assert apart < 0.2 * ONE_GROUP
 
@@ -74,7 +77,7 @@ def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> Non
     base = fit_model(case.start, case.fit_records)
     load = added(case, base, "load_dependent_friction")
     assert own_directions(load, base).shape[1] == 0
-    assert angle_between(load, added(case, base, "viscous"), base) is None
+    assert stand_in_angle(load, added(case, base, "viscous"), base) is None
 
 
 def test_a_law_with_more_values_may_stand_in_where_one_with_fewer_may_not(tmp_path: Path) -> None:
