@@ -21,7 +21,6 @@ from sysid.prepare import driven_mass, velocity_drive
 from sysid.records import Record, load_records
 from sysid.rig_numbers import rig_numbers
 from sysid.tip import TipRecord, tip_record
-from sysid.uniform import step_of
 
 FORMS = {
     "velocity-drive": "output",
@@ -141,7 +140,7 @@ def _prepare(
     kind = experiment.rig.kind
     prepared: list[Prepared] = []
     width = None
-    longest_step = max(step_of(record) for record in records)
+    longest_step = max(record.step for record in records)
     for record in records:
         if kind == "velocity-drive":
             prepared.append(velocity_drive(record, noise))

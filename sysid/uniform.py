@@ -12,11 +12,6 @@ MOST_PER_ROW = 100
 """The uniform grid may have this many samples, and this many for each row."""
 
 
-def step_of(record: Record) -> float:
-    """The median step of a record's time, s."""
-    return float(np.median(np.diff(record.time)))
-
-
 def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
     """The record on a uniform grid of its median step.
 
@@ -28,7 +23,7 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
         InputError: the holes of the time axis are out of all proportion to its steps.
     """
     time = record.time - record.time[0]
-    step = step_of(record)
+    step = float(np.median(np.diff(time)))
     if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
         grid = step * np.arange(time.size)
         return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
