@@ -211,6 +211,7 @@ def ladder_json(experiment: Experiment) -> list[dict[str, Any]]:
             "rung": rung.number,
             "effects": list(rung.effects),
             "added": list(rung.document.get("added", ())),
+            "removed": list(rung.document.get("removed", ())),
             "before": rung.document.get("before", {}),
             "parameters": rung.document.get("parameters", {}),
             "noise": rung.document.get("noise", {}),

@@ -19,6 +19,7 @@ from sysid.balance import Balance
 from sysid.document import LEAST_P
 from sysid.model import Model, Prepared, predict
 from sysid.residual_maps import ResidualMap
+from workbench.rung_words import change_words
 from workbench.simulation_figures import STYLE
 
 MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#1b4f72", "#b03a2e", "#1e8449", "#c9d6df"
@@ -289,8 +290,8 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
     """Error over noise after each effect added, log axis, the noise as a line at one; SVG text, and a PNG file."""
     labels, fit, held = [], [], []
     for rung in rungs:
-        added = " + ".join(rung.get("added") or ()) or ("as it began" if rung["rung"] == 0 else "by hand")
-        labels.append(added if rung["rung"] == 0 or not rung.get("added") else f"+ {added}")
+        words = change_words(rung, "as it began").replace(", without", "\nwithout")
+        labels.append(f"+ {words.replace(', ', ' + ')}" if rung.get("added") else words)
         fit.append(_worst(rung["before"].get("fit", {})))
         held.append(_worst(rung["before"].get("validate", {})))
     x = np.arange(len(rungs))

@@ -36,6 +36,7 @@ from workbench.loop_text import (
     unphysical_lines,
     where_words,
 )
+from workbench.rung_words import change_words
 
 Section = dict[str, Any]
 
@@ -202,10 +203,9 @@ def _by_channel(rung: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _rung_row(rung: Mapping[str, Any]) -> dict[str, Any]:
-    added = rung.get("added") or ()
     return {
         "rung": f"{rung['rung']:03d}",
-        "added": ", ".join(added) or ("the model as it began" if rung["rung"] == 0 else "[model] edited by hand"),
+        "added": change_words(rung, "the model as it began"),
         "misfit": misfit_rows(rung["before"]),
     }
 

@@ -19,6 +19,7 @@ from sysid.misfit import ChannelMisfit
 from sysid.residual_maps import ResidualMap
 from sysid.trials import explained_share
 from workbench.options import Run
+from workbench.rung_words import change_words
 
 COORDINATE_WORDS = {
     "time": "time",
@@ -301,8 +302,9 @@ def say_step(run: Run, step: Step, parameters: Mapping[str, Any]) -> None:
         ("held out, before", step.before_validate),
         ("held out, after", step.after_validate),
     ]
-    added = ", ".join(step.rung.document.get("added", ())) or ", ".join(step.rung.effects)
-    run.console.print(misfit_table(case, rows, f"Rung {step.rung.number:03d}: + {added}"))
+    signs = [f"{sign} {', '.join(step.rung.document[key])}" for sign, key in (("+", "added"), ("-", "removed"))
+             if step.rung.document[key]]  # fmt: skip
+    run.console.print(misfit_table(case, rows, f"Rung {step.rung.number:03d}: {' '.join(signs)}"))
     run.console.print(parameter_table(parameters))
     for key, (old, new) in step.changed.items():
         unit = parameters.get(public_key(key), {}).get("unit", "")
@@ -320,12 +322,9 @@ def ladder_table(rungs: Sequence[Mapping[str, Any]]) -> Table:
         first = True
         for channel, m in fit.items():
             h = held.get(channel)
-            added = ", ".join(rung["added"]) or (
-                "the model before anything was added" if rung["rung"] == 0 else "by hand"
-            )
             table.add_row(
                 f"{rung['rung']:03d}" if first else "",
-                added if first else "",
+                change_words(rung, "the model before anything was added") if first else "",
                 channel,
                 plain(m["rms"]["value"], m["rms"]["unit"]),
                 plain(h["rms"]["value"], h["rms"]["unit"]) if h else "",
