@@ -1,7 +1,7 @@
 """SVG, PDF and PNG of a sheet, all from its DXF document: what is drawn there is what every format shows.
 
-ezdxf's drawing add-on resolves the paper space once, text as outlines of the lettering font; the three formats are
-written from that one recording, each line weight in one go.
+The paper space is resolved once (`drawings.strokes`), text as outlines of the lettering font; the three formats are
+written from that one set of lines, each line weight in one go.
 """
 
 from __future__ import annotations
@@ -12,10 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from ezdxf.addons.drawing import config
-from ezdxf.addons.drawing.frontend import Frontend
-from ezdxf.addons.drawing.properties import RenderContext
-from ezdxf.addons.drawing.recorder import Recorder
 from ezdxf.document import Drawing
 from matplotlib.backends.backend_agg import RendererAgg
 from matplotlib.path import Path
@@ -41,22 +37,8 @@ class Renderings:
 
 def render(doc: Drawing, paper: Paper) -> Renderings:
     """SVG, PDF and PNG of a document's paper space, the same bytes for the same document."""
-    lots = outlines(_recorded(doc))
+    lots = outlines(doc)
     return Renderings(_svg(lots, paper), _pdf(lots, paper), _png(lots, paper))
-
-
-def _recorded(doc: Drawing) -> Recorder:
-    """Strokes and filled outlines of the paper space, mm."""
-    settings = config.Configuration(
-        background_policy=config.BackgroundPolicy.WHITE,
-        color_policy=config.ColorPolicy.BLACK,
-        lineweight_policy=config.LineweightPolicy.ABSOLUTE,
-        text_policy=config.TextPolicy.FILLING,
-        max_flattening_distance=0.02,
-    )
-    backend = Recorder()
-    Frontend(RenderContext(doc), backend, config=settings).draw_layout(doc.paperspace())
-    return backend
 
 
 def _svg(lots: Sequence[Outlines], paper: Paper) -> bytes:

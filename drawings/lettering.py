@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 FONT = "DejaVuSans.ttf"
 STYLE = "LETTERING"
 NARROWED = 0.8
@@ -54,3 +56,22 @@ def text_width(text: str, height: float = TEXT) -> float:
 def _width(text: str) -> float:
     """Of a text one millimetre high: while places are sought the same few texts are measured again and again."""
     return _font().text_width(text)
+
+
+@cache
+def outline(text: str, narrowed: float = NARROWED) -> tuple[np.ndarray, list[int], float]:
+    """Points and codes of a text's outlines (`drawings.strokes`), and its width, all at a height of capitals of 1.
+
+    Args:
+        narrowed: width factor.
+    """
+    path = _font().text_path_ex(text, 1.0, narrowed)
+    if not len(path):
+        return np.empty((0, 2)), [], 0.0
+    codes = [_MOVE, *(code for command in path.command_codes() for code in _CODES[int(command)])]
+    return path.np_vertices(), codes, _font().text_width_ex(text, 1.0, narrowed)
+
+
+_MOVE = 1
+_CODES = {1: (2,), 2: (3, 3), 3: (4, 4, 4), 4: (1,)}
+"""Codes of the points that come with each of ezdxf's commands."""

@@ -18,6 +18,7 @@ from ezdxf.tools.text_size import text_size
 from drawings.field import Line, Lines, arc_points, pieces
 from drawings.lettering import prepare
 from drawings.view import Arc, Box2, Point2
+from drawings.windows import Window, drawn, windows
 
 Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
 
@@ -75,25 +76,6 @@ class _Text:
         return (x * c + y * s, -x * s + y * c)
 
 
-@dataclass(frozen=True)
-class _Window:
-    """A viewport: paper = (model - shift) * scale, for what lies within its box in model space."""
-
-    scale: float
-    middle: Point2
-    seen: Point2
-    box: Box2
-
-    def shows(self, point: Point2) -> bool:
-        return self.box[0] <= point[0] <= self.box[2] and self.box[1] <= point[1] <= self.box[3]
-
-    def to_paper(self, point: Point2) -> Point2:
-        return (
-            self.middle[0] + (point[0] - self.seen[0]) * self.scale,
-            self.middle[1] + (point[1] - self.seen[1]) * self.scale,
-        )
-
-
 class _Ink:
     """All texts and lines of the sheet on the paper, with the numbers of what belongs together."""
 
@@ -107,16 +89,14 @@ class _Ink:
         self.symbols: list[Box2] = []
         self.lost: list[str] = []
         paper = document.paperspace()
-        self.windows = list(_windows(paper))
+        self.windows = list(windows(paper))
         for entity in paper:
             if entity.dxftype() == "TEXT":
                 self.texts.append(_text(entity, None))
             elif entity.dxftype() != "VIEWPORT":
                 self.sheet_lines += _lines(entity, None)
-        for entity in document.modelspace():
-            parts = entity.virtual_entities() if entity.dxftype() == "DIMENSION" else (entity,)  # type: ignore[attr-defined]
-            for part in parts:
-                self._from_model(part)
+        for entity in drawn(document, document.modelspace()):
+            self._from_model(entity)
 
     def _from_model(self, entity: Any) -> None:
         points = _points(entity)
@@ -289,11 +269,11 @@ def _values(document: Drawing, ink: _Ink) -> Iterator[Hit]:
             continue
         decimals = document.dimstyles.get(dimension.dxf.dimstyle).dxf.dimdec
         said = _decoded(dimension.dxf.text.replace("<>", f"{measured:.{decimals}f}"))
-        drawn = "".join(part.plain_text() for part in dimension.virtual_entities() if part.dxftype() == "TEXT")  # type: ignore[attr-defined]
-        if "<>" not in dimension.dxf.text or _decoded(said) != _decoded(drawn):
+        shown = "".join(part.plain_text() for part in drawn(document, [dimension]) if part.dxftype() == "TEXT")
+        if "<>" not in dimension.dxf.text or _decoded(said) != _decoded(shown):
             at = (dimension.dxf.defpoint.x, dimension.dxf.defpoint.y)
             window = next((w for w in ink.windows if w.shows(at)), None)
-            yield Hit("value", f"'{drawn}' is drawn, '{said}' is measured", window.to_paper(at) if window else at)
+            yield Hit("value", f"'{shown}' is drawn, '{said}' is measured", window.to_paper(at) if window else at)
 
 
 def _decoded(text: str) -> str:
@@ -306,19 +286,7 @@ def _unsound(document: Drawing) -> Iterator[Hit]:
         yield Hit("file", f"DXF audit: {error.message}", (0.0, 0.0))
 
 
-def _windows(paper: Any) -> Iterator[_Window]:
-    for viewport in paper.query("VIEWPORT"):
-        d = viewport.dxf
-        if d.id == 1:  # the paper space's own
-            continue
-        scale = d.height / d.view_height
-        seen = (d.view_center_point.x, d.view_center_point.y)
-        half = (d.width / scale / 2, d.height / scale / 2)
-        box = (seen[0] - half[0], seen[1] - half[1], seen[0] + half[0], seen[1] + half[1])
-        yield _Window(scale, (d.center.x, d.center.y), seen, box)
-
-
-def _text(entity: Any, window: _Window | None) -> _Text:
+def _text(entity: Any, window: Window | None) -> _Text:
     size = text_size(entity)
     scale = window.scale if window else 1.0
     turn = math.radians(entity.dxf.rotation)
@@ -356,7 +324,7 @@ def _points(entity: Any) -> list[Point2]:
             raise ValueError(f"a sheet has no {kind}")
 
 
-def _lines(entity: Any, window: _Window | None) -> list[Line]:
+def _lines(entity: Any, window: Window | None) -> list[Line]:
     points: Iterable[Point2] = _points(entity)
     return pieces(list(map(window.to_paper, points)) if window else list(points))
 

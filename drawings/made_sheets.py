@@ -227,12 +227,13 @@ def draw_whole(
         from drawings.visibility import Scene
 
         assembled = _assembled(parts, reading)
+        meshes = {name: made.mesh for name, made in parts.items()}
         if part == ASSEMBLY:
-            scene = Scene(assembled.shapes)
+            scene = Scene(assembled.shapes, meshes)
             pictures = _pictures(store, parts, design, lambda: scene, exact=exact)
             sheet = assembly_sheet(assembled, reading, pictures, scene, exact=exact)
         else:
-            pictures = _pictures(store, parts, design, lambda: Scene(assembled.shapes), exact=exact)
+            pictures = _pictures(store, parts, design, lambda: Scene(assembled.shapes, meshes), exact=exact)
             sheet = _procedure_sheet(assembled, reading, values, pictures)
         (folder / SHEETS).write_text(json.dumps([write_sheet(sheet, folder)], indent=1), "utf-8")
 

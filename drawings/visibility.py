@@ -14,19 +14,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numba
 import numpy as np
 
 from drawings.view import Projection
 from stagecad.solids.frame import Frame, Vector
-from stagecad.solids.rasteriser import FAR, _fill
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
+    from stagecad.solids.mesh import Mesh
+
 PIXELS = 1400
 """Of the depth buffer along its longer side: of the machine, a third of a millimetre each."""
 DEFLECTION, TURN = 0.5, 0.6
-"""Of the triangles from the faces: mm, and rad between neighbours."""
+"""Of the triangles from the faces of a shape that comes without: mm, and rad between neighbours."""
 
 
 @dataclass(frozen=True)
@@ -40,14 +42,16 @@ class _Faces:
 
 
 class Scene:
-    """Shapes that stand in one or several places, meshed once.
+    """Shapes that stand in one or several places.
 
     Args:
         shapes: by name, each in its own coordinates.
+        meshes: of those that have one already; the others are meshed here.
     """
 
-    def __init__(self, shapes: Mapping[str, TopoDS_Shape]) -> None:
-        self._meshed = {name: _meshed(shape) for name, shape in shapes.items()}
+    def __init__(self, shapes: Mapping[str, TopoDS_Shape], meshes: Mapping[str, Mesh] | None = None) -> None:
+        there = meshes or {}
+        self._meshed = {name: _with_mesh(shape, there.get(name)) for name, shape in shapes.items()}
 
     def with_more(self, shapes: Mapping[str, TopoDS_Shape]) -> Scene:
         """A scene with some shapes more; those that are here already are not meshed again."""
@@ -97,16 +101,55 @@ class Scene:
         places = (places - low) * (PIXELS / max(high[0] - low[0], high[1] - low[1]))
         size = (int(np.ceil(places[:, 1].max())) + 1, int(np.ceil(places[:, 0].max())) + 1)
         paint = np.full(size, -1, dtype=np.int32)
-        _fill(
-            places,
-            np.zeros_like(places),
-            np.concatenate(triangles),
-            np.concatenate(owners).astype(np.int32),
-            np.full(size, FAR, dtype=np.float32),
-            np.zeros((*size, 3), dtype=np.float32),
-            paint,
-        )
+        depth = np.full(size, np.inf, dtype=np.float32)
+        _fill(places, np.concatenate(triangles), np.concatenate(owners), depth, paint)
         return set(np.flatnonzero(np.bincount(paint.ravel() + 1, minlength=1)[1:]).tolist())
+
+
+@numba.njit(cache=True)
+def _fill(points, triangles, owners, depth, paint):  # pragma: no cover - compiled
+    """Owners of triangles into a picture, the nearest at each place; points are (column, row, depth)."""
+    height, width = depth.shape
+    x, y = np.empty(3), np.empty(3)
+    for t in range(triangles.shape[0]):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        x[0], y[0], za = points[a, 0], points[a, 1], points[a, 2]
+        x[1], y[1], zb = points[b, 0], points[b, 1], points[b, 2]
+        x[2], y[2], zc = points[c, 0], points[c, 1], points[c, 2]
+        area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+        if area >= 0.0:
+            # Seen from behind (rows count downwards): the solid is closed, another face hides it.
+            continue
+        first = max(0, int(np.ceil(min(y[0], y[1], y[2]) - 0.5)))
+        last = min(height - 1, int(np.floor(max(y[0], y[1], y[2]) - 0.5)))
+        if first > last:
+            continue
+        along = ((zb - za) * (y[2] - y[0]) - (zc - za) * (y[1] - y[0])) / area
+        down = ((zc - za) * (x[1] - x[0]) - (zb - za) * (x[2] - x[0])) / area
+        for row in range(first, last + 1):
+            middle = row + 0.5
+            left, right = np.inf, -np.inf
+            for side in range(3):
+                other = (side + 1) % 3
+                low, high = y[side], y[other]
+                if low != high and min(low, high) <= middle <= max(low, high):
+                    place = x[side] + (middle - low) * (x[other] - x[side]) / (high - low)
+                    left, right = min(left, place), max(right, place)
+            if left > right:
+                continue
+            begin, end = max(0, int(np.ceil(left - 0.5))), min(width - 1, int(np.floor(right - 0.5)))
+            z = za + (middle - y[0]) * down + (begin + 0.5 - x[0]) * along
+            for column in range(begin, end + 1):
+                if z < depth[row, column]:
+                    depth[row, column] = z
+                    paint[row, column] = owners[t]
+                z += along
+
+
+def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> _Faces:
+    if mesh is None:
+        return _meshed(shape)
+    return _Faces(tuple(_faces(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
 
 
 def _compound(faces: Sequence[Any], frame: Frame) -> TopoDS_Shape:

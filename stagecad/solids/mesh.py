@@ -36,6 +36,7 @@ class Mesh:
         vertices: (n, 3) float64, mm; points on an edge occur once for each face that meets there, bit for bit the same.
         normals: (n, 3) unit, out of the material.
         triangles: (m, 3) indices, counter-clockwise seen from outside.
+        faces: (m,) number of the solid's face that each triangle stands for, from 0.
         edge_points: (k, 3) points of the solid's sharp edges, mm.
         edge_ends: (e + 1,) where each edge's points begin in `edge_points`, and the end of the last.
     """
@@ -43,6 +44,7 @@ class Mesh:
     vertices: np.ndarray
     normals: np.ndarray
     triangles: np.ndarray
+    faces: np.ndarray
     edge_points: np.ndarray
     edge_ends: np.ndarray
 
@@ -61,6 +63,7 @@ class Mesh:
             self.vertices @ rotation.T + shift,
             self.normals @ rotation.T,
             self.triangles,
+            self.faces,
             self.edge_points @ rotation.T + shift,
             self.edge_ends,
         )
@@ -134,6 +137,7 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
         np.concatenate(vertices),
         _unit(np.concatenate(normals)),
         np.concatenate(triangles).astype(np.uint32),
+        np.repeat(np.arange(len(triangles), dtype=np.int32), [len(corners) for corners in triangles]),
         edge_points,
         edge_ends,
     )

@@ -14,73 +14,19 @@ import ezdxf
 import numpy as np
 import pytest
 from PIL import Image
+from plate_sheet import TITLE, plate, sheet
 
 from drawings.annotation import (
-    Angular,
-    Annotation,
-    Balloon,
-    Callout,
-    ControlFrame,
-    DatumMark,
-    DetailMark,
     Linear,
     Note,
-    Round,
-    SectionMark,
-    SurfaceMark,
     Symbol,
 )
 from drawings.document import LAYERS, document_of, dxf_bytes, measured_text
 from drawings.export import DPI, Renderings, render
 from drawings.frame import PAPERS, drawing_space, frame
 from drawings.ink import Words
-from drawings.sheet import Sheet, scale_text, sheet_area
-from drawings.title_block import TitleBlock, title_box, title_ink
-from drawings.view import PROJECTIONS, Arc, Polyline, Segment, View
-
-TITLE = TitleBlock(
-    "plate", "Machine", "FILE_NAME", "Al 6061-T651", "1.25 kg", "1:2", 2, 3, "0.1.0", "a1b2c3d4", "Part drawing",
-    "Ra 3.2", (("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01"), ("ANGLE", "±0.5°")),
-)  # fmt: skip
-
-
-def plate(scale: float, place: tuple[float, float], name: str = "top") -> View:
-    corners = [(-40.0, -20.0), (40.0, -20.0), (40.0, 20.0), (-40.0, 20.0)]
-    outline = tuple(Segment(a, b) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True))
-    return View(
-        name,
-        PROJECTIONS["top"],
-        {
-            "VISIBLE": (*outline, Arc((10.0, 0.0), 8.0), Polyline(((-30.0, 0.0), (-25.0, 5.0), (-20.0, 0.0)))),
-            "HIDDEN": (Segment((-40.0, 10.0), (40.0, 10.0)),),
-            "CENTRE": (Segment((-45.0, 0.0), (45.0, 0.0)), Segment((10.0, -10.0), (10.0, 10.0))),
-        },
-        scale,
-        place,
-        label="X (2:1)" if scale == 2.0 else "",
-    )
-
-
-def sheet() -> Sheet:
-    annotations: tuple[Annotation, ...] = (
-        Linear("top", (-40, -20), (40, -20), 0.0, (100, 160), "80.00", 80.0, ("length",)),
-        Linear("top", (40, -20), (40, 20), 90.0, (140, 180), "2x 40.0", 40.0, ("width",)),
-        Linear("top", (10, -8), (10, 8), 90.0, (90, 180), "⌀16", 16.0, ("hole",), (86, 200)),
-        Round("top", "diameter", (10, 0), 8.0, 45.0, "⌀16.0", (130, 230), 16.0, ("hole",)),
-        Round("detail", "radius", (10, 0), 8.0, 135.0, "R8.0", (230, 240), 8.0, ("round",)),
-        Angular("top", (-40, -20), (-20, -20), (-20, 0), (72, 172), "45°", 45.0, ("angle",)),
-        Callout("top", (10, 0), (150, 210), ("4x ⌀6.6 {depth} 12.0", "{counterbore} ⌀11.0"), ("screw hole",)),
-        ControlFrame("top", (0, 20), (110, 215), "parallelism", "0.01", ("A",)),
-        DatumMark("top", (-40, 0), (60, 180), "A"),
-        SurfaceMark("top", (20, 20), "Ra 1"),
-        Balloon("detail", (0, 0), (330, 250), 12),
-        SectionMark("top", (70, 180), (135, 180), (0, 1), "B"),
-        DetailMark("top", (30, 10), 6.0, (125, 195), "X"),
-    )
-    return Sheet(
-        "plate", "plate", "A3", 0.5, TITLE, (plate(0.5, (100, 180)), plate(2.0, (300, 200), "detail")), annotations,
-        (Note((30, 40), ("NOTES", "lapped to {surface} Ra 1")),),
-    )  # fmt: skip
+from drawings.sheet import scale_text, sheet_area
+from drawings.title_block import title_box, title_ink
 
 
 @pytest.fixture(scope="module")
