@@ -10,6 +10,7 @@ import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,9 @@ from workbench.simulation_figures import STYLE
 MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#1b4f72", "#b03a2e", "#1e8449", "#c9d6df"
 COLUMNS = 900
 """Pixel columns a line is drawn in."""
+
+LABEL_WIDTH, LINE = 18, 0.15
+"""Letters for which there is room below a bar of the ladder, and inches that another line of them takes."""
 
 BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
 """Coordinates whose maps have bins of equal count."""
@@ -290,13 +294,17 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
     """Error over noise after each effect added, log axis, the noise as a line at one; SVG text, and a PNG file."""
     labels, fit, held = [], [], []
     for rung in rungs:
-        words = change_words(rung, "as it began").replace(", without", "\nwithout")
-        labels.append(f"+ {words.replace(', ', ' + ')}" if rung.get("added") else words)
+        words = change_words(rung, "as it began").replace("_", " ").replace(":", ": ").split(", ")
+        came = len(rung.get("added") or ())
+        signed = [f"+ {word}" if k < came else word for k, word in enumerate(words)]
+        labels.append("\n".join(fill(word, LABEL_WIDTH) for word in signed))
         fit.append(_worst(rung["before"].get("fit", {})))
         held.append(_worst(rung["before"].get("validate", {})))
     x = np.arange(len(rungs))
     with _styled():
-        figure, axes = _figure(1, 1, max(5.6, 1.6 + 1.5 * len(rungs)), 3.6)
+        more = LINE * max(label.count("\n") for label in labels)
+        height = 3.6 + more
+        figure, axes = _figure(1, 1, max(5.6, 1.6 + 1.5 * len(rungs)), height, bottom=(0.45 + more) / height)
         panel = axes[0, 0]
         panel.set_yscale("log")
         panel.axhspan(0.5, 1.0, color=FAINT, alpha=0.8, linewidth=0)
@@ -307,7 +315,7 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
             panel.annotate(f"{value:.3g} ×", (k, value), (0, 4), textcoords="offset points", ha="center", weight="bold")
         panel.plot(x, fit, "o", color="#1c2833", markersize=4, markerfacecolor="white", label="records of the fit")
         panel.text(len(x) - 0.45, 1.0, "noise", va="bottom", ha="right", color="#5d6d7e")
-        panel.set_xticks(x, [label.replace("_", " ") for label in labels])
+        panel.set_xticks(x, labels)
         panel.set(ylim=(0.5, 2.2 * top), xlim=(-0.6, len(x) - 0.4), ylabel="error over noise")
         panel.set_title("Error over noise after each effect; bars: held-out records")
         panel.grid(axis="x", visible=False)
