@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
+import os
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -100,6 +102,17 @@ def finite(value: Any) -> Any:
     return value
 
 
+def _need_writable(file: Path) -> None:
+    """Refuse a file that cannot be written while nothing has been done yet, rather than after all the work."""
+    above = next(folder for folder in file.absolute().parents if folder.exists())
+    if file.is_dir():
+        raise InputError(f"--json {file}: is a folder; a file is wanted")
+    if not above.is_dir():
+        raise InputError(f"--json {file}: {above} is a file, not a folder")
+    if not os.access(file if file.exists() else above, os.W_OK):
+        raise InputError(f"--json {file}: cannot be written")
+
+
 def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Add the options of every command; the function receives them as its first argument, a `Run`."""
 
@@ -132,6 +145,8 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
         if params is not None or overrides:
             # A mistake in them is one for every command, also for one that asks the design for little or nothing.
             _ = run.design
+        if json_target not in (None, "-"):
+            _need_writable(Path(json_target))
         return function(run, **rest)
 
     return wrapper

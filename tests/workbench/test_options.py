@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from workbench import cli
+from workbench.commands.demo import fresh_copy
 
 
 @pytest.mark.parametrize(
@@ -36,3 +37,18 @@ def test_a_mistake_is_one_line_and_nothing_is_written(tmp_path, monkeypatch, cap
     assert said.out == ""
     assert said.err == f"stagecad: {message}\n"
     assert [path.name for path in tmp_path.iterdir()] == ["notes.toml"]
+
+
+def test_a_json_file_that_cannot_be_written_stops_a_command_before_it_does_anything(tmp_path, capsys):
+    folder = fresh_copy(tmp_path / "rig")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    (tmp_path / "is_folder.json").mkdir()
+    for target, message in (
+        ("is_folder.json", "is_folder.json: is a folder; a file is wanted"),
+        ("rig/fit.csv/deeper/out.json", f"out.json: {folder / 'fit.csv'} is a file, not a folder"),
+    ):
+        assert cli.run(["add", str(folder), "stribeck", "--json", str(tmp_path / target)]) == 2
+        said = capsys.readouterr()
+        assert (said.out, said.err.count("\n")) == ("", 1)
+        assert said.err.endswith(f"{message}\n")
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
