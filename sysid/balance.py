@@ -16,6 +16,7 @@ from sim.effect import Axis
 from sysid.rests import REST, Rests
 from sysid.runs import runs
 from sysid.smoothing import GaussianFilter
+from sysid.stops import Stops
 
 LAW_SHARE = 0.4
 """Part of the whole filter's width that the motion has passed before a law sees it."""
@@ -33,7 +34,8 @@ class Balance:
 
     `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that
     filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`,
-    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step).
+    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step). Each of the
+    `stops` is put where the model's own momentum ends; `light_samples` is the width of the light filter in samples.
     `heading` is the sign of a velocity that was given, at the sample; zero where it is not sure. `finer` makes the
     axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
     `rests` has the displacements while friction holds the body, scored beside the measured channels.
@@ -53,6 +55,8 @@ class Balance:
     whole: GaussianFilter | None = None
     direction: np.ndarray | None = None
     turns: np.ndarray | None = None
+    stops: Stops | None = None
+    light_samples: float = 0.0
     heading: np.ndarray | None = None
     force_channel: str = ""
     jitter: float = 0.0

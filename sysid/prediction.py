@@ -12,7 +12,8 @@ from sim.effect import Axis, Effect
 from sysid.balance import Balance
 from sysid.first_rest import along_from_rest
 from sysid.rests import FULLY_AT_REST, REST, given_way
-from sysid.reversals import sharp_friction
+from sysid.reversals import at_times, sharp_friction
+from sysid.stops import departures, stop_times
 
 Values = Mapping[str, float]
 """Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
@@ -176,11 +177,22 @@ def _sharp(
 ) -> np.ndarray:
     """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
-    assert balance.direction is not None and balance.turns is not None
-    return sharp_friction(
-        balance.direction, balance.stuck, balance.turns, _as_driven(balance, effects, values) - forces,
-        np.ascontiguousarray(level, dtype=float), stretch, balance.step**2 / values.get("rig.mass", 0.0),
+    assert balance.direction is not None and balance.stuck is not None and balance.stops is not None
+    push, mass = _as_driven(balance, effects, values) - forces, values.get("rig.mass", 0.0)
+    level = np.ascontiguousarray(level, dtype=float)
+    stops, farthest = balance.stops, FARTHEST * balance.light_samples + 2.0
+    times = stop_times(
+        stops.first, stops.time, stops.heading, np.where(stops.departure > stops.time, stops.departure, np.inf),
+        balance.axis.velocity, push, level, balance.step / mass, balance.light_samples,
+        farthest,
     )  # fmt: skip
+    leaves = departures(stops.time, stops.departure, stops.next_heading, push, level, farthest)
+    direction, stuck, turns = at_times(balance.direction, balance.stuck, stops, times, leaves)
+    return sharp_friction(direction, stuck, turns, push, level, stretch, balance.step**2 / mass)
+
+
+FARTHEST = 2.5
+"""Widths of the light filter by which the momentum may move a stop."""
 
 
 def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:

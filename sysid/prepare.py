@@ -16,6 +16,7 @@ from sysid.records import Record
 from sysid.rests import find_rests
 from sysid.reversals import sharp_direction
 from sysid.smoothing import GaussianFilter
+from sysid.stops import sharpened
 from sysid.uniform import uniform
 
 REST_SIGMAS = 5.0
@@ -175,7 +176,7 @@ def driven_mass(
     axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
     acceleration = whole(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
-    direction, stuck, turns = sharp_direction(
+    direction, stuck, turns, stops = sharp_direction(
         position,
         velocity,
         force / mass * step**2 if mass > 0 else np.zeros(n),
@@ -184,6 +185,10 @@ def driven_mass(
         min(2.5 * law_width / step + 2.0, reach_event - 2.0),
         max(3, int(np.ceil(2.0 * law_width / step))),
     )
+
+    drive = force / mass * step**2 if mass > 0 else np.zeros(n)
+    kinked = sharpened(velocity * step, axis.acceleration * step**2, drive, stops, law_width / step)
+    axis = axis._replace(velocity=kinked / step)
 
     missing = gap_motion | hole | gap_force
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
@@ -216,7 +221,8 @@ def driven_mass(
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
         noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole,
-        direction=direction, turns=turns, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
+        direction=direction, turns=turns, stops=stops,
+        light_samples=law_width / step, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
         acceleration_noise=acceleration_noise, position_noise=sigma_position,
         stretch=12.0 * light_noise, light_noise=light_noise, pull_stiffness=pull_stiffness or 0.0, rests=rests,
         finer=partial(_lightly_filtered, time, position, load, temperature, 0.5 * law_width, width,

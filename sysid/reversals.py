@@ -16,6 +16,7 @@ import numpy as np
 
 from sim.compilation import compiled
 from sysid.runs import runs
+from sysid.stops import Stops
 
 
 @compiled
@@ -116,7 +117,7 @@ def sharp_direction(
     reach: int,
     search: float,
     shortest: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Stops]:
     """Direction of motion with its flips where they happened, and how much of each step was spent at rest.
 
     Args:
@@ -132,6 +133,7 @@ def sharp_direction(
         direction (n,), in [-1, 1]: the sign of the motion, averaged over the step around each sample; 0 at rest.
         rest (n,), in [0, 1]: the part of the step around each sample spent at rest.
         turns (k,): times of the turns without a rest between, in samples, signed by the direction after them.
+        stops: all the ends of motion, turns among them.
     """
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
@@ -142,7 +144,7 @@ def sharp_direction(
     moving = np.flatnonzero(sign)
     direction, rest = np.zeros(n), np.zeros(n)
     if moving.size == 0:
-        return direction, np.ones(n), np.empty(0)
+        return direction, np.ones(n), np.empty(0), Stops(*(np.empty(0) for _ in range(5)))
     # Where one stretch of motion ends (sample i) and the next begins (sample j), with or without a rest between.
     last, first = moving[:-1], moving[1:]
     ends = np.flatnonzero((first - last > 1) | (sign[first] != sign[last]))
@@ -164,7 +166,51 @@ def sharp_direction(
     _paint(direction, start, end, float(sign[moving[-1]]))
     _paint(rest, end, n - 0.5, 1.0)
     turns = times[through] * sign[j[through]]
-    return direction, rest, turns
+    # The last stretch ends too, with nothing after it.
+    times, departures = np.append(times, end), np.append(np.maximum(departures, times), n - 0.5)
+    began = np.concatenate([moving[:1] - 0.5, departures[:-1]])
+    headings, nexts = np.append(sign[i], sign[moving[-1]]), np.append(sign[j], 0.0)
+    return direction, rest, turns, Stops(began, times, headings, departures, nexts)
+
+
+def at_times(
+    direction: np.ndarray, rest: np.ndarray, stops: Stops, times: np.ndarray, leaves: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`direction` (n,), `rest` (n,) and `turns` (k,) of `sharp_direction` with its stops and departures moved.
+
+    Args:
+        direction, rest, stops: as `sharp_direction` gave them.
+        times: of the stops, in samples, (k,).
+        leaves: of the departures, in samples, (k,); not looked at where the body turned without a rest.
+    """
+    direction, rest = direction.copy(), rest.copy()
+    through = stops.departure <= stops.time
+    after = np.where(through, stops.next_heading, 0.0)
+    _move(direction, rest, stops.time, times, stops.heading, after)
+    held = ~through
+    _move(direction, rest, stops.departure[held], leaves[held], np.zeros(held.sum()), stops.next_heading[held])
+    return direction, rest, times[through] * stops.next_heading[through]
+
+
+@compiled
+def _move(
+    direction: np.ndarray, rest: np.ndarray, old: np.ndarray, new: np.ndarray, before: np.ndarray, after: np.ndarray
+) -> None:
+    """Repaint the steps between old and new events, `before` and `after` which the heading is that, 0 for a rest."""
+    for k in range(old.size):
+        low, high = max(min(old[k], new[k]), -0.5), min(max(old[k], new[k]), direction.size - 0.5)
+        later = new[k] > old[k]
+        turned = before[k] - after[k] if later else after[k] - before[k]
+        still = (1.0 if before[k] == 0.0 else 0.0) - (1.0 if after[k] == 0.0 else 0.0)
+        if not later:
+            still = -still
+        i = int(np.floor(low + 0.5))
+        while low < high and i < direction.size:
+            part = min(high, i + 0.5) - low
+            direction[i] += turned * part
+            rest[i] += still * part
+            low = i + 0.5
+            i += 1
 
 
 @compiled
