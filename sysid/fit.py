@@ -90,17 +90,23 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
         return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
 
 
+VAST = 1e100
+"""As large as a scale may count: its square is still a number."""
+
+
 class _Priors:
     """The priors of a fit as sums: precision (p,) at a residual scale, cost and gradient at a point."""
 
     def __init__(self, unknowns: Sequence[Unknown]) -> None:
         self.value = np.array([0.0 if u.prior is None else u.prior.value for u in unknowns])
-        self.inverse = np.array([0.0 if u.prior is None else u.prior.std**-2 for u in unknowns])
+        self.inverse = np.array([0.0 if u.prior is None else max(u.prior.std, 1.0 / VAST) ** -2 for u in unknowns])
 
     def precision(self, scale: float) -> np.ndarray:
-        return self.inverse * (max(scale, 1.0) ** 2 if np.isfinite(scale) else 1.0)
+        """Weight (p,) of each prior beside residuals of this scale: they are no better than what the model leaves."""
+        return self.inverse * (min(max(scale, 1.0), VAST) ** 2 if np.isfinite(scale) else 1.0)
 
     def cost(self, point: np.ndarray, scale: float) -> float:
+        """What the priors add to the cost at a point (p,)."""
         return 0.5 * float(np.sum(self.precision(scale) * (point - self.value) ** 2))
 
 

@@ -85,3 +85,13 @@ def test_a_prior_is_held_to_where_the_model_is_wrong() -> None:
     # A missing cubic, 13 deviations strong, would be taken for slope: what is known of the slope outweighs it.
     assert slope(None) > 15.0
     assert slope(Prior(3.0, 0.1)) == pytest.approx(3.0, abs=0.7)
+
+
+def test_a_scale_whose_square_is_no_number_stops_no_fit() -> None:
+    # A noise given as 1e-300 N makes deviations of such a size.
+    x = np.linspace(0, 1, 50)
+    unknowns = [Unknown("a", 0.5, -9.0, 9.0, 1.0), Unknown("b", 1.0, 0.0, 9.0, 1.0, Prior(1.0, 1e-200))]
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = least_squares(lambda p: 1e160 * (2.0 * x - p[0] * x - (p[1] - 1.0)), unknowns)
+    assert found.values["b"] == pytest.approx(1.0)
+    assert np.isfinite(found.values["a"])
