@@ -7,7 +7,8 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -87,6 +88,13 @@ class Run:
             transient=True,
             disable=not console.is_terminal,
         )
+
+    @contextmanager
+    def busy(self, words: str) -> Iterator[None]:
+        """A bar without an end, drawn on a terminal only, while something is done whose steps cannot be counted."""
+        with self.progress() as progress:
+            progress.add_task(words, total=None)
+            yield
 
 
 def finite(value: Any) -> Any:

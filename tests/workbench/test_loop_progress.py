@@ -5,11 +5,13 @@ from __future__ import annotations
 import io
 from pathlib import Path
 
+import pytest
 from rich.console import Console
 from rich.progress import Progress
 
 from sysid.diagnose import diagnose
 from sysid.trials import REFITTED
+from workbench import cli
 from workbench.commands.demo import fresh_copy
 from workbench.loop_progress import shown_on
 
@@ -38,3 +40,16 @@ def test_a_diagnosis_knows_from_the_first_step_how_many_it_counts(tmp_path: Path
     assert len(refitted) == REFITTED
     assert found.best is not None and found.best.name in refitted
     assert steps[-1] == ("", total, total)
+
+
+def test_what_cannot_be_counted_shows_that_it_runs_on_a_terminal_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = str(fresh_copy(tmp_path / "rig"))
+    assert cli.run(["compare", folder, "--no-figures"]) == 0
+    assert "fitting the model" not in capsys.readouterr().err
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert cli.run(["compare", folder, "--no-figures"]) == 0
+    assert "fitting the model as it stands" in capsys.readouterr().err
+    assert cli.run(["add", folder, "--drop", "viscous"]) == 0
+    assert "fitting the model without viscous" in capsys.readouterr().err

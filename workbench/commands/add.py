@@ -70,7 +70,8 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
 
         # Before the rung is written: a file that cannot take the values stops the command with nothing done.
         parameter_file(run)
-    step = add_effects(experiment, effects, design_values(run), drop)
+    with run.busy(f"fitting the model {_change(effects, drop)}"):
+        step = add_effects(experiment, effects, design_values(run), drop)
     parameters = dict(step.rung.document["parameters"])
     say_step(run, step, parameters)
     document = {
@@ -91,6 +92,11 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
     run.emit(document)
 
 
+def _change(effects: tuple[str, ...], drop: tuple[str, ...]) -> str:
+    words = [f"{word} {', '.join(names)}" for word, names in (("with", effects), ("without", drop)) if names]
+    return " and ".join(words)
+
+
 def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
     from sysid.case import load_case
     from sysid.case_fit import fit_case
@@ -98,8 +104,9 @@ def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
     from sysid.ladder_files import edited_by_hand, read_ladder
     from workbench.design_values import design_values
 
-    case = load_case(experiment, design_values(run))
-    fitted = fit_case(case).fitted
+    with run.busy("fitting the model as it stands"):
+        case = load_case(experiment, design_values(run))
+        fitted = fit_case(case).fitted
     rungs = read_ladder(case.experiment)
     rung = rungs[-1].number if rungs and not edited_by_hand(case.experiment, rungs) else None
     document = {"schema": 1, "form": case.form, "effects": [e.name for e in fitted.model.effects]}

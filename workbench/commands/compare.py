@@ -32,7 +32,8 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     from workbench.design_values import design_values
     from workbench.loop_text import say_comparison
 
-    found = compare(experiment, design_values(run))
+    with run.busy("fitting the model as it stands"):
+        found = compare(experiment, design_values(run))
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
     say_comparison(run, found, document)
     if bootstrap is not None:

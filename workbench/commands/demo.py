@@ -70,7 +70,8 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
     from workbench.loop_sections import comparison_sentence
 
     run.say(f"$ stagecad compare {folder}")
-    found = compare(folder)
+    with run.busy("fitting the model as it stands"):
+        found = compare(folder)
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
     run.say(f"  {comparison_sentence(found)}\n")
     write_comparison(run, found, document)
@@ -103,7 +104,8 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
     from workbench.loop_text import parameter_table
 
     run.say(f"$ stagecad add {folder} {effect}")
-    step = add_effects(folder, [effect])
+    with run.busy(f"fitting the model with {effect}"):
+        step = add_effects(folder, [effect])
     parameters = dict(step.rung.document["parameters"])
     run.console.print(parameter_table(parameters, f"Rung {step.rung.number:03d}, fitted again"))
     run.say("")
@@ -122,7 +124,8 @@ def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
 
     run.say(f"$ stagecad suggest {folder}")
     # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
-    found = weigh(last, motions_for(last.case), last.effect)
+    with run.busy("weighing motions"):
+        found = weigh(last, motions_for(last.case), last.effect)
     paths = write_motions(run, found)
     for line in sentences(found):
         run.say(f"  {line}")
