@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sim.compilation import compile_function
+from sim.compilation import INLINED, compile_function
 
 NWORK = 3
 
@@ -152,6 +152,6 @@ def _solve(
     return kv
 
 
-assemble: Any = compile_function(_assemble, inline="always")
-factorise: Any = compile_function(_factorise, inline="always")
-solve: Any = compile_function(_solve, inline="always")
+assemble: Any = compile_function(_assemble, **INLINED)
+factorise: Any = compile_function(_factorise, **INLINED)
+solve: Any = compile_function(_solve, **INLINED)

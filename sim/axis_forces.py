@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from sim import kernel_calls
-from sim.compilation import compile_function
+from sim.compilation import INLINED, compile_function
 from sim.kernel_calls import call_effect, call_elements, call_model
 
 BY = 5
@@ -97,7 +97,7 @@ def _axis_forces(
     out[0], out[1], out[2], out[3] = g, core_force, other, others
 
 
-axis_forces: Any = compile_function(_axis_forces, [kernel_calls.__file__], inline="always")
+axis_forces: Any = compile_function(_axis_forces, [kernel_calls.__file__], **INLINED)
 
 
 def _values_at(
@@ -113,4 +113,4 @@ def _values_at(
         )  # fmt: skip
 
 
-values_at: Any = compile_function(_values_at, [kernel_calls.__file__], inline="always")
+values_at: Any = compile_function(_values_at, [kernel_calls.__file__], **INLINED)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from sim.compilation import compile_function
+from sim.compilation import INLINED, compile_function
 
 
 def _drive_at(t, knots, values, rates, wave, segment):
@@ -18,7 +18,7 @@ def _drive_at(t, knots, values, rates, wave, segment):
     return value, rate
 
 
-drive_at: Any = compile_function(_drive_at, inline="always")
+drive_at: Any = compile_function(_drive_at, **INLINED)
 
 
 def _right_side(
@@ -53,4 +53,4 @@ def _right_side(
     return push, reaction
 
 
-right_side: Any = compile_function(_right_side, inline="always")
+right_side: Any = compile_function(_right_side, **INLINED)

@@ -97,12 +97,32 @@ def _numba_parts() -> Any:
     return numba
 
 
+INLINED: dict[str, Any] = {"forceinline": True, "_nrt": False, "fastmath": {"contract"}}
+"""Options of a function that becomes part of the compiled one that calls it. LLVM puts it in place: numba's own way,
+`inline="always"`, looks through all of the caller once more for every call, and takes twice as long."""
+
+
+_depends_on: dict[int, tuple[Any, frozenset[str]]] = {}
+"""Each compiled function, kept so that its identity stays its own, and its source files."""
+
+
+def _called(function: Callable[..., Any]) -> set[str]:
+    """Source files of the compiled functions that a function names."""
+    named = (function.__globals__.get(name) for name in function.__code__.co_names)
+    return {file for value in named if id(value) in _depends_on for file in _depends_on[id(value)][1]}
+
+
 def compile_function(function: Callable[..., Any], also: Iterable[str] = (), **options: Any) -> Any:
-    """`function` compiled by `numba.njit`, cached on disk; `also` names further source files it depends on."""
+    """`function` compiled by `numba.njit`, cached on disk.
+
+    It is compiled anew when its own file changes, that of a compiled function it calls, or one that `also` names.
+    """
     numba = _numba_parts()
-    code = function.__code__
-    with _caching_in(key_folder([code.co_filename, __file__, *also])):
-        return numba.njit(cache=True, error_model="numpy", **options)(function)
+    files = frozenset([function.__code__.co_filename, __file__, *also, *_called(function)])
+    with _caching_in(key_folder(files)):
+        made = numba.njit(cache=True, error_model="numpy", **options)(function)
+    _depends_on[id(made)] = made, files
+    return made
 
 
 def compile_callback(function: Callable[..., Any], signature: Any, also: Iterable[str] = ()) -> Any:

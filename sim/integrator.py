@@ -39,6 +39,7 @@ from sim.step_output import (
     due_by,
     edge_of_play,
     fill,
+    keep,
     past_speed,
     reversal,
     side_of_play,
@@ -274,9 +275,10 @@ def _steps(
             if newest - oldest == history.shape[0]:
                 outcome = TOO_MANY_STEPS
                 break
-            k = newest & (history.shape[0] - 1)
-            history[k, 0], history[k, 1], history[k, 2], history[k, 3] = t, over_h, y[1], fresh[1]
-            history[k, 4], history[k, 5], history[k, 6] = dense[1, 0], dense[1, 1], dense[1, 2]
+            keep(
+                history[newest & (history.shape[0] - 1)], t, over_h, y[1], fresh[1], dense[1, 0], dense[1, 1],
+                dense[1, 2],
+            )  # fmt: skip
             newest += 1
         for j in range(size):
             y[j] = at_part(part, y[j], fresh[j], dense[j, 0], dense[j, 1], dense[j, 2]) if part < 1.0 else fresh[j]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from sim import rodas5p
-from sim.compilation import compile_function
+from sim.compilation import INLINED, compile_function
 from sim.rodas5p import STAGES, A, C, H
 
 
@@ -81,5 +81,5 @@ def _bends(K, size, j, bend):
 
 
 _SOURCES = [str(rodas5p.__file__)]
-stage_sums: Any = compile_function(_stage_sums, _SOURCES, inline="always")
-bends: Any = compile_function(_bends, _SOURCES, inline="always")
+stage_sums: Any = compile_function(_stage_sums, _SOURCES, **INLINED)
+bends: Any = compile_function(_bends, _SOURCES, **INLINED)

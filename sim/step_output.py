@@ -7,11 +7,11 @@ from typing import Any
 from sim import axis_rates as axis_rates_module
 from sim import rodas5p, stage_sums
 from sim.axis_rates import drive_at
-from sim.compilation import compile_function
+from sim.compilation import INLINED, compile_function
 from sim.stage_sums import bends
 
 HISTORY = 7
-"""Numbers kept of a step to look back on: start, 1/length, velocity at both ends, dense output of the velocity."""
+"""Numbers kept of a step to look back on: start, 1/length, and the velocity by powers of the part of the step."""
 PAST_STEPS = 1 << 17
 """Steps kept to look back on, of a lag; more in one lag are too many. A power of two: places in the ring are masked."""
 _SOURCES = [str(module.__file__) for module in (rodas5p, axis_rates_module, stage_sums)]
@@ -22,7 +22,16 @@ def _at_part(part, before, after, d0, d1, d2):
     return (1.0 - part) * before + part * (after + (1.0 - part) * (d0 + part * (d1 + part * d2)))
 
 
-at_part: Any = compile_function(_at_part, inline="always")
+at_part: Any = compile_function(_at_part, **INLINED)
+
+
+def _keep(kept, t, over_h, before, after, d0, d1, d2):
+    """Keep a step's dense output of the velocity, by powers of the part of the step, to look back on."""
+    kept[0], kept[1], kept[2] = t, over_h, before
+    kept[3], kept[4], kept[5], kept[6] = after - before + d0, d1 - d0, d2 - d1, -d2
+
+
+keep: Any = compile_function(_keep, **INLINED)
 
 
 def _past_speed(history, oldest, newest, t, start_velocity, rated, found):
@@ -33,20 +42,17 @@ def _past_speed(history, oldest, newest, t, start_velocity, rated, found):
         return
     while k + 1 < newest and history[(k + 1) & ring, 0] <= t:
         k += 1
-    at = k & ring
-    over_h = history[at, 1]
-    part = (t - history[at, 0]) * over_h
-    v0, v1, d0, d1, d2 = history[at, 2], history[at, 3], history[at, 4], history[at, 5], history[at, 6]
-    v = at_part(part, v0, v1, d0, d1, d2)
+    at = history[k & ring]
+    part = (t - at[0]) * at[1]
+    v = at[2] + part * (at[3] + part * (at[4] + part * (at[5] + part * at[6])))
     found[0] = abs(v)
     found[2] = k
     if rated:
-        bend = d0 + part * (d1 + part * d2)
-        rate = (v1 - v0 + (1.0 - 2.0 * part) * bend + part * (1.0 - part) * (d1 + 2.0 * part * d2)) * over_h
+        rate = (at[3] + part * (2.0 * at[4] + part * (3.0 * at[5] + part * (4.0 * at[6])))) * at[1]
         found[1] = rate if v >= 0.0 else -rate
 
 
-past_speed: Any = compile_function(_past_speed, _SOURCES, _nrt=False)
+past_speed: Any = compile_function(_past_speed, **INLINED)
 
 
 def _side_of_play(stretched, opening, gap, slack):

@@ -17,7 +17,7 @@ import numpy as np
 
 from sim.axis_forces import OUT, axis_forces
 from sim.axis_rates import drive_at
-from sim.compilation import compile_function
+from sim.compilation import INLINED, compile_function
 from sim.kernel_calls import call_effect, call_elements
 from sim.step_output import at_part
 
@@ -128,7 +128,7 @@ def _slopes_at(
                 fp[q, 1] -= feedback * per_mass * derived[out + (2 * k + 1) * own_size + own_j]
 
 
-slopes_at: Any = compile_function(_slopes_at, inline="always")
+slopes_at: Any = compile_function(_slopes_at, **INLINED)
 
 
 def _rate(w, q, head, n, direction, row, by_head, into, own, ages, fp, out):
@@ -149,7 +149,7 @@ def _rate(w, q, head, n, direction, row, by_head, into, own, ages, fp, out):
         out[3] = fp[q, 3] + ages[0] * w[1] + ages[1] * w[3]
 
 
-rate: Any = compile_function(_rate, inline="always")
+rate: Any = compile_function(_rate, **INLINED)
 
 
 def _advance(
@@ -245,4 +245,4 @@ def _spread(tangent, instants, t, length, first, last):
 
 
 spread: Any = compile_function(_spread, _nrt=False, fastmath={"contract"})
-advance: Any = compile_function(_advance, inline="always")
+advance: Any = compile_function(_advance, **INLINED)
