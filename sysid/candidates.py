@@ -9,14 +9,16 @@ point show what the effect is good for; the best effects are then refitted in fu
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.driven_stage_starts import slipping_starts
+from sysid.driven_stage_valleys import lowest_valley
 from sysid.fit import robust_scale
+from sysid.friction_drive import FrictionDriveRecord
 from sysid.misfit import weighted_residual
 from sysid.model import Prepared, Scales, shape_grid, size_of, with_effect
 
@@ -217,6 +219,13 @@ SHORT = 4
 """Steps of the fit of a first look: enough to see what an effect is good for, not to know its values."""
 
 
+FAR = 5.0
+"""Ranking error of a driven stage, in deviations, from which a linear score says little of where a fit should begin."""
+STARTS_FROM_AFAR = 3
+FROM_AFAR = 8
+"""Points of the grid, and steps of the fit from each, in a first look from so far away."""
+
+
 def look_at(
     base: Fitted,
     effect: Effect,
@@ -227,16 +236,17 @@ def look_at(
 ) -> Look | None:
     """Score an effect over its grid, and fit it shortly from the best point; none where it changes nothing."""
     scores = linear_scores(base, effect, records, scales, basis, target)
-    points = [score.start for score in scores[:1]]
+    far = any(isinstance(r, FrictionDriveRecord) for r in records) and ranking_error(base.fit.residual) > FAR
+    points = [score.start for score in (_spread(scores, STARTS_FROM_AFAR) if far and scores else scores[:1])]
     if scores and effect.core is not None:
         # Part of a long stretch may promise most, and a short one is what fits as a whole.
         best = max(scores, key=lambda score: score.whole).start
         points += [best] if best is not points[0] else []
     starts = [with_effect(base.model, effect, scales, point) for point in points]
-    starts += slipping_starts(base.model, effect, records, scales)
+    starts += slipping_starts(base.model, effect, records, scales, far, points[0] if points else None)
     if not starts:
         return None
-    fits = [fit_model(start, records, base.weights, SHORT) for start in starts]
+    fits = [fit_model(start, records, base.weights, FROM_AFAR if far else SHORT) for start in starts]
     nearest = min(fits, key=lambda fitted: fitted.fit.cost)
     if not scores:
         # No gradient where it began: what it did where it ended stands for what it can do.
@@ -260,6 +270,17 @@ def refined(
         if fitted.fit.cost < best.fit.cost:
             best = fitted
     return Candidate(look.effect, look.expected, best, look.barred)
+
+
+HALFWAY = 0.5
+"""Part of the base model's error below which an effect is promising: what it leaves may be of a side valley."""
+
+
+def settled(base: Fitted, candidate: Candidate, records: Sequence[Prepared]) -> Candidate:
+    """A promising effect on a driven stage, its fit gone on to the lowest valley near; any other as it is."""
+    if ranking_error(candidate.fitted.fit.residual) > HALFWAY * ranking_error(base.fit.residual):
+        return candidate
+    return replace(candidate, fitted=lowest_valley(candidate.fitted, records))
 
 
 def try_effect(

@@ -39,8 +39,13 @@ ROWS = 6000
 """Of a record, at the most, that are looked at."""
 SHORTEST = 12
 """Rows of a stroke, at the least."""
+MOVES = 1e-4
+"""Of the lean's range, in a row: less is a rest."""
 UNLIKE = 0.2
 """Relative difference of some number from which two rough models are two starts."""
+
+ALIKE = 1e-6
+"""Relative difference of their errors up to which two rough models predict the same."""
 
 
 @dataclass(frozen=True)
@@ -60,15 +65,27 @@ class Effort:
     kept: int = 2
 
 
-def slipping_starts(base: Model, effect: Effect, records: Sequence[Prepared], scales: Scales) -> list[Model]:
+def slipping_starts(
+    base: Model, effect: Effect, records: Sequence[Prepared], scales: Scales, far: bool, point: dict[str, float] | None
+) -> list[Model]:
     """Rough models with an effect that decides where a contact slips; none for another effect.
 
-    Where the base model's contact hardly slips, neither its level nor how that goes with the load has a gradient.
+    Where the base model's contact hardly slips, neither its level nor how that goes with the load has a gradient; where
+    the base model is far off, every number of the contact had to make up for what is missing.
+
+    Args:
+        base: the fitted model.
+        effect: tried on top of it.
+        records: those fitted.
+        scales: of the records.
+        far: whether the base model is far off.
+        point: values of the effect to begin with, where some are known.
     """
-    decides = in_contact(effect) and (effect.core is not None or f"{effect.name}.sensitivity" == LOAD_KEY)
-    if not decides:
+    if not in_contact(effect):
         return []
-    grown = with_effect(base, effect, scales)
+    grown = with_effect(base, effect, scales, point)
+    if effect.core is None and f"{effect.name}.sensitivity" != LOAD_KEY:
+        return rough_starts(grown.at(_neutral(grown)), records, (), Effort(6, 4, 6, 1)) if far else []
     plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.core is not None else grown
     found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), Effort(6, 4, 6, 1))
     if effect.core is not None:
@@ -105,8 +122,11 @@ def rough_starts(
         return np.concatenate([_misses(r, s, model, values) for r, s in zip(driven, strokes, strict=True)])
 
     def ranked(points: list[dict[str, float]]) -> list[dict[str, float]]:
-        near = [np.mean(np.abs(misses({**model.values, **point}))) for point in points]
-        return [points[k] for k in np.argsort(near, kind="stable")]
+        near = np.array([np.mean(np.abs(misses({**model.values, **point}))) for point in points])
+        order = np.argsort(near, kind="stable")
+        # Where a number does nothing (a press under which the tip never leaves), one point stands for all alike.
+        told = np.diff(near[order], prepend=-1.0) > ALIKE * near[order]
+        return [points[k] for k in order[told]]
 
     points = [_absolute(model, dict(zip(grids, v, strict=True)), free) for v in product(*grids.values())]
     best = ranked(points)
@@ -121,19 +141,31 @@ def rough_starts(
             _within(model, {**point, key: part * point[key]}) for point in best[: effort.refined] for part in FINER
         ]
         best = ranked([*best[: effort.refined], *finer])
-    tried: list[dict[str, float]] = []
-    for point in best:
-        if len(tried) == effort.tried:
-            break
-        if all(any(abs(point[k] - other[k]) > UNLIKE * abs(other[k]) for k in point) for other in tried):
-            tried.append(point)
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
         return misses({**model.values, **dict(zip(keys, point.tolist(), strict=True))})
 
-    fits = [least_squares(residual, model.at(point).unknowns, iterations=effort.steps) for point in tried]
-    return [model.at(found.values) for found in sorted(fits, key=lambda f: ranking_error(f.residual))[: effort.kept]]
+    fits = [
+        least_squares(residual, model.at(point).unknowns, iterations=effort.steps)
+        for point in _unlike(best, effort.tried, UNLIKE)
+    ]
+    nearest = [found.values for found in sorted(fits, key=lambda f: ranking_error(f.residual))]
+    return [
+        model.at(least_squares(residual, model.at(point).unknowns).values)
+        for point in _unlike(nearest, effort.kept, UNLIKE)
+    ]
+
+
+def _unlike(points: Sequence[dict[str, float]], count: int, part: float) -> list[dict[str, float]]:
+    """The first points, each of which differs from those before it by a part of some number."""
+    chosen: list[dict[str, float]] = []
+    for point in points:
+        if len(chosen) == count:
+            break
+        if all(any(abs(point[k] - other[k]) > part * abs(other[k]) for k in point) for other in chosen):
+            chosen.append(point)
+    return chosen
 
 
 def _grids(model: Model, records: Sequence[FrictionDriveRecord], free: Collection[str]) -> dict[str, list[float]]:
@@ -220,14 +252,13 @@ def _gains(records: Sequence[FrictionDriveRecord]) -> list[float]:
 
 
 def _stroke(record: FrictionDriveRecord) -> int:
-    """Rows from one end of the main stroke to the other: where the lean's autocorrelation first falls below zero."""
+    """Rows of a stroke there and back: twice the mean from one turn of the lean to the next, rests left out."""
     lean = record.drives[1] - record.drives[0]
-    lean = lean - lean.mean()
-    spectrum = np.fft.rfft(lean, 2 * lean.size)
-    correlation = np.fft.irfft(np.abs(spectrum) ** 2)[: lean.size]
-    below = np.flatnonzero(correlation < 0.0)
-    quarter = int(below[0]) if below.size else lean.size // 8
-    return min(max(2 * quarter, SHORTEST), record.size // 2)
+    change = np.diff(lean)
+    moves = np.abs(change) > MOVES * np.ptp(lean)
+    turns = int(np.count_nonzero(np.diff(np.sign(change[moves]))))
+    rows = 2 * int(np.count_nonzero(moves)) // max(turns, 1)
+    return min(max(rows, SHORTEST), record.size // 2)
 
 
 def _misses(record: FrictionDriveRecord, stroke: int, model: Model, values: dict[str, float]) -> np.ndarray:

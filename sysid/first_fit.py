@@ -14,6 +14,7 @@ from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidates import target_of, try_effect
 from sysid.driven_stage_starts import rough_starts
+from sysid.driven_stage_valleys import lowest_valley
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales
 
@@ -33,6 +34,9 @@ def first_fit(model: Model, records: Sequence[Prepared], scales: Scales, given: 
         before = ranking_error(direct.fit.residual)
         if ranking_error(weighted_residual(other.model, records, direct.weights)) < before:
             model, direct = start, other
+    lower = lowest_valley(direct, records)
+    if lower is not direct:
+        direct = fit_model(lower.model, records)
     start = _searched(model, records, scales, given)
     if start is None:
         return direct

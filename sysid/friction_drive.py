@@ -339,7 +339,8 @@ def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
         # Voltages are taken to go straight from row to row.
         return effect.signal is not None and ":" not in effect.name
     if effect.core is not None:
-        return effect.core.name == "coulomb" or (effect.core.name == "maxwell_slip" and ACROSS not in record.measured)
+        bristles = effect.core.name in ("maxwell_slip", "free_maxwell_slip")
+        return effect.core.name == "coulomb" or (bristles and ACROSS not in record.measured)
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
     return (effect.acts_on in ("friction", "axis") and has_law) or effect.name == "frictional_lag"
 

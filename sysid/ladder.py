@@ -16,6 +16,7 @@ from sysid.candidates import target_of, try_effect
 from sysid.case import Case, load_case, make_case
 from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, open_laws
 from sysid.document import both_json, noise_json, parameter_unit, parameters_json
+from sysid.driven_stage_valleys import lowest_valley
 from sysid.experiment import DesignValues, Experiment
 from sysid.intervals import intervals
 from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
@@ -155,7 +156,7 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     plain = next((c for c in good if c.effect.name == name), None)
     if plain is not None and not clearly_better(best.fitted, plain.fitted):
         best = plain
-    grown = best.fitted
+    grown = lowest_valley(best.fitted, case.fit_records)
     weights = weighting(fitted.model, case.validate_records)
     base = BaseFit(fitted, weights, weighted_residual(fitted.model, case.validate_records, weights))
     for other in added_anew(case, base, [best.effect]):

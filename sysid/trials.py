@@ -10,7 +10,7 @@ import numpy as np
 from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.candidate_list import candidates_of
-from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, target_of
+from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, settled, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
@@ -119,7 +119,12 @@ def try_all(
             trials.append(trial)
     if progress is not None:
         progress("", steps, steps)
-    return Search(sorted(trials, key=lambda t: t.error), looks, target)
+    trials.sort(key=lambda t: t.error)
+    if trials:
+        further = trial_of(case, base, settled(base.fitted, trials[0].candidate, case.fit_records))
+        if further is not None and further.error < trials[0].error:
+            trials[0] = further
+    return Search(trials, looks, target)
 
 
 def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:

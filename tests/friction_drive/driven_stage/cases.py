@@ -65,7 +65,8 @@ HIDDEN: dict[str, Hidden] = {
         lambda r: {"slip": r.uniform(2.0, 5.0)}, ("contact.coulomb", "contact.presliding"), ("sawtooth",)
     ),
     "contact.coulomb_soft": Hidden(
-        lambda r: {"slip": r.uniform(1.55, 1.8)}, ("contact.coulomb", "contact.presliding"), ("lean",)
+        lambda r: {"slip": r.uniform(1.505, 1.56)}, ("contact.coulomb", "contact.presliding"), ("lean",),
+        given={"pads": 1.5},
     ),
     "contact.load_dependent_friction": Hidden(
         lambda r: {"slip": r.uniform(2.0, 5.0), "load_exponent": r.uniform(0.7, 1.0)},
@@ -100,11 +101,11 @@ HIDDEN: dict[str, Hidden] = {
     "flexible_mode": Hidden(
         lambda r: {"ring_share": r.uniform(0.05, 0.3), "ring_frequency": r.uniform(40, 150)}, ("flexible_mode",)
     ),
-    "viscous": Hidden(lambda r: {"viscous": _between(500.0, 3000.0)(r)}, ("viscous",)),
+    "viscous": Hidden(lambda r: {"viscous": _between(500.0, 3000.0)(r)}, ("viscous",), ("walk",)),
     "stribeck": Hidden(
-        lambda r: {"stribeck": r.uniform(0.3, 1.0), "stribeck_velocity": _between(3e-5, 2e-4)(r)}, ("stribeck",)
+        lambda r: {"stribeck": r.uniform(0.3, 1.0), "stribeck_velocity": _between(2e-5, 8e-5)(r)}, ("stribeck",)
     ),
-    "presliding": Hidden(lambda r: {"presliding": _between(1e-7, 1e-6)(r)}, ("presliding",)),
+    "presliding": Hidden(lambda r: {"presliding": _between(1e-7, 1e-6)(r)}, ("presliding",), ("walk",)),
     "direction_asymmetry": Hidden(
         lambda r: {"asymmetry": _sign(r) * r.uniform(0.05, 0.25)}, ("direction_asymmetry", "constant_bias")
     ),
@@ -118,12 +119,12 @@ HIDDEN: dict[str, Hidden] = {
         },
         ("magnetic_cogging",),
     ),
-    "cable_spring": Hidden(lambda r: {"spring": _between(3e4, 3e5)(r)}, ("cable_spring",), AT_ONE_PLACE),
+    "cable_spring": Hidden(lambda r: {"spring": _between(3e3, 3e4)(r)}, ("cable_spring",), ("walk",)),
     "piezo_hysteresis_of_plays": Hidden(
         lambda r: {"loop": r.uniform(0.08, 0.3), "loop_width": r.uniform(6, 30)}, ("piezo_hysteresis",)
     ),
     "bristle_damping": Hidden(
-        lambda r: {"bristle_damping": _between(100.0, 600.0)(r)}, ("bristle_damping",), ("lean",),
+        lambda r: {"bristle_damping": _between(2e3, 8e3)(r)}, ("bristle_damping",), ("lean",),
         ("presliding",), {"presliding": 1e-6},
     ),
     "frictional_lag": Hidden(
@@ -149,12 +150,12 @@ HIDDEN: dict[str, Hidden] = {
         lambda r: {"run_in": r.uniform(0.3, 1.0), "run_in_distance": _between(2e-5, 8e-5)(r)}, ("run_in",),
         AT_ONE_PLACE,
     ),
-    "quadratic_drag": Hidden(lambda r: {"quadratic": _between(2e6, 2e7)(r)}, ("quadratic_drag",), AT_ONE_PLACE),
+    "quadratic_drag": Hidden(lambda r: {"quadratic": _between(2e7, 1e8)(r)}, ("quadratic_drag",), AT_ONE_PLACE),
     "constant_bias": Hidden(
         lambda r: {"bias_force": _sign(r) * r.uniform(0.1, 0.5)}, ("constant_bias", "direction_asymmetry")
     ),
     "sensor_delay": Hidden(lambda r: {"sensor.delay": _between(5e-4, 5e-3)(r)}, ("drive_delay", "sensor_delay")),
-    "UNKNOWN_slew": Hidden(lambda r: {"slew": r.uniform(1200.0, 2000.0)}, ("unexplained",), AT_ONE_PLACE),
+    "UNKNOWN_slew": Hidden(lambda r: {"slew": r.uniform(400.0, 800.0)}, ("unexplained",), AT_ONE_PLACE),
     "UNKNOWN_event": Hidden(
         lambda r: {"time.event": _sign(r) * r.uniform(1e-7, 4e-7)}, ("unexplained",), AT_ONE_PLACE
     ),

@@ -158,8 +158,9 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
                     reach = widths[k] * p.contact_presliding
                     wound[k] = min(max(wound[k], -reach), reach)
                     force += most * wound[k] / reach / elements
+                    if abs(wound[k]) < reach:
+                        force += p.damping / elements * sliding
                 held = force
-                force += p.damping * sliding * (0.3 if abs(force) < most else 0.0)
             else:
                 # Radial return: spring and dashpot up to what the contact holds.
                 trial = held + p.stiffness * sliding * h
