@@ -166,10 +166,11 @@ def sharp_direction(
     _paint(direction, start, end, float(sign[moving[-1]]))
     _paint(rest, end, n - 0.5, 1.0)
     turns = times[through] * sign[j[through]]
-    # The last stretch ends too, with nothing after it.
-    times, departures = np.append(times, end), np.append(np.maximum(departures, times), n - 0.5)
+    # A creep that is lost in the noise for a while is no stop; the last stretch ends too, with nothing after it.
+    stopped = np.append((departures > times) | (sign[i] != sign[j]), True)
+    times, departures = np.append(times, end)[stopped], np.append(np.maximum(departures, times), n - 0.5)[stopped]
     began = np.concatenate([moving[:1] - 0.5, departures[:-1]])
-    headings, nexts = np.append(sign[i], sign[moving[-1]]), np.append(sign[j], 0.0)
+    headings, nexts = np.append(sign[i], sign[moving[-1]])[stopped], np.append(sign[j], 0.0)[stopped]
     return direction, rest, turns, Stops(began, times, headings, departures, nexts)
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
-from sysid.reversals import event_times, sharp_friction
+from sysid.reversals import event_times, sharp_direction, sharp_friction
 
 
 def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> np.ndarray:
@@ -63,3 +64,14 @@ def test_a_turn_under_a_weak_drive_holds_until_the_level_is_passed() -> None:
     friction = sharp_friction(direction, np.zeros(n), np.array([29.5]), applied, np.ones(n), 1e-9, 1e-3)
     assert np.allclose(friction[31:40], 0.3, atol=1e-6)
     assert np.array_equal(friction[42:], np.ones(18))
+
+
+def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
+    n = 200
+    position = 1e-6 * np.arange(float(n))
+    velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
+    resting[95:97] = True
+    direction, rest, turns, stops = sharp_direction(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
+    assert turns.size == 0
+    assert stops.time == pytest.approx([n - 0.5]) and stops.first == pytest.approx([-0.5])
+    assert np.all(direction + rest == pytest.approx(1.0))
