@@ -6,6 +6,7 @@ Exit status: 0 done; 1 a check fails or a drawing has a lint hit; 2 bad input or
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -99,6 +100,11 @@ def run_line(arguments: Sequence[str]) -> int:
         sys.stdout = None
         return 0
     except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT):
+            # Of a write, which names no file. Nor can what is left to be printed be, at exit.
+            sys.stdout = None
+            sys.stderr.write("stagecad: no space is left to write to; no file is left half written\n")
+            return 2
         if error.filename is None:
             raise
         sys.stderr.write(f"stagecad: {error.filename}: {error.strerror or error}\n")

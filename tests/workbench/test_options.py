@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import pytest
 
 from workbench import cli
@@ -52,3 +56,16 @@ def test_a_json_file_that_cannot_be_written_stops_a_command_before_it_does_anyth
         assert (said.out, said.err.count("\n")) == ("", 1)
         assert said.err.endswith(f"{message}\n")
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
+@pytest.mark.parametrize("words", [["effects", "viscous"], ["effects", "--json"]])
+def test_a_full_disk_is_one_line(words):
+    with Path("/dev/full").open("w") as full:
+        run = subprocess.run(
+            [sys.executable, "-m", "workbench.cli", *words], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert run.returncode == 2
+    # With a JSON document what is meant for a person stands there before it.
+    assert run.stderr.splitlines()[-1] == "stagecad: no space is left to write to; no file is left half written"
+    assert "Traceback" not in run.stderr
