@@ -6,13 +6,19 @@ from collections.abc import Callable
 from math import hypot
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.quantities import format_quantity
 from sysid.known_values import DesignValue
+from workbench.design_contact import tip_contact
 from workbench.options import Run
 from workbench.simulation_inputs import design_mass
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
 out)."""
+
+CONTACT_DEVIATION = 0.2
+"""Relative standard deviation of the stiffness of tip on stage by Hertz and Mindlin (assumed: it goes with the cube
+root of a load that the tip may carry half of, and a nose's radius and a surface's edge are known to a tenth)."""
 
 ENTRIES = {
     "piezo_spacing": "actuator.piezo_spacing",
@@ -41,6 +47,14 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
         if name == "mass":
             mass = design_mass(run)
             return DesignValue(mass, MASS_DEVIATION * mass)
+        if name == "contact_stiffness":
+            contact = tip_contact(run.design, design_mass(run))
+            run.note(
+                f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "
+                f"{format_quantity(contact.normal, 'N/m')} across it (Hertz), under the {contact.load:.3g} N of weight "
+                f"and preload"
+            )
+            return DesignValue(contact.tangential, CONTACT_DEVIATION * contact.tangential)
         if name == "stribeck.force":
             breakaway, coulomb = _entry(run, "friction.breakaway"), _entry(run, "friction.coulomb")
             deviations = [d.std for d in (breakaway, coulomb) if d.std is not None]
@@ -50,7 +64,7 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
             return DesignValue(0.5 * (low + high), None, low, high)
         if name in ENTRIES:
             return _entry(run, ENTRIES[name])
-        known = [*ENTRIES, "mass", "stribeck.force", "frictional_lag.delay"]
+        known = [*ENTRIES, "mass", "contact_stiffness", "stribeck.force", "frictional_lag.delay"]
         place = f"model.parameters.{name}" if "." in name else f"rig.known.{name}"
         raise InputError(f"{place} = 'design': the design has no such number{nearest(name, known)}")
 
