@@ -175,6 +175,6 @@ def _grey_png(pixels: np.ndarray, dpi: float) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + b"".join((
         chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 4, 0, 0, 0, 0)),
         chunk(b"pHYs", struct.pack(">IIB", metre, metre, 1)),
-        chunk(b"IDAT", zlib.compress(rows.tobytes())),
+        chunk(b"IDAT", zlib.compress(rows.tobytes(), 3)),
         chunk(b"IEND", b""),
     ))  # fmt: skip

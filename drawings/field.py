@@ -50,7 +50,7 @@ class Lines:
     def touching(self, box: Box2) -> int:
         """How many pieces reach into a box."""
         near = self._near(box)
-        if not near.shape[1]:
+        if near is None:
             return 0
         dx, dy = near[2] - near[0], near[3] - near[1]
         half_x, half_y = (box[2] - box[0]) / 2, (box[3] - box[1]) / 2
@@ -59,13 +59,14 @@ class Lines:
 
     def within(self, box: Box2) -> list[Line]:
         """The pieces whose own boxes reach into a box."""
-        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in self._near(box)[:4].T.tolist()]
+        near = self._near(box)
+        return [] if near is None else [(x0, y0, x1, y1) for x0, y0, x1, y1 in near.T.tolist()]
 
     def crossing(self, line: Line) -> int:
         """How many pieces a line crosses, ends that just touch left out."""
         x0, y0, x1, y1 = line
         near = self._near((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)))
-        if not near.shape[1]:
+        if near is None:
             return 0
         dx, dy = x1 - x0, y1 - y0
         ex, ey = near[2] - near[0], near[3] - near[1]
@@ -99,7 +100,7 @@ class Lines:
         x0, y0, x1, y1 = line
         near = self._near(grown((min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)), apart))
         size = math.hypot(x1 - x0, y1 - y0)
-        if not near.shape[1] or size < 1e-9:
+        if near is None or size < 1e-9:
             return 0
         u, v = (x1 - x0) / size, (y1 - y0) / size
         off = [np.abs((near[i] - x0) * v - (near[i + 1] - y0) * u) for i in (0, 2)]
@@ -107,9 +108,12 @@ class Lines:
         shared = np.minimum(np.maximum(*at), size) - np.maximum(np.minimum(*at), 0.0)
         return int(np.count_nonzero((np.maximum(*off) < apart) & (shared > 1.0)))
 
-    def _near(self, box: Box2) -> np.ndarray:
+    def _near(self, box: Box2) -> np.ndarray | None:
+        """Ends of the pieces whose own boxes reach into a box; none where there are no such pieces, which is most."""
         held = self._held[:, : self._count]
-        return held[:, (held[6] > box[0]) & (held[4] < box[2]) & (held[7] > box[1]) & (held[5] < box[3])]
+        there = (held[6] > box[0]) & (held[4] < box[2]) & (held[7] > box[1]) & (held[5] < box[3])
+        (numbers,) = there.nonzero()
+        return held[:4].take(numbers, axis=1) if numbers.size else None
 
 
 class Field:

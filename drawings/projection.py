@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 
 FLAT = 1e-4
 """A curve seen as a line is one when it is straighter than this, mm."""
+ROUND = 1e-3
+"""A spline is an arc of a circle when it leaves it by no more than this, mm."""
+FEW = 12
+"""Poles of a spline that stays as it is."""
 
 
 def project(
@@ -105,36 +109,76 @@ def _projector(projection: Projection) -> Any:
 
 
 def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
-    """The shape with its free-form edges (where bore meets bore) replaced by splines of a few poles, to some 5 um.
+    """The shape with simpler curves for its free-form edges: arcs where they are arcs to a micrometre (where a crowned
+    pad meets its corners), else (where bore meets bore) splines of a few poles, to some 5 um.
 
     The exact algorithm's time grows steeply with the poles of a spline: of the edges where two bores cross, with
-    their 74 poles, nine made a view of the base take 7 s. The shape that is handed in stays as it is.
+    their 74 poles, nine made a view of the base take 7 s; and it is slow where splines coincide in a view, as those of
+    two pads do. The shape that is handed in stays as it is.
     """
-    from OCP.BRep import BRep_Builder, BRep_Tool
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-    from OCP.GeomAbs import GeomAbs_BSplineCurve, GeomAbs_C1
-    from OCP.GeomConvert import GeomConvert_ApproxCurve
-    from OCP.TopLoc import TopLoc_Location
 
-    few, segments, degree, tolerance = 12, 4, 7, 1e-3
-    if not any(_is_rich(edge, few) for edge in _edges(shape)):
+    if not any(_poles(edge) for edge in _edges(shape)):
         return shape
     copy = BRepBuilderAPI_Copy(shape).Shape()
     for edge in _edges(copy):
-        if BRepAdaptor_Curve(edge).GetType() == GeomAbs_BSplineCurve and _is_rich(edge, few):
-            fit = GeomConvert_ApproxCurve(BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, GeomAbs_C1, segments, degree)
-            if fit.HasResult() and fit.MaxError() < CHORD:
-                BRep_Builder().UpdateEdge(edge, fit.Curve(), TopLoc_Location(), fit.MaxError())
+        poles = _poles(edge)
+        if poles and not _made_arc(edge) and poles > FEW:
+            _make_simple(edge)
     return copy
 
 
-def _is_rich(edge: Any, few: int) -> bool:
+def _poles(edge: Any) -> int:
+    """Of an edge that is a spline; 0 of any other."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_BSplineCurve
 
     curve = BRepAdaptor_Curve(edge)
-    return curve.GetType() == GeomAbs_BSplineCurve and curve.NbPoles() > few
+    return curve.NbPoles() if curve.GetType() == GeomAbs_BSplineCurve else 0
+
+
+def _made_arc(edge: Any) -> bool:
+    """Give an edge that is an arc of a circle the arc for its curve; whether it is one."""
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.GC import GC_MakeArcOfCircle
+    from OCP.TopLoc import TopLoc_Location
+
+    curve = BRepAdaptor_Curve(edge)
+    first, last = curve.FirstParameter(), curve.LastParameter()
+    points = [curve.Value(first + (last - first) * k / 16) for k in range(17)]
+    if points[0].Distance(points[-1]) < ROUND:
+        return False
+    maker = GC_MakeArcOfCircle(points[0], points[8], points[16])
+    if not maker.IsDone():
+        return False
+    arc = maker.Value()
+    circle = BRepAdaptor_Curve(_edge_of(arc)).Circle()
+    if max(circle.Distance(point) for point in points) > ROUND:
+        return False
+    builder = BRep_Builder()
+    builder.UpdateEdge(edge, arc, TopLoc_Location(), ROUND)
+    builder.Range(edge, arc.FirstParameter(), arc.LastParameter(), True)
+    return True
+
+
+def _edge_of(curve: Any) -> Any:
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+
+    return BRepBuilderAPI_MakeEdge(curve).Edge()
+
+
+def _make_simple(edge: Any) -> None:
+    """Give an edge a spline of few poles, where one comes near enough."""
+    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.GeomAbs import GeomAbs_C1
+    from OCP.GeomConvert import GeomConvert_ApproxCurve
+    from OCP.TopLoc import TopLoc_Location
+
+    segments, degree, tolerance = 4, 7, 1e-3
+    fit = GeomConvert_ApproxCurve(BRep_Tool.Curve_s(edge, 0.0, 1.0), tolerance, GeomAbs_C1, segments, degree)
+    if fit.HasResult() and fit.MaxError() < CHORD:
+        BRep_Builder().UpdateEdge(edge, fit.Curve(), TopLoc_Location(), fit.MaxError())
 
 
 def _edges(shape: Any) -> Iterator[Any]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import cache
 from typing import get_args
 
 from drawings.annotation import Symbol
@@ -90,6 +91,7 @@ def _pieces(text: str) -> Iterator[tuple[str, bool]]:
             yield piece, bool(number % 2)
 
 
+@cache
 def line_width(text: str, height: float = TEXT) -> float:
     """Width of a text in which `{depth}` and the like stand for symbols, mm."""
     return sum(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from stagecad.parameters.dimension import Dimension, Point
@@ -22,7 +23,7 @@ NEAR = 1e-4
 
 @dataclass(frozen=True)
 class Surface:
-    """What a face lies on: a plane, cylinder, cone, sphere or torus, with its box and vertices."""
+    """What a face lies on: a plane, cylinder, cone, sphere or torus, with its box."""
 
     face: cq.Face
     kind: str
@@ -34,7 +35,11 @@ class Surface:
     """Tangent of a cone's half angle."""
     low: Point
     high: Point
-    vertices: tuple[Point, ...]
+
+    @cached_property
+    def vertices(self) -> tuple[Point, ...]:
+        """Of the face; read when they are asked for, which is of a few faces only."""
+        return tuple(vertex.toTuple() for vertex in self.face.Vertices())
 
     def off_axis(self, point: Point) -> float:
         """Distance of a point from the axis, mm."""
@@ -270,5 +275,4 @@ def _surface(face: cq.Face) -> Surface:
         taper,
         (x0, y0, z0),
         (x1, y1, z1),
-        tuple(vertex.toTuple() for vertex in face.Vertices()),
     )
