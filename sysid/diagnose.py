@@ -161,7 +161,8 @@ def judge(
     after = excess(best.after_fit, best.after_validate)
     left = _left(over, after)
     share = explained_share(base, best)
-    clear = case.form == "output" or over >= CLEARLY_ABOVE
+    much_of_it = best.gain >= MUCH_OF_IT * ranking_error(base.residual) ** 2
+    clear = case.form == "output" or over >= CLEARLY_ABOVE or much_of_it
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
     of_starts = _of_turns(case, best) or best.family in AT_STARTS
     at_noise = over <= NOTHING_ABOVE and ranking_error(base.residual) <= 1.0
@@ -201,6 +202,11 @@ def judge(
         return done(
             "missing-effect", best, ties, left, "explains its share; what it leaves follows no coordinate closely"
         )
+    if not patterned:
+        return done(
+            "adequate", None, (), 0.0,
+            "no effect explains what is left, and it follows no coordinate: noise, though more than was thought",
+        )  # fmt: skip
     if bent:
         return done(
             "unexplained", None, (), left,
@@ -219,6 +225,9 @@ NEARLY_NOISE = 1.5
 CLEARLY_ABOVE = 2.7
 """Error over noise of a force balance above which that is believed: below, a law that sees a smoothed velocity may be
 off by as much."""
+
+MUCH_OF_IT = 0.2
+"""Part of the mean squared loss that no accident of timing takes: with nothing hidden 0.05 at the most."""
 
 NOISE_ALONE = 1.1
 """Ranking error, in deviations, from which an effect has left nothing but noise: no accident of timing does that."""
