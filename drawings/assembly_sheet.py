@@ -1,8 +1,5 @@
 """The assembly's sheet: the machine from above, cut through actuator 1, and apart with balloons; its parts list."""
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
 from __future__ import annotations
 
 import math
@@ -16,24 +13,15 @@ from drawings.document import view_box
 from drawings.frame import Paper
 from drawings.ink import Ink, Stroke, Words
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
-from drawings.section import cut_shape, hatch
+from drawings.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
 from drawings.sheet import Sheet, scale_text, sheet_area
-from drawings.taken_apart import SCALE, Picture, picture
 from drawings.title_block import TitleBlock, title_box
-from drawings.view import PROJECTIONS, Box2, Curve, Cut, Point2, Segment, View
-from drawings.visibility import DEFLECTION, Scene
-from stagecad.solids.frame import UNMOVED, Frame
+from drawings.view import Box2, Curve, Point2, Segment, View
 
 if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
-    from stagecad.solids.assembly import Instance
     from stagecad.solids.bill_of_materials import Row
 
 PAPER: Paper = "A1"
-WHOLE = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "height_pin_1", "height_pin_2",
-         "piezo", "spring")  # fmt: skip
-"""What a section leaves whole: fasteners, pins and springs (ISO 128-3)."""
 COLUMNS = ((10.0, "item"), (10.0, "qty"), (62.0, "part"), (34.0, "number"), (44.0, "material"), (20.0, "mass"))
 """Widths and headings of the parts list, mm."""
 ROW = 6.5
@@ -45,35 +33,27 @@ class Assembled:
     """The machine as its sheet needs it.
 
     Args:
-        instances: everything that stands in it.
-        shapes: solid of each `Instance.shape`.
         rows: bill of materials.
         mass: of the whole, with its unit.
         digest: hash of the parameters.
         revision: of the program.
     """
 
-    instances: tuple[Instance, ...]
-    shapes: Mapping[str, TopoDS_Shape]
     rows: tuple[Row, ...]
     mass: str
     digest: str
     revision: str
 
 
-def assembly_sheet(
-    machine: Assembled, design: Any, taken_apart: Sequence[Picture], scene: Scene, *, exact: bool = True
-) -> Sheet:
+def assembly_sheet(machine: Assembled, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
     """The sheet of the whole machine.
 
     Args:
-        taken_apart: its pictures (`drawings.taken_apart.apart`).
-        scene: of the machine's shapes.
-        exact: how lines are hidden (`drawings.projection.project`).
+        pictures: of it, by name (`drawings.machine_pictures`).
     """
-    pieces = [(i.part, i.shape, i.frame) for i in machine.instances]
-    top = picture("top", PROJECTIONS["top"], scene, pieces, exact=exact).view
-    views = _placed([top, _section(machine, scene, exact=exact), *(one.view for one in taken_apart)], len(machine.rows))
+    taken_apart = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
+    whole = [pictures[TOP].view, pictures[SECTION].view]
+    views = _placed([*whole, *(one.view for one in taken_apart)], len(machine.rows))
     marks: list[Annotation] = [_mark(views[0])]
     placed = [replace(one, view=view) for one, view in zip(taken_apart, views[2:], strict=True)]
     marks += all_balloons(placed, machine.rows)
@@ -105,35 +85,6 @@ _NOTES = (
     "- Order, torques and settings: see the procedure.",
     "- Fasteners, pins, piezos and spring are not cut.",
 )
-
-
-def _section(machine: Assembled, scene: Scene, *, exact: bool) -> View:
-    """The machine cut through the axis of actuator 1 along the travel."""
-    cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
-    shapes: dict[str, TopoDS_Shape] = {}
-    hatched: list[Segment] = []
-    pieces: list[tuple[str, str, Frame]] = []
-    for number, instance in enumerate(machine.instances):
-        low, high = scene.reach(instance.shape, instance.frame, (0.0, 1.0, 0.0))
-        if high < DEFLECTION:
-            continue
-        if low > -DEFLECTION or instance.part in WHOLE:
-            pieces.append((instance.part, instance.shape, instance.frame))
-            continue
-        name = f"{instance.name} cut"
-        shapes[name] = cut_shape(_moved(machine.shapes[instance.shape], instance.frame), cut)
-        hatched.extend(hatch(shapes[name], cut, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
-        pieces.append((instance.part, name, UNMOVED))
-    view = picture("section A-A", PROJECTIONS["front"], scene.with_more(shapes), pieces, exact=exact).view
-    return replace(view, curves={**view.curves, "HATCH": tuple(hatched)}, label="A-A", cut=cut)
-
-
-def _moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
-    from OCP.TopLoc import TopLoc_Location
-
-    from stagecad.solids.export import transformation
-
-    return shape.Moved(TopLoc_Location(transformation(frame)))
 
 
 def _placed(views: Sequence[View], rows: int) -> list[View]:

@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drawings.made_pictures import PICTURES, PROCEDURE, find_picture, make_picture
 from drawings.workers import run_tasks
 from stagecad import __version__
 from stagecad.parameters.mass_properties import combined
@@ -27,23 +28,16 @@ from stagecad.solids.source import versions
 
 if TYPE_CHECKING:
     from drawings.assembly_sheet import Assembled
+    from drawings.picture import Picture
     from drawings.procedure_figures import ProcedureValues
     from drawings.sheet import Sheet
-    from drawings.taken_apart import Picture
-    from drawings.visibility import Scene
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
-PROCEDURE = "procedure"
-"""The sheet that tells how the machine is put together."""
-
-PICTURES = "pictures.json"
-"""The machine taken apart, as both sheets of the whole show it."""
-
 WHOLE = (ASSEMBLY, PROCEDURE)
 """Sheets that need every part."""
-MAKE = "make "
-"""Begins the name of a task that makes a part and draws nothing."""
+MAKE, SHOW = "make ", "show "
+"""Begin the names of tasks that draw no sheet: one makes a part, the other a picture of the machine."""
 
 Calculate = Callable[[Store, Any], "ProcedureValues"]
 """Gives what the procedure of a design has to calculate, once its parts are in the store; it must pickle."""
@@ -84,8 +78,7 @@ class MadeSheet:
 
 
 _OF_ALL = (__name__, "drawings.document", "drawings.export", "drawings.lint")
-_OF_PICTURES = ("drawings.taken_apart", "drawings.visibility", "stagecad.solids.assembly")
-_OF_ASSEMBLY = (*_OF_ALL, *_OF_PICTURES, "drawings.assembly_sheet")
+_OF_ASSEMBLY = (*_OF_ALL, "drawings.made_pictures", "drawings.assembly_sheet")
 _OF_PROCEDURE = (*_OF_ASSEMBLY, "drawings.procedure", "drawings.procedure_sheet")
 
 
@@ -176,20 +169,38 @@ def make_sheets(
             found[part] = sheets
             advance(part)
     missing = sorted((part for part in wanted if part not in found), key=_slowness)
-    tasks = missing
-    if any(part in WHOLE for part in missing):
-        # The whole machine needs every part: they are made first, side by side. Its sheet takes longest and begins
-        # early; the procedure comes last, when the pictures that it shares with that sheet are there.
-        lacking = [name for name in sorted(part_names(design), key=_slowness) if find_part(store, name, design) is None]
-        parts = [part for part in missing if part not in WHOLE]
-        begun = [ASSEMBLY] if ASSEMBLY in missing else []
-        tasks = [*(f"{MAKE}{name}" for name in lacking), *parts[:1], *begun, *parts[1:]]
-        tasks += [PROCEDURE] if PROCEDURE in missing else []
-    if tasks:
+    needs = _needs(store, missing, design) if any(part in WHOLE for part in missing) else {}
+    before = tuple(dict.fromkeys(task for tasks in needs.values() for task in tasks if task not in missing))
+    if missing:
         work = partial(_draw_elsewhere, store.folder, design, calculate)
-        drawn = run_tasks(tasks, work, lambda task: None if task.startswith(MAKE) else advance(task), workers=workers)
-        found |= {task: sheets for task, sheets in drawn.items() if not task.startswith(MAKE)}
+
+        def tell(task: str) -> None:
+            if task in missing:
+                advance(task)
+
+        drawn = run_tasks((*before, *missing), work, tell, workers=workers, needs=needs)
+        found |= {part: drawn[part] for part in missing}
     return {part: found[part] for part in wanted}
+
+
+def _needs(store: Store, missing: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
+    """What has to be done before each of some sheets, one of the whole machine among them, and before that.
+
+    The whole machine needs every part, and its pictures: they are made first, side by side.
+    """
+    found = {name: find_part(store, name, design) for name in part_names(design)}
+    parts = {name: made for name, made in found.items() if made is not None}
+    makes = tuple(f"{MAKE}{name}" for name in sorted(found, key=_slowness) if name not in parts)
+    pictures = dict.fromkeys(name for part in missing if part in WHOLE for name in PICTURES[part])
+    if not makes:
+        pictures = {name: None for name in pictures if find_picture(store, name, parts, design) is None}
+    shows = {name: f"{SHOW}{name}" for name in pictures}
+    needs = {part: tuple(make for make in makes if make == f"{MAKE}{part}") for part in missing if part not in WHOLE}
+    needs |= dict.fromkeys(shows.values(), makes)
+    for part in WHOLE:
+        if part in missing:
+            needs[part] = (*makes, *(shows[name] for name in PICTURES[part] if name in shows))
+    return needs
 
 
 def _slowness(part: str) -> int:
@@ -201,6 +212,10 @@ def _draw_elsewhere(
 ) -> tuple[MadeSheet, ...]:
     if part.startswith(MAKE):
         make_part(Store(folder), part.removeprefix(MAKE), design)
+        return ()
+    if part.startswith(SHOW):
+        store = Store(folder)
+        make_picture(store, part.removeprefix(SHOW), _parts(store, design), design, exact=not late)
         return ()
     if part in WHOLE:
         return draw_whole(Store(folder), part, design, calculate, exact=not late)
@@ -218,59 +233,38 @@ def draw_whole(
         exact: how lines are hidden (`drawings.projection.project`).
     """
     # A process that draws may start no others: what the cache still lacks is made here, one by one.
-    parts = {name: make_part(store, name, design) for name in part_names(design)}
+    parts = _parts(store, design)
     values = _values(store, part, design, calculate)
     modules, depends = _whole([made.entry.key for made in parts.values()], part, values)
 
     def make(reading: Any, folder: Path) -> None:
         from drawings.assembly_sheet import assembly_sheet
-        from drawings.visibility import Scene
 
+        made = {name: make_picture(store, name, parts, design, exact=exact) for name in PICTURES[part]}
+        pictures = {name: picture for name, picture in made.items() if picture is not None}
         assembled = _assembled(parts, reading)
-        meshes = {name: made.mesh for name, made in parts.items()}
         if part == ASSEMBLY:
-            scene = Scene(assembled.shapes, meshes)
-            pictures = _pictures(store, parts, design, lambda: scene, exact=exact)
-            sheet = assembly_sheet(assembled, reading, pictures, scene, exact=exact)
+            sheet = assembly_sheet(assembled, reading, pictures)
         else:
-            pictures = _pictures(store, parts, design, lambda: Scene(assembled.shapes, meshes), exact=exact)
-            sheet = _procedure_sheet(assembled, reading, values, pictures)
+            sheet = _procedure_sheet(assembled, reading, values, tuple(pictures.values()))
         (folder / SHEETS).write_text(json.dumps([write_sheet(sheet, folder)], indent=1), "utf-8")
 
     return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
 
 
-def _pictures(
-    store: Store, parts: dict[str, MadePart], design: Any, scene: Callable[[], Scene], *, exact: bool
-) -> list[Picture]:
-    """The machine taken apart, from the cache or worked out now.
-
-    Args:
-        scene: gives the machine's shapes; their own parameters are in the keys of the parts.
-    """
-    from drawings.taken_apart import apart, as_json, from_json
-
-    def make(reading: Any, folder: Path) -> None:
-        pictures = apart(assemble(parts, reading), scene(), exact=exact)
-        (folder / PICTURES).write_text(json.dumps(as_json(pictures)), "utf-8")
-
-    keys = [made.entry.key for made in parts.values()]
-    entry = store.make("machine taken apart", design, _OF_PICTURES, make, keys)
-    return from_json(entry.document(PICTURES))
+def _parts(store: Store, design: Any) -> dict[str, MadePart]:
+    return {name: make_part(store, name, design) for name in part_names(design)}
 
 
 def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
     """The machine as its sheets need it."""
     from drawings.assembly_sheet import Assembled
     from stagecad.solids.bill_of_materials import bill_of_materials
-    from stagecad.solids.made_assembly import shapes_of
 
     instances = assemble(parts, design)
     masses = {name: part_mass(made, design) for name, made in parts.items()}
     reads = sorted({name for made in parts.values() for name in made.entry.reads})
     return Assembled(
-        instances,
-        {name: shape.wrapped for name, shape in shapes_of(instances, parts, design).items()},
         bill_of_materials(instances, parts, masses, design),
         _shown_mass(combined(placed(masses[i.part], i.frame) for i in instances).mass),
         digest(design, reads),

@@ -11,9 +11,9 @@ from drawings.document import view_box
 from drawings.frame import CENTRING, PAPERS, Paper, drawing_space
 from drawings.ink import Ink, Stroke, Words, rectangle
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
+from drawings.picture import Picture
 from drawings.procedure import PartUse, Procedure, Step
 from drawings.sheet import Sheet, scale_text
-from drawings.taken_apart import Picture
 from drawings.title_block import HEIGHT, TitleBlock
 from drawings.view import Box2
 from stagecad.solids.bill_of_materials import Row

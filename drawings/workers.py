@@ -9,7 +9,7 @@ from __future__ import annotations
 import gc
 import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
@@ -32,15 +32,17 @@ def run_tasks(
     *,
     workers: int | None = None,
     limit: float = LIMIT,
+    needs: Mapping[str, Collection[str]] | None = None,
 ) -> dict[str, Any]:
     """What `work` gives for each name.
 
     Args:
-        names: of the tasks, begun in this order.
+        names: of the tasks, begun in this order, except where one has to wait for others.
         work: done in another process.
         advance: called with each name as it is done.
         workers: processes; the number of processors when left out.
         limit: seconds of processor time a task may take.
+        needs: tasks that have to be done before one is begun, by its name; no ring of them.
 
     Raises:
         TimeoutError: a task that was given once more as late exceeded the limit again.
@@ -52,8 +54,10 @@ def run_tasks(
     try:
         while len(done) < len(names):
             for worker in crew:
-                if worker.task is None and waiting:
-                    worker.give(*waiting.pop(0))
+                free = next((task for task in waiting if done.keys() >= set((needs or {}).get(task[0], ()))), None)
+                if worker.task is None and free is not None:
+                    waiting.remove(free)
+                    worker.give(*free)
             busy = [worker for worker in crew if worker.task is not None]
             ready = wait([worker.pipe for worker in busy], timeout=LOOK)
             for worker in busy:

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
@@ -21,8 +22,10 @@ from drawings.field import curve_points
 from drawings.frame import drawing_space
 from drawings.ink import Words
 from drawings.lint import lint
+from drawings.machine_pictures import machine_picture
+from drawings.made_pictures import PICTURES
+from drawings.picture import Picture, as_json, from_json
 from drawings.sheet import Sheet
-from drawings.taken_apart import Picture, apart, as_json, from_json
 from drawings.view import Segment
 from drawings.visibility import Scene
 from stagecad.parameters.design import Design
@@ -33,28 +36,29 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
-def scene(machine: Machine, design: Design) -> Scene:
-    shapes = shapes_of(machine.assembly.instances, machine.parts, design)
-    return Scene({name: shape.wrapped for name, shape in shapes.items()})
+def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
+    """Makes a picture of the machine."""
+    instances = machine.assembly.instances
+    shapes = {name: shape.wrapped for name, shape in shapes_of(instances, machine.parts, design).items()}
+    meshes = {name: part.mesh for name, part in machine.parts.items()}
+    scene = Scene(shapes, meshes)
+
+    def make(name: str, *, exact: bool = True) -> Picture:
+        picture = machine_picture(name, instances, shapes, scene, exact=exact)
+        assert picture is not None
+        return picture
+
+    return make
 
 
 @pytest.fixture(scope="module")
-def pictures(machine: Machine, scene: Scene) -> list[Picture]:
-    return apart(machine.assembly.instances, scene)
+def pictures(shown: Callable[..., Picture]) -> dict[str, Picture]:
+    return {name: shown(name) for name in PICTURES["assembly"]}
 
 
 @pytest.fixture(scope="module")
-def sheet(machine: Machine, design: Design, scene: Scene, pictures: list[Picture]) -> Sheet:
-    shapes = shapes_of(machine.assembly.instances, machine.parts, design)
-    assembled = Assembled(
-        machine.assembly.instances,
-        {name: shape.wrapped for name, shape in shapes.items()},
-        machine.bill_of_materials,
-        "1 kg",
-        "0",
-        "0",
-    )
-    return assembly_sheet(assembled, design, pictures, scene)
+def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
+    return assembly_sheet(Assembled(machine.bill_of_materials, "1 kg", "0", "0"), design, pictures)
 
 
 def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
@@ -112,20 +116,25 @@ def test_places_are_spread_in_their_order() -> None:
     assert spread([], 10.0, 0.0, 1.0) == []
 
 
-def test_pictures_are_kept_as_they_were(pictures: list[Picture]) -> None:
-    assert [one.view.name for one in pictures] == ["exploded", "from below"]
-    assert from_json(json.loads(json.dumps(as_json(pictures)))) == pictures
+def test_pictures_are_kept_as_they_were(pictures: dict[str, Picture]) -> None:
+    assert set(pictures) == {"top", "section A-A", "exploded", "from below"}
+    for name, one in pictures.items():
+        assert one.view.name == name
+        assert from_json(json.loads(json.dumps(as_json(one)))) == one
 
 
-def test_by_mesh_the_machine_looks_the_same(machine: Machine, scene: Scene, pictures: list[Picture]) -> None:
+@pytest.mark.parametrize("name", ["exploded", "from below"])
+def test_by_mesh_the_machine_looks_the_same(
+    name: str, shown: Callable[..., Picture], pictures: dict[str, Picture]
+) -> None:
     """What is drawn when the exact algorithm hangs: the same box, and much the same length of lines of each part."""
-    for exact, meshed in zip(pictures, apart(machine.assembly.instances, scene, exact=False), strict=True):
-        assert view_box(meshed.view) == pytest.approx(view_box(exact.view), abs=0.1)
-        lengths = [ink_by_part(one) for one in (exact, meshed)]
-        assert lengths[1].keys() == lengths[0].keys()
-        for part, length in lengths[0].items():
-            # The shortest of the screws' lines, of a mesh or not, are a matter of chance.
-            assert lengths[1][part] == pytest.approx(length, rel=0.15, abs=5.0), part
+    exact, meshed = pictures[name], shown(name, exact=False)
+    assert view_box(meshed.view) == pytest.approx(view_box(exact.view), abs=0.1)
+    lengths = [ink_by_part(one) for one in (exact, meshed)]
+    assert lengths[1].keys() == lengths[0].keys()
+    for part, length in lengths[0].items():
+        # The shortest of the screws' lines, of a mesh or not, are a matter of chance.
+        assert lengths[1][part] == pytest.approx(length, rel=0.15, abs=5.0), part
 
 
 def ink_by_part(shown: Picture) -> dict[str, float]:

@@ -13,10 +13,10 @@ from drawings.document import document_of, view_box
 from drawings.frame import drawing_space
 from drawings.ink import Stroke, Words
 from drawings.lettering import SMALL, text_width
+from drawings.picture import Picture
 from drawings.procedure import Procedure, Step
 from drawings.procedure_sheet import broken, procedure_sheet
 from drawings.sheet import Sheet
-from drawings.taken_apart import Picture
 from drawings.title_block import TitleBlock, title_box
 from drawings.view import PROJECTIONS, Segment, View
 

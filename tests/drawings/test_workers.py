@@ -53,6 +53,20 @@ def test_a_task_that_hangs_is_given_once_more_as_late(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["quick_False", "slow_False", "slow_True"]
 
 
+def noted(folder: Path, name: str, late: bool) -> list[str]:
+    done = sorted(path.name for path in folder.iterdir())
+    (folder / name).touch()
+    return done
+
+
+def test_a_task_waits_for_what_it_needs_while_others_go_on(tmp_path: Path) -> None:
+    needs = {"sheet": ("picture", "part"), "picture": ("part",)}
+    found = run_tasks(["sheet", "picture", "part", "other"], partial(noted, tmp_path), workers=2, needs=needs)
+    assert {"picture", "part"} <= set(found["sheet"])
+    assert "part" in found["picture"]
+    assert list(found) == ["sheet", "picture", "part", "other"]
+
+
 def test_a_process_that_ends_is_an_error() -> None:
     with pytest.raises(RuntimeError, match="ended without a result"):
         run_tasks(["a"], die)

@@ -1,39 +1,26 @@
-"""The machine taken apart: the pictures that the assembly's sheet and the procedure both show.
-
-They are what takes longest on either sheet, so they are kept as plain numbers, and the second sheet reads what the
-first one has worked out.
-"""
+"""Pictures of pieces that hide one another, kept as plain numbers: they take long, and several sheets show them."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drawings.line_cleaning import cleaned
 from drawings.projection import hidden_lines
 from drawings.sheet import scale_text
-from drawings.view import PROJECTIONS, Arc, Curve, Polyline, Projection, Segment, View
+from drawings.view import Arc, Curve, Cut, Polyline, Projection, Segment, View
 from stagecad.solids.frame import Frame
-from stagecad.solids.machine import MOVING
 
 if TYPE_CHECKING:
     from drawings.visibility import Scene
-    from stagecad.solids.assembly import Instance
 
+TOP, SECTION, EXPLODED, FROM_BELOW = "top", "section A-A", "exploded", "from below"
+"""Names of the machine's pictures, and of their views."""
 SCALE = 0.5
 """Of the views of the whole machine."""
 CHORD = 0.015
 """Greatest distance of a curve of these views from its chords, mm on the paper."""
-
-FROM_BELOW = Projection(
-    "from below",
-    (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0),
-    (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6)),
-)
-"""The isometric direction from below, for what hangs under the stage."""
-EYES = {"exploded": PROJECTIONS["iso"], FROM_BELOW.name: FROM_BELOW}
 
 
 @dataclass(frozen=True)
@@ -74,48 +61,36 @@ def picture(
     return Picture(View(name, projection, {"VISIBLE": visible}, scale, label=label), parts)
 
 
-def apart(instances: Iterable[Instance], scene: Scene, *, exact: bool = True) -> list[Picture]:
-    """The machine taken apart, seen from above; from below as well where irons and magnets hang under the stage."""
-    every = tuple(instances)
-    hanging = tuple(instance for instance in every if instance.part in MOVING)
-    groups = [("exploded", every, SCALE)]
-    if len(hanging) > 1:
-        groups.append((FROM_BELOW.name, hanging, SCALE / 2))
-    return [
-        picture(name, EYES[name], scene, [(i.part, i.shape, i.exploded) for i in shown], scale, exact=exact)
-        for name, shown, scale in groups
-    ]
+def as_json(shown: Picture) -> dict[str, Any]:
+    """A picture as plain numbers."""
+    view = shown.view
+    return {
+        "name": view.name,
+        "projection": [view.projection.name, view.projection.right, view.projection.up],
+        "scale": view.scale,
+        "label": view.label,
+        "cut": [view.cut.point, view.cut.normal, view.cut.letter] if view.cut else None,
+        "lines": {layer: [_numbers(curve) for curve in curves] for layer, curves in view.curves.items()},
+        "pieces": [[part, [_numbers(curve) for curve in lines]] for part, lines in shown.pieces],
+    }
 
 
-def as_json(pictures: Sequence[Picture]) -> list[dict[str, Any]]:
-    """Pictures as plain numbers."""
-    return [
-        {
-            "name": one.view.name,
-            "scale": one.view.scale,
-            "label": one.view.label,
-            "lines": [_numbers(curve) for curve in one.view.curves["VISIBLE"]],
-            "pieces": [[part, [_numbers(curve) for curve in lines]] for part, lines in one.pieces],
-        }
-        for one in pictures
-    ]
-
-
-def from_json(documents: Iterable[Mapping[str, Any]]) -> list[Picture]:
+def from_json(document: Mapping[str, Any]) -> Picture:
     """What `as_json` gave, back again."""
-    return [
-        Picture(
-            View(
-                document["name"],
-                EYES[document["name"]],
-                {"VISIBLE": tuple(map(_curve, document["lines"]))},
-                document["scale"],
-                label=document["label"],
-            ),
-            tuple((part, tuple(map(_curve, lines))) for part, lines in document["pieces"]),
-        )
-        for document in documents
-    ]
+    name, right, up = document["projection"]
+    cut = None
+    if document["cut"]:
+        point, normal, letter = document["cut"]
+        cut = Cut(tuple(point), tuple(normal), letter)
+    view = View(
+        document["name"],
+        Projection(name, tuple(right), tuple(up)),
+        {layer: tuple(map(_curve, curves)) for layer, curves in document["lines"].items()},
+        document["scale"],
+        label=document["label"],
+        cut=cut,
+    )
+    return Picture(view, tuple((part, tuple(map(_curve, lines))) for part, lines in document["pieces"]))
 
 
 def _numbers(curve: Curve) -> list[Any]:

@@ -1,0 +1,101 @@
+"""The pictures of the whole machine that its sheets show: from above, cut through actuator 1, and taken apart."""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from drawings.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, picture
+from drawings.section import cut_shape, hatch
+from drawings.view import PROJECTIONS, Cut, Projection, Segment
+from drawings.visibility import DEFLECTION, Scene
+from stagecad.solids.frame import UNMOVED, Frame
+from stagecad.solids.machine import MOVING
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
+    from stagecad.solids.assembly import Instance
+
+EYE_BELOW = Projection(
+    FROM_BELOW,
+    (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0),
+    (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6)),
+)
+"""The isometric direction from below, for what hangs under the stage."""
+
+WHOLE = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "height_pin_1", "height_pin_2",
+         "piezo", "spring")  # fmt: skip
+"""What a section leaves whole: fasteners, pins and springs (ISO 128-3)."""
+
+
+def machine_picture(
+    name: str,
+    instances: Sequence[Instance],
+    shapes: Mapping[str, TopoDS_Shape],
+    scene: Scene,
+    *,
+    exact: bool = True,
+) -> Picture | None:
+    """One picture of the machine; none of it from below where no irons and magnets hang under the stage.
+
+    Args:
+        name: of the picture.
+        instances: everything that stands in the machine.
+        shapes: solid of each `Instance.shape`.
+        scene: of the shapes.
+        exact: how lines are hidden (`drawings.projection.project`).
+    """
+    match name:
+        case "top":
+            standing = [(i.part, i.shape, i.frame) for i in instances]
+            return picture(TOP, PROJECTIONS["top"], scene, standing, exact=exact)
+        case "section A-A":
+            return _section(instances, shapes, scene, exact=exact)
+        case "exploded":
+            apart = [(i.part, i.shape, i.exploded) for i in instances]
+            return picture(EXPLODED, PROJECTIONS["iso"], scene, apart, exact=exact)
+        case "from below":
+            hanging = [(i.part, i.shape, i.exploded) for i in instances if i.part in MOVING]
+            if len(hanging) < 2:
+                return None
+            return picture(FROM_BELOW, EYE_BELOW, scene, hanging, SCALE / 2, exact=exact)
+        case _:
+            raise ValueError(f"there is no picture '{name}' of the machine")
+
+
+def _section(
+    instances: Sequence[Instance], shapes: Mapping[str, TopoDS_Shape], scene: Scene, *, exact: bool
+) -> Picture:
+    """The machine cut through the axis of actuator 1 along the travel."""
+    cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+    left: dict[str, TopoDS_Shape] = {}
+    hatched: list[Segment] = []
+    pieces: list[tuple[str, str, Frame]] = []
+    for number, instance in enumerate(instances):
+        low, high = scene.reach(instance.shape, instance.frame, (0.0, 1.0, 0.0))
+        if high < DEFLECTION:
+            continue
+        if low > -DEFLECTION or instance.part in WHOLE:
+            pieces.append((instance.part, instance.shape, instance.frame))
+            continue
+        name = f"{instance.name} cut"
+        left[name] = cut_shape(_moved(shapes[instance.shape], instance.frame), cut)
+        hatched.extend(hatch(left[name], cut, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
+        pieces.append((instance.part, name, UNMOVED))
+    shown = picture(SECTION, PROJECTIONS["front"], scene.with_more(left), pieces, exact=exact)
+    curves = {**shown.view.curves, "HATCH": tuple(hatched)}
+    return replace(shown, view=replace(shown.view, curves=curves, label="A-A", cut=cut))
+
+
+def _moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
+    from OCP.TopLoc import TopLoc_Location
+
+    from stagecad.solids.export import transformation
+
+    return shape.Moved(TopLoc_Location(transformation(frame)))

@@ -1,0 +1,70 @@
+"""The pictures of the machine as they were made, from the cache when it has them.
+
+They are most of the work on the machine's sheets, two of them stand on both sheets, and each can be worked out in a
+process of its own.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.solids.assembly import assemble
+from stagecad.solids.cache import Entry, Store
+from stagecad.solids.made_part import MadePart
+from stagecad.solids.registry import ASSEMBLY
+
+if TYPE_CHECKING:
+    from drawings.picture import Picture
+
+PROCEDURE = "procedure"
+"""The sheet that tells how the machine is put together."""
+PICTURES = {
+    ASSEMBLY: ("section A-A", "exploded", "from below", "top"),
+    PROCEDURE: ("exploded", "from below"),
+}
+"""What each sheet of the whole machine shows, the slowest first."""
+_FILE = "picture.json"
+_MODULES = ("drawings.machine_pictures", "stagecad.solids.assembly", __name__)
+
+
+def find_picture(store: Store, name: str, parts: Mapping[str, MadePart], design: Any) -> Entry | None:
+    """A picture in the cache, or None where it has to be made."""
+    return store.find(_named(name), design, _MODULES, _keys(parts))
+
+
+def make_picture(
+    store: Store, name: str, parts: Mapping[str, MadePart], design: Any, *, exact: bool = True
+) -> Picture | None:
+    """A picture from the cache, worked out now when it lacks it; none where the machine has nothing to show there.
+
+    Args:
+        name: as in `drawings.machine_pictures`.
+        parts: all of the machine's.
+        exact: how lines are hidden (`drawings.projection.project`).
+    """
+    from drawings.picture import as_json, from_json
+
+    def make(reading: Any, folder: Path) -> None:
+        from drawings.machine_pictures import machine_picture
+        from drawings.visibility import Scene
+        from stagecad.solids.made_assembly import shapes_of
+
+        instances = assemble(dict(parts), reading)
+        shapes = {shape: solid.wrapped for shape, solid in shapes_of(instances, parts, reading).items()}
+        scene = Scene(shapes, {part: made.mesh for part, made in parts.items()})
+        picture = machine_picture(name, instances, shapes, scene, exact=exact)
+        (folder / _FILE).write_text(json.dumps(picture and as_json(picture)), "utf-8")
+
+    document = store.make(_named(name), design, _MODULES, make, _keys(parts)).document(_FILE)
+    return from_json(document) if document else None
+
+
+def _named(picture: str) -> str:
+    return f"picture {picture} of the machine"
+
+
+def _keys(parts: Mapping[str, MadePart]) -> list[str]:
+    return [made.entry.key for made in parts.values()]
