@@ -13,6 +13,7 @@ from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, settled, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
+from sysid.looked_at import looked_at
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name
 from sysid.prediction import unseen_part, values_of
@@ -81,13 +82,14 @@ def looks_on(
     case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
 ) -> tuple[list[Look], np.ndarray]:
     """A first look at every candidate on top of a fitted model, best first, and the residual they were scored on."""
-    basis, target = target_of(base.fitted)
+    fitted, records = looked_at(base.fitted, case.fit_records)
+    basis, target = target_of(fitted)
     effects = candidates_of(case, present, all_effects)
     looks = []
     for k, effect in enumerate(effects):
         if progress is not None:
             progress(effect.name, k, len(effects))
-        look = look_at(base.fitted, effect, case.fit_records, case.scales, basis, target)
+        look = look_at(fitted, effect, records, case.scales, basis, target)
         if look is not None and np.isfinite(look.error):
             looks.append(look)
     return sorted(looks, key=lambda look: look.error), target

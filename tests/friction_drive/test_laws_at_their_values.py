@@ -1,0 +1,110 @@
+"""At the true values nothing is left: the prediction against a generator with an integrator of its own.
+
+What goes by the speed must be looked up at the speed of the moment, or a slip of a few milliseconds leaves a hundred
+times the noise.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from driven_stage import write_case
+
+from sim.library import find
+from sim.record_kernels import bouc_wen
+from sysid.base_fit import fit_model
+from sysid.case import load_case
+from sysid.case_fit import fit_case
+from sysid.driven_stage_valleys import lowest_valley
+from sysid.looked_at import looked_at
+from sysid.misfit import misfit, weighted_residual
+from sysid.model import with_effect
+
+ROWS = 2000
+OF_THE_RIG = {
+    "rig.gain": "gain",
+    "rig.contact_stiffness": "stiffness",
+    "rig.contact_damping": "damping",
+    "rig.press": "press",
+    "coulomb.force": "pads",
+    "contact.coulomb.force": "slip",
+    "contact.load_dependent_friction.sensitivity": "load_exponent",
+}
+
+
+def at_truth(model, truth, own):
+    values = {key: truth[name] for key, name in OF_THE_RIG.items()} | {
+        key: truth[value] if isinstance(value, str) else value for key, value in own.items()
+    }
+    return model.at({key: value for key, value in values.items() if key in model.values})
+
+
+@pytest.mark.parametrize(
+    ("hidden", "motion", "law", "own"),
+    [
+        ("contact.stribeck", "sawtooth", "contact.stribeck:rational",
+         {"force": "contact_stribeck", "velocity": "contact_stribeck_velocity", "exponent": 2.0}),
+        ("contact.viscous", "sawtooth", "contact.viscous", {"coefficient": "contact_viscous"}),
+        ("direction_asymmetry", "lean", "direction_asymmetry", {"coulomb": "asymmetry"}),
+        ("stribeck", "lean", "stribeck:rational",
+         {"force": "stribeck", "velocity": "stribeck_velocity", "exponent": 2.0}),
+    ],
+)  # fmt: skip
+def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, law, own):
+    truth = write_case(tmp_path, hidden, motion, 1, ROWS)
+    case = load_case(tmp_path)
+    missing = misfit(at_truth(case.start, truth, {}), case.validate_records)["position"].over_noise
+    model = with_effect(case.start, find(law), case.scales)
+    model = at_truth(model, truth, {f"{law}.{key}": value for key, value in own.items()})
+    left = misfit(model, case.validate_records)["position"].over_noise
+    # Curves of speed are tables: a stage that rings on its pads (stribeck) shows their grid, if little of it.
+    assert left < 1.25
+    assert missing > 4.0 * left
+
+
+def test_a_press_under_which_the_tip_stays_does_not_hide_those_under_which_it_leaves(tmp_path):
+    """Slips close to lift-off: a fit that begins where the tip never leaves finds no slope that leads out."""
+    write_case(tmp_path, "nothing_walking", "walk", 1, ROWS)
+    case = load_case(tmp_path)
+    base = fit_case(case)
+    assert misfit(base.fitted.model, case.validate_records)["position"].over_noise < 1.1
+
+
+def test_a_fit_leaves_the_valley_of_a_contact_far_too_stiff(tmp_path):
+    """Forces over stiffness are right at any stiffness; inertia alone tells which."""
+    truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
+    case = load_case(tmp_path)
+    model = at_truth(case.start, truth, {})
+    far = model.at({"rig.contact_stiffness": 1.9e8, "coulomb.force": 1.9e8 / truth["stiffness"] * truth["pads"]})
+    stuck = fit_model(far, case.fit_records, iterations=2)
+    found = lowest_valley(stuck, case.fit_records)
+    assert found.model.values["rig.contact_stiffness"] == pytest.approx(truth["stiffness"], rel=0.02)
+
+
+def test_first_looks_see_the_beginning_of_a_long_record(tmp_path):
+    truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
+    case = load_case(tmp_path)
+    whole = fit_model(at_truth(case.start, truth, {}), case.fit_records, iterations=1)
+    same, records = looked_at(whole, case.fit_records, ROWS)
+    assert same is whole
+    cut, records = looked_at(whole, case.fit_records, 700)
+    assert [record.size for record in records] == [700]
+    residual = weighted_residual(cut.model, records, cut.weights)
+    assert residual.size == cut.fit.residual.size == cut.fit.jacobian.shape[0] == 699
+    # Where a record begins is read off its mean: the residuals differ by a constant, and that by little.
+    difference = residual - cut.fit.residual
+    assert np.ptp(difference) < 1e-6
+    assert abs(difference).max() < 0.5
+
+
+@pytest.mark.parametrize("turning", [0.5, 0.8, 1.0, 1.4])
+def test_a_loop_by_bouc_and_wen_solves_its_equation(turning):
+    """Against plain Euler steps, 4000 to a row: dh = du - (turning |du| h + (1 - turning) du |h|)/width."""
+    volts = np.cumsum(np.random.default_rng(0).normal(0.0, 0.3, 60))
+    fine, width, h = 4000, 0.8, 0.0
+    expected = [0.0]
+    for du in np.diff(volts) / fine:
+        for _ in range(fine):
+            h += du - (turning * abs(du) * h + (1.0 - turning) * du * abs(h)) / width
+        expected.append(h)
+    assert np.abs(bouc_wen(volts, width, turning) - expected).max() < 2e-4
