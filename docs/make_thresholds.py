@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
-from sysid import diagnose, intervals, misfit
+from sysid import intervals, misfit, verdict_limits
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
@@ -14,24 +14,33 @@ TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)
 CONSTANTS = (
     (misfit, "KEPT", "part of the samples in the robust error"),
     (misfit, "LOSS_CORNER", "deviations from which the ranking's loss is linear"),
-    (diagnose, "LEAST_SIGNIFICANCE", "standard errors of the held-out gain from which it is more than chance"),
-    (diagnose, "LEAST_STEADINESS", "or: mean gain of a block of time over its standard error"),
-    (diagnose, "LEAST_GAIN", "part of the loss that must go, on the records of the fit and on the held-out ones"),
-    (diagnose, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
-    (diagnose, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
-    (diagnose, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
-    (diagnose, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),
+    (verdict_limits, "LEAST_SIGNIFICANCE", "standard errors of the held-out gain from which it is more than chance"),
+    (verdict_limits, "LEAST_STEADINESS", "or: mean gain of a block of time over its standard error"),
+    (verdict_limits, "LEAST_GAIN", "part of the loss that must go, on the records of the fit and on the held-out ones"),
+    (verdict_limits, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
+    (verdict_limits, "NOTHING_ABOVE", "error over noise of a force balance up to which a gain is of noise"),
+    (verdict_limits, "NOISE_ALONE", "ranking error, in deviations, from which an effect leaves nothing but noise"),
+    (verdict_limits, "CLEARLY_ABOVE", "error over noise of a force balance from which that is believed"),
+    (verdict_limits, "MUCH_OF_IT", "or: part of the loss that the effect takes"),
+    (verdict_limits, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
+    (verdict_limits, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
+    (verdict_limits, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),
     (
-        diagnose,
+        verdict_limits,
         "BENT",
         "share of what is left, over the coordinate of an effect with one law, that tells of another law",
     ),
-    (diagnose, "SHARE_OF_A_PART", "share from which an effect is missing beside others, if it leaves little pattern"),
-    (diagnose, "LEAST_PATTERN_LEFT", "that little: share of what is left that some coordinate explains"),
-    (diagnose, "SHARE_WITH_THE_PATTERN", "the same for an effect that leaves no pattern at all"),
-    (diagnose, "SHARE_OF_TWO", "the first of these, for two effects together"),
-    (diagnose, "VARIANCE_OF_TWO", "the second, for two together"),
-    (diagnose, "AT_REVERSALS", "effects that an error in the time of a reversal looks like"),
+    (
+        verdict_limits,
+        "SHARE_OF_A_PART",
+        "share from which an effect is missing beside others, if it leaves little pattern",
+    ),
+    (verdict_limits, "LEAST_PATTERN_LEFT", "that little: share of what is left that some coordinate explains"),
+    (verdict_limits, "SHARE_WITH_THE_PATTERN", "the same for an effect that leaves no pattern at all"),
+    (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
+    (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
+    (verdict_limits, "AT_STARTS", "effects that an error in the time of a start looks like"),
+    (verdict_limits, "AT_REVERSALS", "effects that an error in the time of a reversal looks like"),
     (intervals, "BLOCKS_PER_RECORD", "blocks of time per record behind an interval"),
 )
 

@@ -22,9 +22,10 @@ from sim.effect import Effect, Parameter
 from sysid.base_fit import Fitted
 from sysid.candidate_list import candidates_of
 from sysid.candidates import orthonormal
-from sysid.diagnose import LEAST_GAIN, LEAST_SIGNIFICANCE, Diagnosis
+from sysid.diagnose import Diagnosis
 from sysid.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.model import Model, Prepared, Scales, base_name, shape_grid, size_of, with_effect
+from sysid.verdict_limits import LEAST_GAIN, LEAST_SIGNIFICANCE
 
 MOST_SHAPES = 10
 """Points of an effect's grid of shapes at which its size is asked for."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import Candidate, Look, Score, look_at, start_for, target_of
+from sysid.candidates import Candidate, Look, Score, look_at, refined, start_for, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
@@ -54,6 +54,10 @@ class Pair:
     def model(self) -> Model:
         """With both."""
         return self.fitted.model
+
+    def partner(self, family: str) -> str:
+        """The other name than this one."""
+        return self.names[1] if self.names[0] == family else self.names[0]
 
     def other(self, family: str) -> Effect:
         """The one of the two that is not of this family."""
@@ -152,6 +156,29 @@ def _refitted(
     if not np.isfinite(residual).all():
         return None
     return Pair((two[0].look.effect, two[1].look.effect), fitted, ranking_error(residual))
+
+
+ON_TOP = 3
+"""Effects refitted on top of another."""
+
+
+def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool = False) -> list[Pair]:
+    """Pairs with the second effect looked for on top of the first one's fit, best on the held-out records first.
+
+    What the scores of two together, taken on the base model alone, rank too low: the shape of the one is clear only
+    where the other is there.
+    """
+    below = BaseFit(
+        first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
+    )
+    looks, _ = looks_on(case, below, [e.name for e in first.fitted.model.effects], all_effects)
+    pairs = []
+    for look in looks[:ON_TOP]:
+        fitted = refined(first.fitted, look, case.fit_records, case.scales).fitted
+        residual = weighted_residual(fitted.model, case.validate_records, base.weights)
+        if np.isfinite(residual).all():
+            pairs.append(Pair((first.effect, look.effect), fitted, ranking_error(residual)))
+    return sorted(pairs, key=lambda pair: pair.error)
 
 
 def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False) -> list[Trial]:

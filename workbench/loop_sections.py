@@ -15,12 +15,13 @@ from sim.effect import Effect
 from sysid.base_fit import Fitted
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import ADEQUATE_OVER_NOISE, Diagnosis, excess
+from sysid.diagnose import Diagnosis, excess
 from sysid.document import channel_unit, worst_channel
 from sysid.identifiability import open_words, public_key
 from sysid.intervals import Intervals, intervals
 from sysid.residual_maps import ResidualMap
 from sysid.trials import Trial
+from sysid.verdict_limits import ADEQUATE_OVER_NOISE
 from workbench.loop_figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
 from workbench.loop_rows import detectable_rows, misfit_rows, parameter_rows, ranking_rows, scored_only, times
 from workbench.loop_text import (

@@ -13,7 +13,8 @@ from sim.library import find
 from sysid.case import Case
 from sysid.case_fit import fit_case
 from sysid.detectable import Smallest, smallest_shown, smallest_sizes
-from sysid.diagnose import LEAST_GAIN, diagnose
+from sysid.diagnose import diagnose
+from sysid.verdict_limits import LEAST_GAIN
 
 
 def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Case:

@@ -1,0 +1,77 @@
+"""How much is enough: the limits by which a diagnosis judges. docs/theory.md lists them with their reasons."""
+
+from __future__ import annotations
+
+NEARLY_NOISE = 1.5
+"""Error over noise that an effect may leave without anything else being looked for beside it."""
+
+CLEARLY_ABOVE = 2.7
+"""Error over noise of a force balance above which that is believed: below, a law that sees a smoothed velocity may be
+off by as much."""
+
+MUCH_OF_IT = 0.2
+"""Part of the mean squared loss that no accident of timing takes: with nothing hidden 0.05 at the most."""
+
+NOISE_ALONE = 1.1
+"""Ranking error, in deviations, from which an effect has left nothing but noise: no accident of timing does that."""
+
+NOTHING_ABOVE = 1.1
+"""Error over noise of a force balance up to which, with a ranking error within the noise too, a gain is of noise."""
+
+ADEQUATE_OVER_NOISE = {"output": 1.15, "force_balance": 1.35}
+"""Robust error over noise up to which a model is adequate, by form: the noise itself is known to no better, and a force
+balance has besides the errors of when exactly the axis turned."""
+
+AT_REVERSALS = (
+    "frictional_lag",
+    "bristle_damping",
+    "presliding",
+    "backlash",
+    "drive_lag",
+    "drive_delay",
+)
+"""Effects that a small error in the time of a reversal looks like: not believed while the error is near the noise."""
+
+LATE = {"drive_lag", "drive_delay", "sensor_lag", "sensor_delay"}
+"""Effects that make a logged motion late against the logged drive."""
+
+AT_STARTS = ("dwell_strengthening", "flexible_mode")
+"""The same of the time at which motion starts, while the error is at the noise."""
+
+AT_REST = 0.5
+"""Part of a gain that comes from displacements at rest from which no error in the time of a turn looks like it."""
+
+LEAST_PERSISTENCE = 0.25
+"""Correlation of the residual with itself four scored samples on, above the noise's own, that counts as a pattern."""
+
+LEAST_PATTERN = 0.15
+"""Share of the residual's variance that some coordinate must explain before it counts as a pattern."""
+
+SHARE_ENOUGH = 0.80
+"""Share of the ranking loss above the noise from which one effect is the explanation: with another law for the same
+effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at the most (generated records)."""
+
+VARIANCE_ENOUGH = 0.93
+"""The same in the robust variance, which a few rough samples do not weigh down: 0.95 and more, against 0.86."""
+
+BENT = 0.4
+"""Share of what an effect with one law leaves from which its own coordinate tells that the law is another: a spring
+that is not straight leaves 0.45 and more over its position (generated records)."""
+
+SHARE_OF_A_PART = 0.55
+LEAST_PATTERN_LEFT = 0.3
+"""An effect that takes this share, and leaves a residual of which no coordinate explains so much, is missing beside
+others; where a coordinate still explains much of what is left, the effect only leans on one that no library has."""
+
+SHARE_WITH_THE_PATTERN = 0.25
+"""The same for an effect that leaves no pattern at all, where there was one: the rest is noise, though more of it than
+was thought (the steps of a coarse sensor, say)."""
+
+SHARE_OF_TWO = 0.92
+VARIANCE_OF_TWO = 0.97
+"""Shares that two effects must take together, where one alone leaves much."""
+
+LEAST_SIGNIFICANCE = 4.0
+LEAST_STEADINESS = 1.5
+LEAST_GAIN = 0.03
+"""Of the mean squared loss, on the records of the fit and on the held-out ones."""
