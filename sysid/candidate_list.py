@@ -10,7 +10,8 @@ from sim.effect import Effect
 from sim.library import find, library
 from sysid.balance import Balance
 from sysid.case import Case
-from sysid.friction_drive import FrictionDriveRecord, can_show, contact_candidates
+from sysid.driven_stage_candidates import can_show, contact_candidates
+from sysid.friction_drive import FrictionDriveRecord
 from sysid.model import base_name
 
 EVERYONES = (

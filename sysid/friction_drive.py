@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Axis, Effect
-from sim.library import find
 from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
 from sysid.curves_of_speed import NO_CURVES, Curves, curves_of, goes_by_speed
@@ -60,7 +59,6 @@ RIGID_STRETCH = 1e-9
 """m: of a Coulomb bristle, far below what the contact itself gives."""
 READ_LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
 """Contact effects that read nothing of how tip and stage move over each other."""
-CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_asymmetry", "load_dependent_friction")
 
 
 @dataclass
@@ -331,46 +329,6 @@ def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -
     return remember(record.memo, ("sliding", along.tobytes(), load.tobytes()), made)
 
 
-def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
-    """Whether a friction-drive's prediction has a place for an effect of pads, drive, piezos, tip or sensor."""
-    if effect.acts_on in ("drive", "piezo", "sensor"):
-        return effect.signal is not None
-    if effect.acts_on == "structure":
-        # Voltages are taken to go straight from row to row.
-        return effect.signal is not None and ":" not in effect.name
-    if effect.core is not None:
-        bristles = effect.core.name in ("maxwell_slip", "free_maxwell_slip")
-        return effect.core.name == "coulomb" or (bristles and ACROSS not in record.measured)
-    has_law = effect.level is not None or effect.factor is not None or effect.force is not None
-    return (effect.acts_on in ("friction", "axis") and has_law) or effect.name == "frictional_lag"
-
-
-def contact_candidates(records: Sequence[FrictionDriveRecord], present: Sequence[str]) -> list[Effect]:
-    """Effects between tip and stage to try on top of a model: first that it slips, then how."""
-    cores = {CONTACT + "coulomb", CONTACT + "presliding"}
-    taken = set(present)
-    names = []
-    for name in CONTACT_EFFECTS:
-        full = CONTACT + name
-        if full in taken:
-            continue
-        if full in cores:
-            # Presliding may take the place of plain slip; nothing else takes the place of presliding.
-            allowed = not taken & cores or (name == "presliding" and CONTACT + "coulomb" in taken)
-        else:
-            allowed = bool(taken & cores)
-        if name == "load_dependent_friction" and not any(_goes_up(r) for r in records):
-            allowed = False
-        if allowed:
-            names.append(full)
-    return [effect for effect in map(find, names) if all(can_show(r, effect) for r in records)]
-
-
-def _goes_up(record: FrictionDriveRecord) -> bool:
-    common = np.mean(record.drives, axis=0)
-    return float(np.ptp(common)) > 0.02 * float(np.ptp(record.drives[1] - record.drives[0]))
-
-
 def beginning(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
     """The first rows of a record, all of a shorter one, along its axis alone."""
     if record.size <= rows and ACROSS not in record.measured:
@@ -401,8 +359,6 @@ def driven_by(record: FrictionDriveRecord, name: str, step: float, drives: list[
 __all__ = [
     "FrictionDriveRecord",
     "beginning",
-    "can_show",
-    "contact_candidates",
     "driven_by",
     "friction_drive_record",
     "predict_friction_drive",

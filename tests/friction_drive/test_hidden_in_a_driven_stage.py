@@ -31,7 +31,14 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_ma
 
 @pytest.mark.parametrize(
     ("hidden", "motion", "seed", "left"),
-    [("gain_mismatch", "lift", 1, 0.1), ("contact.coulomb", "sawtooth", 1, 0.1)],
+    [
+        ("gain_mismatch", "lift", 1, 0.1),
+        pytest.param("contact.coulomb", "sawtooth", 1, 0.1, marks=pytest.mark.slow),
+        pytest.param("piezo_hysteresis", "lean", 1, 0.0, marks=pytest.mark.slow),
+        pytest.param("contact.viscous", "sawtooth", 1, 0.0, marks=pytest.mark.slow),
+        pytest.param("presliding", "walk", 1, 0.0, marks=pytest.mark.slow),
+        pytest.param("sensor_drift", "lean", 1, 0.0, marks=pytest.mark.slow),
+    ],
 )
 def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(tmp_path, hidden, motion, seed, left):
     write_case(tmp_path, hidden, motion, seed, ROWS)
