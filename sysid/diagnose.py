@@ -54,6 +54,7 @@ from sysid.verdict_limits import (
     SHARE_OF_A_PART,
     SHARE_OF_TWO,
     SHARE_WITH_THE_PATTERN,
+    UNDERRATED,
     VARIANCE_ENOUGH,
     VARIANCE_OF_TWO,
 )
@@ -170,11 +171,16 @@ def judge(
                 0.0,
                 "what is left is noise; no effect lowers it by more than chance",
             )
-        if pattern < LEAST_PATTERN and persistence(case, base) < LEAST_PERSISTENCE:
+        if over <= UNDERRATED and pattern < LEAST_PATTERN and persistence(case, base) < LEAST_PERSISTENCE:
             return done(
                 "adequate", None, (), 0.0,
                 "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought",
             )  # fmt: skip
+        pair, first = _only_together(case, base, search, best_of_family)
+        if pair is not None and first is not None and _explains(case, base, pair, over, pattern):
+            left = _left(over, excess(*_misfits(case, first)))
+            reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
+            return done("missing-effect", first, (), left, reason)
         return done(
             "unexplained",
             None,
@@ -222,7 +228,7 @@ def judge(
     above = [] if bent or not patterned else pairs_on_top(case, base, best.candidate, all_effects)
     if above and _explains(case, base, above[0], over, pattern):
         return done("missing-effect", best, (), left, f"explains its share; {above[0].partner(best.family)} the rest")
-    if not patterned:
+    if not patterned and over <= UNDERRATED:
         return done(
             "adequate", None, (), 0.0,
             "no effect explains what is left, and it follows no coordinate: noise, though more than was thought",
@@ -356,6 +362,16 @@ def _misfits(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[s
         trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
         trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
     return trial.after_fit, trial.after_validate
+
+
+def _only_together(
+    case: Case, base: BaseFit, search: Search, ranked: Sequence[Trial]
+) -> tuple[Pair | None, Trial | None]:
+    """The two effects that do most together where none does much alone, and the better of them."""
+    pairs = best_pairs(case, base, search.looks, search.target)
+    if not pairs:
+        return None, None
+    return pairs[0], next((trial for trial in ranked if trial.family in pairs[0].names), None)
 
 
 def _beside(

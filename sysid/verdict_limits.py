@@ -41,6 +41,9 @@ AT_STARTS = ("dwell_strengthening", "flexible_mode")
 AT_REST = 0.5
 """Part of a gain that comes from displacements at rest from which no error in the time of a turn looks like it."""
 
+UNDERRATED = 5.0
+"""Error over noise up to which a residual without any pattern is noise that was thought smaller than it is."""
+
 LEAST_PERSISTENCE = 0.25
 """Correlation of the residual with itself four scored samples on, above the noise's own, that counts as a pattern."""
 
