@@ -308,7 +308,7 @@ def _points(entity: Any) -> list[Point2]:
         case "LINE":
             return [(d.start.x, d.start.y), (d.end.x, d.end.y)]
         case "LWPOLYLINE":
-            return [(x, y) for x, y, *_ in entity.get_points()]
+            return [(x, y) for x, y, *_ in entity.lwpoints]
         case "CIRCLE":
             return arc_points(Arc((d.center.x, d.center.y), d.radius))
         case "ARC":
