@@ -22,6 +22,7 @@ CONSTANTS = (
     (verdict_limits, "NOISE_ALONE", "ranking error, in deviations, from which an effect leaves nothing but noise"),
     (verdict_limits, "CLEARLY_ABOVE", "error over noise of a force balance from which that is believed"),
     (verdict_limits, "MUCH_OF_IT", "or: part of the loss that the effect takes"),
+    (verdict_limits, "MOST_OF_IT", "the same where more than noise is left"),
     (verdict_limits, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
     (verdict_limits, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
     (verdict_limits, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),

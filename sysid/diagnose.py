@@ -46,6 +46,7 @@ from sysid.verdict_limits import (
     LEAST_PERSISTENCE,
     LEAST_SIGNIFICANCE,
     LEAST_STEADINESS,
+    MOST_OF_IT,
     MUCH_OF_IT,
     NEARLY_NOISE,
     NOISE_ALONE,
@@ -192,9 +193,10 @@ def judge(
     after = excess(best.after_fit, best.after_validate)
     left = _left(over, after)
     share = explained_share(base, best)
-    much_of_it = best.gain >= MUCH_OF_IT * ranking_error(base.residual) ** 2
-    clear = case.form == "output" or over >= CLEARLY_ABOVE or much_of_it
+    taken = best.gain / ranking_error(base.residual) ** 2
+    clear = case.form == "output" or over >= CLEARLY_ABOVE or taken >= MUCH_OF_IT
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
+    to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     of_starts = _of_turns(case, best) or best.family in AT_STARTS
     at_noise = over <= NOTHING_ABOVE and ranking_error(base.residual) <= 1.0
     nothing_above = case.form == "force_balance" and at_noise
