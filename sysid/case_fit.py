@@ -66,17 +66,19 @@ def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = Non
     for name in open_laws(case) if families is None else families:
         effect = find(name, case.custom)
         present = {e.name for e in fitted.model.effects}
+        before: list[Fitted] = []
         if effect.name not in present:
             if not any(e.name.partition(":")[0] == name for e in fitted.model.effects):
                 continue
-            # Another law was chosen while the model still lacked something.
+            # Another law was chosen while the model still lacked something; its fit may be better than any begun anew.
+            before = [fitted]
             fitted = searched(fitted, effect, case.fit_records, case.scales)
         if effect.core is not None:
             trials = core_laws(fitted, effect, case.fit_records, case.scales)
         else:
             shown = [variant for variant in effect.variants if shows_on(case, variant)]
             trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in shown]
-        best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
+        best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
         if clearly_better(best, fitted):
             fitted = best
             chosen += [e.name for e in best.model.effects if e.name.partition(":")[0] == name]
