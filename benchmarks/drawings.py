@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -75,23 +76,25 @@ def sheet_seconds(runs: int) -> dict[str, float]:
         count = len(made) if isinstance(made, tuple) else 1
         times[name] = min(times.get(name, math.inf), (time.process_time() - start) / count)
 
-    # The first round loads what is loaded late, and compiles.
-    for number in range(runs + 1):
-        with tempfile.TemporaryDirectory() as folder:
-            store = Store(Path(folder))
-            parts = {name: make_part(store, name, design) for name in part_names(design)}
-            procedure_values(store, design)
-            if number == 1:
-                times.clear()
-            for part in MADE:
-                note(part, partial(draw_part, store, part, design))
-            for whole, pictures in PICTURES.items():
-                if whole == ASSEMBLY:
-                    for name in pictures:
-                        note(f"picture: {name}", partial(make_picture, store, name, parts, design))
-                note(f"{whole}, its pictures there", partial(draw_whole, store, whole, design, procedure_values))
-                shown = sum(times[f"picture: {name}"] for name in pictures)
-                times[f"{whole}, with its pictures"] = times[f"{whole}, its pictures there"] + shown
+    with tempfile.TemporaryDirectory() as made:
+        parts = {name: make_part(Store(Path(made)), name, design) for name in part_names(design)}
+        procedure_values(Store(Path(made)), design)
+        # The first round loads what is loaded late, and compiles.
+        for number in range(runs + 1):
+            with tempfile.TemporaryDirectory() as folder:
+                shutil.copytree(made, folder, dirs_exist_ok=True)
+                store = Store(Path(folder))
+                if number == 1:
+                    times.clear()
+                for part in MADE:
+                    note(part, partial(draw_part, store, part, design))
+                for whole, pictures in PICTURES.items():
+                    if whole == ASSEMBLY:
+                        for name in pictures:
+                            note(f"picture: {name}", partial(make_picture, store, name, parts, design))
+                    note(f"{whole}, its pictures there", partial(draw_whole, store, whole, design, procedure_values))
+                    shown = sum(times[f"picture: {name}"] for name in pictures)
+                    times[f"{whole}, with its pictures"] = times[f"{whole}, its pictures there"] + shown
     return times
 
 

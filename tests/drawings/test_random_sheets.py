@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -11,12 +12,15 @@ from drawn import described, thesis
 
 from drawings.document import document_of
 from drawings.lint import lint
+from drawings.made_sheets import WHOLE, draw_whole
 from drawings.part_sheets import sheets_of
 from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design, load_design
 from stagecad.parameters.errors import InputError
+from stagecad.solids.cache import Store
 from stagecad.solids.reading import Reading, walk
 from stagecad.solids.registry import MADE, module_of
+from workbench.commands.drawings import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10
 
@@ -86,3 +90,13 @@ def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
         if hits := faults(design):
             wrong[seed] = (overrides, hits)
     assert wrong == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3))
+def test_the_machine_s_sheets_of_some_random_designs_are_free_of_hits(seed: int, tmp_path: Path) -> None:
+    design, overrides = random_design(seed)
+    store = Store(tmp_path)
+    sheets = [sheet for whole in WHOLE for sheet in draw_whole(store, whole, design, procedure_values)]
+    assert [sheet.name for sheet in sheets] == ["assembly", "procedure"]
+    assert [hit for sheet in sheets for hit in sheet.hits] == [], overrides
