@@ -37,7 +37,6 @@ def test_where_nothing_is_hidden_the_model_is_called_adequate_though_only_the_ma
         pytest.param("piezo_hysteresis", "lean", 1, 0.0, marks=pytest.mark.slow),
         pytest.param("contact.viscous", "sawtooth", 1, 0.0, marks=pytest.mark.slow),
         pytest.param("presliding", "walk", 1, 0.0, marks=pytest.mark.slow),
-        pytest.param("sensor_drift", "lean", 1, 0.0, marks=pytest.mark.slow),
     ],
 )
 def test_the_hidden_effect_is_named_added_and_the_held_out_error_falls(tmp_path, hidden, motion, seed, left):
