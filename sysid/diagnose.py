@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -177,11 +177,12 @@ def judge(
                 "adequate", None, (), 0.0,
                 "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought",
             )  # fmt: skip
-        pair, first = _only_together(case, base, search, best_of_family)
-        if pair is not None and first is not None and _explains(case, base, pair, over, pattern):
-            left = _left(over, excess(*_misfits(case, first)))
-            reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
-            return done("missing-effect", first, (), left, reason)
+        for pair in _only_together(case, base, search, best, all_effects):
+            first = next((trial for trial in best_of_family if trial.family in pair.names), None)
+            if first is not None and _explains(case, base, pair, over, pattern):
+                left = _left(over, excess(*_misfits(case, first)))
+                reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
+                return done("missing-effect", first, (), left, reason)
         return done(
             "unexplained",
             None,
@@ -366,14 +367,11 @@ def _misfits(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[s
     return trial.after_fit, trial.after_validate
 
 
-def _only_together(
-    case: Case, base: BaseFit, search: Search, ranked: Sequence[Trial]
-) -> tuple[Pair | None, Trial | None]:
-    """The two effects that do most together where none does much alone, and the better of them."""
-    pairs = best_pairs(case, base, search.looks, search.target)
-    if not pairs:
-        return None, None
-    return pairs[0], next((trial for trial in ranked if trial.family in pairs[0].names), None)
+def _only_together(case: Case, base: BaseFit, search: Search, best: Trial | None, all_effects: bool) -> Iterator[Pair]:
+    """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
+    yield from best_pairs(case, base, search.looks, search.target)[:1]
+    if best is not None:
+        yield from pairs_on_top(case, base, best.candidate, all_effects)[:1]
 
 
 def _beside(
