@@ -116,7 +116,8 @@ def _on_channels(case: Case, effect: Effect, present: Sequence[str]) -> list[Eff
     if effect.acts_on != "sensor":
         return [effect]
     channels = list(case.fit_records[0].measured)
-    if case.kind == "force-drive" or len(channels) == 1:
+    # A filter that takes its channel in steps is one of the whole log.
+    if case.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(":of_steps"):
         return [effect]
     each = [find(f"{effect.name}@{channel}", case.custom) for channel in channels]
     each = [e for e in each if e.name not in present]
