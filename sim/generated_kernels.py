@@ -127,22 +127,33 @@ def source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
     return [f.__code__.co_filename for f in functions if f is not None and inspect.isfunction(f)]
 
 
-def compile_effect(effect: Effect, held: bool, slopes: SlopePlan) -> Kernel | None:
-    """The kernel of a built-in effect, with parameters that are `held` written in; None where numba cannot do it."""
-    from numba import types
+def generated_kernel(text: str, name: str, signature: Any, files: list[str]) -> Kernel | None:
+    """The function `kernel` of a source text, compiled; None where numba cannot do it.
 
-    files = source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
-    signature = types.void(*[types.CPointer(types.double)] * 3, types.int64)
+    Args:
+        text: source of a module.
+        name: of the module.
+        signature: of the kernel, numba's.
+        files: that the text takes its laws from; a change in one of them compiles anew.
+    """
     try:
-        module = load_generated(
-            _effect_text(effect, held, slopes), f"effect_{effect.values_type.__name__}{'_held' * held}", files
-        )
+        module = load_generated(text, name, files)
         callback = compilation.compile_callback(module.kernel, signature, files)
     except Exception as error:
         if not type(error).__module__.startswith("numba"):
             raise
         return None
     return Kernel(callback.address, True, callback)
+
+
+def compile_effect(effect: Effect, held: bool, slopes: SlopePlan) -> Kernel | None:
+    """The kernel of a built-in effect, with parameters that are `held` written in; None where numba cannot do it."""
+    from numba import types
+
+    files = source_files([effect.level, effect.factor, effect.force, *effect.slopes.values()])
+    signature = types.void(*[types.CPointer(types.double)] * 3, types.int64)
+    text = _effect_text(effect, held, slopes)
+    return generated_kernel(text, f"effect_{effect.values_type.__name__}{'_held' * held}", signature, files)
 
 
 _CORE_TEXT = """\
@@ -181,11 +192,4 @@ def compile_core(effect: Effect) -> Kernel | None:
     files = source_files([core.law, core.slopes])
     pointer = types.CPointer(types.double)
     signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
-    try:
-        module = load_generated(text, f"core_{effect.values_type.__name__}", files)
-        callback = compilation.compile_callback(module.kernel, signature, files)
-    except Exception as error:
-        if not type(error).__module__.startswith("numba"):
-            raise
-        return None
-    return Kernel(callback.address, True, callback)
+    return generated_kernel(text, f"core_{effect.values_type.__name__}", signature, files)

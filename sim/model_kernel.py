@@ -14,10 +14,9 @@ import functools
 import hashlib
 from dataclasses import dataclass
 
-from sim import compilation
 from sim.cores.core import Core
 from sim.effect import Effect
-from sim.generated_kernels import LAW_OPTIONS, Kernel, load_generated, source_files, values_text
+from sim.generated_kernels import LAW_OPTIONS, Kernel, generated_kernel, source_files, values_text
 from sim.library import find
 
 FEWEST = 6
@@ -125,11 +124,5 @@ def model_kernel(laws: tuple[Law, ...], head: int) -> Kernel | None:
     text = _text(laws, head)
     number, pointer = types.double, types.CPointer(types.double)
     signature = types.void(number, pointer, number, number, *[pointer] * 4)
-    try:
-        module = load_generated(text, f"model_{hashlib.sha256(text.encode()).hexdigest()[:16]}", files)
-        callback = compilation.compile_callback(module.kernel, signature, files)
-    except Exception as error:
-        if not type(error).__module__.startswith("numba"):
-            raise
-        return None
-    return Kernel(callback.address, True, callback)
+    name = f"model_{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    return generated_kernel(text, name, signature, files)

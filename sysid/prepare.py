@@ -176,17 +176,16 @@ def driven_mass(
     axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
     acceleration = whole(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
+    drive = force / mass * step**2 if mass > 0 else np.zeros(n)
     direction, stuck, turns, stops = sharp_direction(
         position,
         velocity,
-        force / mass * step**2 if mass > 0 else np.zeros(n),
+        drive,
         np.abs(velocity) <= rest,
         reach_event,
         min(2.5 * law_width / step + 2.0, reach_event - 2.0),
         max(3, int(np.ceil(2.0 * law_width / step))),
     )
-
-    drive = force / mass * step**2 if mass > 0 else np.zeros(n)
     kinked = sharpened(velocity * step, axis.acceleration * step**2, drive, stops, law_width / step)
     axis = axis._replace(velocity=kinked / step)
 
