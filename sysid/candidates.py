@@ -280,7 +280,8 @@ def settled(base: Fitted, candidate: Candidate, records: Sequence[Prepared]) -> 
     """A promising effect on a driven stage, its fit gone on to the lowest valley near; any other as it is."""
     if ranking_error(candidate.fitted.fit.residual) > HALFWAY * ranking_error(base.fit.residual):
         return candidate
-    return replace(candidate, fitted=lowest_valley(candidate.fitted, records))
+    lowest = lowest_valley(candidate.fitted, records)
+    return candidate if lowest is candidate.fitted else replace(candidate, fitted=lowest)
 
 
 def try_effect(

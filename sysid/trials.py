@@ -123,7 +123,8 @@ def try_all(
         progress("", steps, steps)
     trials.sort(key=lambda t: t.error)
     if trials:
-        further = trial_of(case, base, settled(base.fitted, trials[0].candidate, case.fit_records))
+        gone_on = settled(base.fitted, trials[0].candidate, case.fit_records)
+        further = trial_of(case, base, gone_on) if gone_on is not trials[0].candidate else None
         if further is not None and further.error < trials[0].error:
             trials[0] = further
     return Search(trials, looks, target)
