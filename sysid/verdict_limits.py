@@ -81,3 +81,6 @@ LEAST_SIGNIFICANCE = 4.0
 LEAST_STEADINESS = 1.5
 LEAST_GAIN = 0.03
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
+
+LEANS = 0.5
+"""Part of the loss above the noise, left beside the best effect, that another pair must fall below to unseat it."""

@@ -15,10 +15,11 @@ from sim.effect import Effect
 from sysid.base_fit import Fitted
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import Diagnosis, excess
+from sysid.diagnose import Diagnosis
 from sysid.document import channel_unit, worst_channel
 from sysid.identifiability import open_words, public_key
 from sysid.intervals import Intervals, intervals
+from sysid.misfit import excess
 from sysid.residual_maps import ResidualMap
 from sysid.trials import Trial
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE

@@ -11,11 +11,11 @@ from rich.table import Table
 from stagecad.parameters.quantities import format_quantity
 from sysid.case import Case
 from sysid.compare import Comparison
-from sysid.diagnose import Diagnosis, excess
+from sysid.diagnose import Diagnosis
 from sysid.document import LEAST_P, WORTH_SAYING, channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
-from sysid.misfit import ChannelMisfit
+from sysid.misfit import ChannelMisfit, excess
 from sysid.residual_maps import ResidualMap
 from sysid.trials import explained_share
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE
