@@ -32,8 +32,15 @@ def follow_events(
     pad_share: np.ndarray,
     pad_curves: np.ndarray,
     pad_top: float,
+    seen: np.ndarray,
+    part_of_place: float,
+    part_of_speed: float,
 ) -> np.ndarray:
-    """Position (n,) of the stage, m: arguments as of `follow_exactly`, curves as (6, k) and their highest speeds."""
+    """Position (n,) of the stage, m: arguments as of `follow_exactly`, curves as (6, k) and their highest speeds.
+
+    With `part_of_place` above zero each row is told from the one before, which goes on from nearer to where the stage
+    was `seen`, m, (n,).
+    """
     n = tip.size
     out = np.zeros(n)
     k, c, m = stiffness, damping, mass
@@ -251,4 +258,12 @@ def follow_events(
                         behind = True
                 now = until
         out[i] = x
+        if part_of_place > 0.0:
+            miss = seen[i] - x
+            x += part_of_place * miss
+            if pad_side != 0.0:
+                v += part_of_speed * miss / step
+            if touching and not slips:
+                # A contact that never slips is wound by what lies between tip and stage.
+                q -= k * part_of_place * miss
     return out

@@ -69,11 +69,14 @@ class FrictionDriveRecord(Balance):
         drives: voltages from the bias, V, each (n,).
         lever: h/D.
         force_scale: size of a pad friction, N.
+        held_to: part of the way to where it was measured that the predicted stage is brought after every row; zero for
+            a prediction that is one.
     """
 
     drives: list[np.ndarray] = field(default_factory=list)
     lever: float = 0.0
     force_scale: float = 1.0
+    held_to: float = 0.0
 
     @property
     def time(self) -> np.ndarray:
@@ -212,6 +215,7 @@ def _follow(
         return follow_exactly(
             along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
             contact_curves, share, pad_curves, pad_share,
+            record.measured["position"] - record.measured["position"][0], record.held_to,
         )  # fmt: skip
     pad_level = np.zeros(record.size)
     if pad_core is not None:

@@ -9,7 +9,7 @@ from sim.effect import Effect, Parameter
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
     ratio = signal / p.full_scale
-    return signal + p.full_scale * (p.second_order * ratio**2 + p.third_order * ratio**3)
+    return signal + p.full_scale * (p.second_order + p.third_order * ratio) * ratio * ratio
 
 
 EFFECT = Effect(
