@@ -13,6 +13,7 @@ from sysid.balance import Balance
 from sysid.fit import Unknown
 from sysid.friction_drive import CONTACT, FrictionDriveRecord, predict_friction_drive
 from sysid.prediction import predict_balance, split_channel
+from sysid.sliding_speed import sliding_speed
 from sysid.tip import TipRecord, predict_tip
 
 Prepared = Balance | TipRecord
@@ -34,7 +35,10 @@ def predict(
 
 @dataclass(frozen=True)
 class Scales:
-    """Sizes that the records set: what a parameter's start, search range and step are measured in. SI units."""
+    """Sizes that the records set: what a parameter's start, search range and step are measured in. SI units.
+
+    `sliding` is the speed between the tip and the stage of a friction drive; zero where there is none.
+    """
 
     force: float
     position: float
@@ -48,6 +52,7 @@ class Scales:
     channel: float
     load_mean: float
     temperature_mean: float
+    sliding: float = 0.0
 
     def of(self, name: str) -> float:
         """The scale called `name` in a `Scan`; 1 for `one`."""
@@ -64,7 +69,7 @@ def scales_of(records: Sequence[Prepared]) -> Scales:
         return max(of) if of else 1.0
 
     found: dict[str, list[float]] = {name: [] for name in _SCALES}
-    load_mean, temperature_mean = 1.0, 0.0
+    load_mean, temperature_mean, sliding = 1.0, 0.0, 0.0
     for record in records:
         if isinstance(record, TipRecord):
             found["time"].append(float(record.time[-1]))
@@ -76,6 +81,7 @@ def scales_of(records: Sequence[Prepared]) -> Scales:
         y = record.measured[record.force_channel]
         if isinstance(record, FrictionDriveRecord):
             found["force"].append(record.force_scale)
+            sliding = max(sliding, sliding_speed(record))
             found["input"].append(max(float(np.ptp(u)) for u in record.drives))
         else:
             found["force"].append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
@@ -89,7 +95,12 @@ def scales_of(records: Sequence[Prepared]) -> Scales:
         found["temperature"].append(float(np.ptp(axis.temperature)))
         load_mean, temperature_mean = float(np.mean(axis.load)), float(np.mean(axis.temperature))
     sizes = {name: min(values) if name == "sample" else largest(values) for name, values in found.items()}
-    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean)
+    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean, sliding=sliding)
+
+
+def _seen_by(effect: Effect, scales: Scales) -> Scales:
+    """The scales of an effect: what acts between tip and stage moves with the one over the other."""
+    return replace(scales, velocity=scales.sliding) if in_contact(effect) and scales.sliding > 0.0 else scales
 
 
 _BY_UNIT = {
@@ -203,6 +214,7 @@ class Model:
 def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
     """What a fit moves of one effect."""
     found = []
+    scales = _seen_by(effect, scales)
     for parameter in effect.parameters:
         if parameter.role == "reference" or parameter.fixed:
             continue
@@ -244,7 +256,7 @@ def with_effect(model: Model, effect: Effect, scales: Scales, start: Mapping[str
     else:
         effects.append(effect)
     for parameter in effect.parameters:
-        values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, scales)
+        values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, _seen_by(effect, scales))
     values.update(start or {})
     unknowns += unknowns_of(effect, scales)
     return Model(tuple(effects), values, tuple(replace(u, start=values[u.key]) for u in unknowns))
@@ -253,7 +265,7 @@ def with_effect(model: Model, effect: Effect, scales: Scales, start: Mapping[str
 def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str, float]]:
     """Every combination of the effect's shape parameters on their grids, thinned to at most `most`."""
     shapes = [p for p in effect.parameters if p.role == "shape" and not p.fixed]
-    axes = [scan_values(p, scales) for p in shapes]
+    axes = [scan_values(p, _seen_by(effect, scales)) for p in shapes]
     combinations = list(itertools.product(*axes))
     if len(combinations) > most:
         combinations = combinations[:: int(np.ceil(len(combinations) / most))]

@@ -247,8 +247,7 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
         total = total + balance.whole.at(sharp, every)
     if balance.acceleration is not None:
         total = total + mass * balance.acceleration
-    if balance.kind == "force-drive":
-        total = _before_the_drive(balance, effects, values, total)
+    total = _before_the_delay(balance, effects, values, total)
     out: dict[str, np.ndarray] = {}
     if balance.force_channel == "position":
         out["position"] = balance.inputs["pull_position"] - total / values["rig.pull_stiffness"]
@@ -267,31 +266,43 @@ def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
     return np.interp(index + ahead / step, index, signal)
 
 
-def _makes_motion_late(effect: Effect) -> bool:
-    """Whether an effect sets a logged motion behind the logged drive: the drive's own, or the motion sensor's."""
+def _makes_motion_late(balance: Balance, effect: Effect) -> bool:
+    """Whether an effect sets the logged motion behind the logged force: the drive's lag, or the motion sensor's."""
     base, channel = split_channel(effect.name)
     of_sensor = base in ("sensor_lag", "sensor_delay") and channel in (None, "position", "velocity")
-    return of_sensor or base in ("drive_lag", "drive_delay")
+    return of_sensor or (balance.kind == "force-drive" and base in ("drive_lag", "drive_delay"))
 
 
 def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """The applied force (n,) at the time at which the logged motion answers it: what friction holds at rest."""
+    """The applied force (n,) at the time at which the logged motion answers it: what friction holds at rest.
+
+    A pulling spring's is the force before its sensor: what that does comes later, with every other force.
+    """
     assert balance.applied is not None
     force = balance.applied
-    if balance.kind == "force-drive":
-        for effect in effects:
-            if _makes_motion_late(effect) and effect.signal is not None:
-                force = effect.signal(np.ascontiguousarray(force), balance.step, values_of(effect, values))
+    if balance.force_channel == "position":
+        # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
+        said = np.ascontiguousarray(balance.axis.position)
+        given = _before_the_sensor(said, "position", effects, values, balance.step, late=False)
+        force = force + balance.pull_stiffness * (said - given)
+    elif balance.force_channel == "spring_force":
+        force = _before_the_sensor(force, "spring_force", effects, values, balance.step)
+    for effect in effects:
+        if _makes_motion_late(balance, effect) and effect.signal is not None:
+            moving = balance.inputs["pull_position"] if balance.force_channel == "position" else force
+            late = effect.signal(np.ascontiguousarray(moving), balance.step, values_of(effect, values)) - moving
+            force = force + (balance.pull_stiffness * late if balance.force_channel == "position" else late)
     return force
 
 
-def _before_the_drive(balance: Balance, effects: Sequence[Effect], values: Values, needed: np.ndarray) -> np.ndarray:
-    """The command that gives the force `needed` (n,) through a drive that lags, or whose position sensor does.
+def _before_the_delay(balance: Balance, effects: Sequence[Effect], values: Values, needed: np.ndarray) -> np.ndarray:
+    """The force (n,) that was applied when the one `needed` by the logged motion is, where that motion is late.
 
-    Either makes the measured motion late against the command, by the same amount: one open-loop chain cannot tell.
+    A drive that lags and a position sensor that does make the measured motion late against the command by the same
+    amount: one open-loop chain cannot tell.
     """
     for effect in effects:
-        if not _makes_motion_late(effect):
+        if not _makes_motion_late(balance, effect):
             continue
         p = values_of(effect, values)
         if split_channel(effect.name)[0].endswith("lag"):
@@ -301,28 +312,40 @@ def _before_the_drive(balance: Balance, effects: Sequence[Effect], values: Value
     return needed
 
 
+def _before_the_sensor(
+    said: np.ndarray, channel: str, effects: Sequence[Effect], values: Values, step: float, late: bool = True
+) -> np.ndarray:
+    """What the sensor of a channel was given (n,), from what it `said`: what its effects did, undone from the last on.
+
+    Args:
+        late: lags and delays too; else only what bends the scale.
+    """
+    for effect in reversed(effects):
+        base, own = split_channel(effect.name)
+        if effect.acts_on != "sensor" or own not in (None, channel) or base == "sensor_quantisation":
+            continue
+        p = values_of(effect, values)
+        if base == "sensor_lag":
+            said = said + p.time_constant * np.gradient(said, step) if late else said
+        elif base == "sensor_delay":
+            said = _advanced(said, step, p.delay) if late else said
+        elif effect.signal is not None:
+            # A small distortion is undone, to first order, by taking it away again.
+            said = 2.0 * said - effect.signal(np.ascontiguousarray(said), step, p)
+    return said
+
+
 def _stretch_relation(
     balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
 ) -> np.ndarray:
     """Position that the pulling spring's measured force and stiffness imply: pull - force / stiffness.
 
-    At the samples `index` (k,), where nothing works on the force channel; at all (n,) where left out.
+    At the samples `index` (k,), or at all (n,).
     """
     stiffness = values["rig.pull_stiffness"]
     every = slice(None) if index is None else index
-    force, pull = balance.inputs["spring_force"][every], balance.inputs["pull_position"][every]
-    for effect in effects:
-        base, channel = split_channel(effect.name)
-        if channel != "spring_force":
-            continue
-        p = values_of(effect, values)
-        if base == "sensor_lag":
-            force = force + p.time_constant * np.gradient(force, balance.step)
-        elif base == "sensor_delay":
-            force = _advanced(force, balance.step, p.delay)
-        elif effect.signal is not None and base != "sensor_quantisation":
-            # A small distortion is undone, to first order, by taking it away again.
-            force = 2.0 * force - effect.signal(force, balance.step, p)
+    force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]
+    force = _before_the_sensor(force, "spring_force", effects, values, balance.step)[every]
     stretch = force / stiffness
     for effect in effects:
         if effect.name == "backlash":

@@ -86,16 +86,16 @@ def exact_box(solid: cq.Shape) -> tuple[Vector, Vector]:
         x0, y0, z0, x1, y1, z1 = box.Get()
         return (-x0, -y0, -z0, x1, y1, z1)
 
-    faces = []
+    left = []
     for face in solid.Faces():
         box = Bnd_Box()
         BRepBndLib.Add_s(face.wrapped, box, False)
-        faces.append((corners(box), face))
+        left.append((corners(box), face))
     reach = [-math.inf] * 6
     for side in range(6):
-        for loose, face in sorted(faces, key=lambda item: -item[0][side]):
-            if loose[side] <= reach[side] + SLACK:
-                break
+        left.sort(key=lambda item: -item[0][side])
+        while left and left[0][0][side] > reach[side] + SLACK:
+            _, face = left.pop(0)
             box = Bnd_Box()
             BRepBndLib.AddOptimal_s(face.wrapped, box, False, False)
             reach = [max(a, b) for a, b in zip(reach, corners(box), strict=True)]

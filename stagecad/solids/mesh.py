@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from stagecad.solids.frame import UNMOVED, Frame
+from stagecad.solids.triangulation import triangulations
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -102,25 +103,25 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
     # A mesh makes the bounding box loose and the stored solid large: it goes on a copy.
     copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
     BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
-    vertices: list[np.ndarray] = []
-    normals: list[np.ndarray] = []
-    triangles: list[np.ndarray] = []
-    count = 0
+    faces: list[Any] = []
     explorer = TopExp_Explorer(copy, TopAbs_FACE)
     while explorer.More():
         face = TopoDS.Face_s(explorer.Current())
         explorer.Next()
+        part = BRep_Tool.Triangulation_s(face, TopLoc_Location())
+        if part is not None:
+            BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, part)
+        faces.append(face)
+    vertices: list[np.ndarray] = []
+    normals: list[np.ndarray] = []
+    triangles: list[np.ndarray] = []
+    count = 0
+    for face, part in zip(faces, triangulations(faces), strict=True):
+        places, outward, corners = part.places, part.normals, part.corners
         location = TopLoc_Location()
-        part = BRep_Tool.Triangulation_s(face, location)
-        if part is None:
-            raise ValueError("a face of the solid could not be meshed")
-        BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, part)
-        nodes = range(1, part.NbNodes() + 1)
-        places = np.array([part.Node(index).Coord() for index in nodes])
-        outward = np.array([part.Normal(index).Coord() for index in nodes])
+        BRep_Tool.Triangulation_s(face, location)
         if not location.IsIdentity():
             places, outward = _moved(places, outward, location.Transformation())
-        corners = np.array([part.Triangle(index).Get() for index in range(1, part.NbTriangles() + 1)]) - 1
         if face.Orientation() == TopAbs_REVERSED:
             corners = corners[:, ::-1]
             outward = -outward
