@@ -86,19 +86,23 @@ def exact_box(solid: cq.Shape) -> tuple[Vector, Vector]:
         x0, y0, z0, x1, y1, z1 = box.Get()
         return (-x0, -y0, -z0, x1, y1, z1)
 
-    left = []
+    faces = []
     for face in solid.Faces():
         box = Bnd_Box()
         BRepBndLib.Add_s(face.wrapped, box, False)
-        left.append((corners(box), face))
+        faces.append((corners(box), face))
     reach = [-math.inf] * 6
+    measured: set[int] = set()
     for side in range(6):
-        left.sort(key=lambda item: -item[0][side])
-        while left and left[0][0][side] > reach[side] + SLACK:
-            _, face = left.pop(0)
-            box = Bnd_Box()
-            BRepBndLib.AddOptimal_s(face.wrapped, box, False, False)
-            reach = [max(a, b) for a, b in zip(reach, corners(box), strict=True)]
+        for number in sorted(range(len(faces)), key=lambda number: -faces[number][0][side]):
+            loose, face = faces[number]
+            if loose[side] <= reach[side] + SLACK:
+                break
+            if number not in measured:
+                measured.add(number)
+                box = Bnd_Box()
+                BRepBndLib.AddOptimal_s(face.wrapped, box, False, False)
+                reach = [max(a, b) for a, b in zip(reach, corners(box), strict=True)]
     a, b, c, d, e, f = reach
     return (0.0 - a, 0.0 - b, 0.0 - c), (d, e, f)
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from stagecad.solids.frame import UNMOVED, Frame
-from stagecad.solids.triangulation import triangulations
+from stagecad.solids.triangulation import Triangulation, triangulations
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -112,11 +113,12 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
         if part is not None:
             BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, part)
         faces.append(face)
+    parts = triangulations(faces)
     vertices: list[np.ndarray] = []
     normals: list[np.ndarray] = []
     triangles: list[np.ndarray] = []
     count = 0
-    for face, part in zip(faces, triangulations(faces), strict=True):
+    for face, part in zip(faces, parts, strict=True):
         places, outward, corners = part.places, part.normals, part.corners
         location = TopLoc_Location()
         BRep_Tool.Triangulation_s(face, location)
@@ -133,7 +135,7 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
         normals.append(outward)
         triangles.append(corners + count)
         count += len(places)
-    edge_points, edge_ends = _edges(copy)
+    edge_points, edge_ends = _edges(faces, parts)
     return Mesh(
         np.concatenate(vertices),
         _unit(np.concatenate(normals)),
@@ -150,11 +152,11 @@ def _moved(places: np.ndarray, directions: np.ndarray, move: Any) -> tuple[np.nd
     return places @ rows[:, :3].T + rows[:, 3], directions @ rows[:, :3].T
 
 
-def _edges(meshed: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Edges where the surface has a corner, as the mesh has them; seams and tangent joints are left out."""
+def _edges(meshed: Sequence[Any], parts: Sequence[Triangulation]) -> tuple[np.ndarray, np.ndarray]:
+    """Edges where the surface has a corner, as the faces' mesh has them; seams and tangent joints are left out."""
     from OCP.BRep import BRep_Tool
     from OCP.GeomAbs import GeomAbs_C0
-    from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
+    from OCP.TopAbs import TopAbs_EDGE
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS
@@ -162,21 +164,19 @@ def _edges(meshed: Any) -> tuple[np.ndarray, np.ndarray]:
 
     # Edges numbered by a map, with the faces that have them: the kernel's own table of the two is slow to read.
     numbered = TopTools_IndexedMapOfShape()
-    beside: list[list[Any]] = []
-    faces_left = TopExp_Explorer(meshed, TopAbs_FACE)
-    while faces_left.More():
-        face = TopoDS.Face_s(faces_left.Current())
-        faces_left.Next()
+    beside: list[list[int]] = []
+    for index, face in enumerate(meshed):
         edges_left = TopExp_Explorer(face, TopAbs_EDGE)
         while edges_left.More():
             number = numbered.Add(edges_left.Current())
             edges_left.Next()
             if number > len(beside):
                 beside.append([])
-            beside[number - 1].append(face)
+            beside[number - 1].append(index)
     lines: list[np.ndarray] = []
-    for number, faces in enumerate(beside, start=1):
+    for number, indices in enumerate(beside, start=1):
         edge = TopoDS.Edge_s(numbered.FindKey(number))
+        faces = [meshed[index] for index in indices]
         if BRep_Tool.Degenerated_s(edge) or len(faces) != 2 or faces[0].IsSame(faces[1]):
             continue
         if BRep_Tool.Continuity_s(edge, faces[0], faces[1]) != GeomAbs_C0 or _tangent(edge, faces):
@@ -186,7 +186,7 @@ def _edges(meshed: Any) -> tuple[np.ndarray, np.ndarray]:
         polygon = BRep_Tool.PolygonOnTriangulation_s(edge, surface, location)
         if polygon is None:
             continue
-        line = np.array([surface.Node(polygon.Node(i)).Coord() for i in range(1, polygon.NbNodes() + 1)])
+        line = parts[indices[0]].places[[polygon.Node(i) - 1 for i in range(1, polygon.NbNodes() + 1)]]
         if not location.IsIdentity():
             line, _ = _moved(line, line, location.Transformation())
         lines.append(line)
