@@ -10,7 +10,6 @@ The document is the same, byte for byte, for the same sheet.
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -23,6 +22,7 @@ from ezdxf.filemanagement import new
 
 from drawings.annotation import Angular, Linear, Round
 from drawings.annotation_ink import annotation_ink, note_ink
+from drawings.dxf_writing import document_text
 from drawings.frame import PAPERS, frame
 from drawings.ink import Circle, Ink, Stroke, Words
 from drawings.lettering import FONT, LARGE, NARROWED, STYLE, TEXT, prepare
@@ -365,13 +365,11 @@ def _viewport(paper: Any, box: Box2, place: _Place) -> None:
 
 def dxf_bytes(doc: Drawing) -> bytes:
     """The document as a file, the same bytes for the same document."""
-    stream = io.StringIO()
     # ezdxf adds the classes it needs in the order of a set, which differs from process to process.
     doc.classes.add_required_classes(doc.dxfversion)
     doc.classes.classes = dict(sorted(doc.classes.classes.items(), key=lambda item: str(item[0])))
     with _without_the_time():
-        doc.write(stream)
-    return stream.getvalue().encode("utf-8")
+        return document_text(doc).encode("utf-8")
 
 
 @contextmanager

@@ -10,8 +10,9 @@ from sim.compilation import compile_function
 from sysid import moving_stage
 from sysid.moving_stage import holds, moved_on, resists
 
-PARTS_OF_A_LOOK = 3
-"""Steps of Runge and Kutta's method between two looks."""
+LOOKS_BY_SPEED = 3
+"""Looks in the place of one, each a step of Runge and Kutta's method, where friction goes by the speed: as the level
+rises while a slip slows down, a contact may slip and hold again within less than a row."""
 
 
 @partial(compile_function, also=(moving_stage.__file__,))
@@ -48,6 +49,9 @@ def follow_events(
     square = k / m - sigma * sigma
     swing = np.sqrt(max(abs(square), 1e-12 * k / m))
     natural = np.sqrt(k / m)
+    by_speed = slip_curves.shape[1] > 0 or pad_curves.shape[1] > 0
+    if by_speed:
+        parts *= LOOKS_BY_SPEED
     regular = step / parts
     # How a free oscillation goes on over one regular part of a row.
     e = np.exp(-sigma * regular)
@@ -58,8 +62,7 @@ def follow_events(
     r11, r12 = e * (cosine + sigma * sine), e * sine
     r21, r22 = -e * k / m * sine, e * (cosine - sigma * sine)
 
-    by_speed = slip_curves.shape[1] > 0 or pad_curves.shape[1] > 0
-    longest = regular / PARTS_OF_A_LOOK * 1.000001
+    longest = regular * 1.000001
     soon = 1e-3 * regular
 
     x, v, q = 0.0, 0.0, 0.0
@@ -104,6 +107,9 @@ def follow_events(
                     elif slip_side != 0.0:
                         most = holds(slip_curves, level_now, share_now, slip_side, slip_side * w, slip_top)
                         force = slip_side * most
+                        # A tip that slows down from row to row may raise the most at once, or end the slip: no spring
+                        # follows that.
+                        behind = behind or slip_side * q < most * (1.0 - 1e-12) or slip_side * w < 0.0
                         if behind and slip_side * (q + c * w) <= most:
                             slip_side, force = 0.0, q + c * w
                     else:
@@ -191,7 +197,8 @@ def follow_events(
                                         slip_side, slip_side * (wt + speeding * soon), slip_top,
                                     )  # fmt: skip
                                     rising = (rising - most_t) / soon
-                                over = (rising - slip_side * k * wt) / (k * natural)
+                                # A slip ends before it goes back, however the level falls there.
+                                over = max((rising - slip_side * k * wt) / (k * natural), -slip_side * wt / natural)
                                 if over > past:
                                     past, kind = over, 5
                         else:

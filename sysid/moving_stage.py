@@ -9,11 +9,11 @@ from sim.compilation import compile_function
 
 @compile_function
 def looked_up(curve: np.ndarray, speed: float, top: float) -> float:
-    """Value of a curve (k,) at a speed, m/s."""
-    place = np.sqrt(max(speed, 0.0) / top) * (curve.size - 1)
+    """Value of a curve (k,) at a speed either way, m/s."""
+    place = np.sqrt(abs(speed) / top) * (curve.size - 1)
     k = min(int(place), curve.size - 2)
     low, high = (k / (curve.size - 1.0)) ** 2 * top, ((k + 1.0) / (curve.size - 1.0)) ** 2 * top
-    part = min((speed - low) / (high - low), 1.0)
+    part = min((abs(speed) - low) / (high - low), 1.0)
     return curve[k] + part * (curve[k + 1] - curve[k])
 
 
@@ -36,6 +36,13 @@ def resists(curves: np.ndarray, velocity: float, top: float) -> float:
 
 
 @compile_function
+def yielded(q, w, curves, level, share, top):
+    """Force of a spring, N, that would be q: the dashpot may pull back what the spring alone has beyond the most."""
+    side = 1.0 if q > 0.0 else -1.0
+    return side * min(side * q, holds(curves, level, share, side, side * w, top))
+
+
+@compile_function
 def rates(
     v, q, t, u, k, c, m, touching, slip_side, pad_side, level, level_rate, share, share_rate, slip_curves, slip_top,
     pad, pad_rate, pad_share, pad_share_rate, pad_curves, pad_top, f, f_rate,
@@ -49,7 +56,8 @@ def rates(
                 slip_curves, level + level_rate * t, share + share_rate * t, slip_side, slip_side * w, slip_top
             )
         else:
-            force, wound = q + c * w, k * w
+            spring = yielded(q, w, slip_curves, level + level_rate * t, share + share_rate * t, slip_top)
+            force, wound = spring + c * w, k * w
         force += resists(slip_curves, w, slip_top)
     friction = pad_side * holds(
         pad_curves, pad + pad_rate * t, pad_share + pad_share_rate * t, pad_side, pad_side * v, pad_top
@@ -89,4 +97,7 @@ def moved_on(
         x += h * (v + h / 6.0 * (a1 + a2 + a3))
         v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
         q += h / 6.0 * (w1 + 2.0 * w2 + 2.0 * w3 + w4)
+        if touching and slip_side == 0.0:
+            end = at + h
+            q = yielded(q, u - v, slip_curves, level + level_rate * end, share + share_rate * end, slip_top)
     return x, v, q

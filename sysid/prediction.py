@@ -237,25 +237,34 @@ def _force_at(balance: Balance, effects: Sequence[Effect], values: Values, index
 
 
 def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
-    """Every channel (n,), with what the drive, the structure and the sensors do to it."""
+    """Every channel (n,), with what the drive, the structure and the sensors do to it.
+
+    Where the logged motion is late against the logged force, the two are compared at the time of the motion: the force
+    made late as well, less the one that the motion needs. To seek the force that was commanded instead, from a noisy
+    motion, would make its noise larger, and more so for a lag than for a delay.
+    """
     friction, sharp = _friction(balance, effects, values)
-    mass = values.get("rig.mass", 0.0)
     every = np.arange(balance.size)
     total = balance.smooth.at(friction, every)
     if sharp is not None:
         assert balance.whole is not None
         total = total + balance.whole.at(sharp, every)
     if balance.acceleration is not None:
-        total = total + mass * balance.acceleration
-    total = _before_the_delay(balance, effects, values, total)
+        total = total + values.get("rig.mass", 0.0) * balance.acceleration
     out: dict[str, np.ndarray] = {}
-    if balance.force_channel == "position":
-        out["position"] = balance.inputs["pull_position"] - total / values["rig.pull_stiffness"]
+    channel = balance.force_channel
+    if channel == "position":
+        pull = _as_late_as_the_motion(balance, effects, values, balance.inputs["pull_position"])
+        out["position"] = pull - total / values["rig.pull_stiffness"]
+        effects = [effect for effect in effects if not _makes_motion_late(balance, effect)]
     else:
-        out[balance.force_channel] = total
+        out[channel] = total
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values)
     out = sensed(effects, values, out, balance.step)
+    if channel != "position":
+        said = balance.measured[channel]
+        out[channel] = out[channel] + said - _as_late_as_the_motion(balance, effects, values, said)
     if balance.rests is not None:
         out[REST] = _given_way(balance, effects, values)
     return out
@@ -269,8 +278,22 @@ def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
 def _makes_motion_late(balance: Balance, effect: Effect) -> bool:
     """Whether an effect sets the logged motion behind the logged force: the drive's lag, or the motion sensor's."""
     base, channel = split_channel(effect.name)
-    of_sensor = base in ("sensor_lag", "sensor_delay") and channel in (None, "position", "velocity")
-    return of_sensor or (balance.kind == "force-drive" and base in ("drive_lag", "drive_delay"))
+    if balance.kind == "velocity-drive":
+        return False
+    if channel is None and balance.kind == "force-drive":
+        return base in ("sensor_lag", "sensor_delay", "drive_lag", "drive_delay")
+    every = channel is None and "position" in balance.measured
+    return base in ("sensor_lag", "sensor_delay") and (every or channel in ("position", "velocity"))
+
+
+def _as_late_as_the_motion(
+    balance: Balance, effects: Sequence[Effect], values: Values, signal: np.ndarray
+) -> np.ndarray:
+    """A signal (n,) set back by as much as the logged motion is."""
+    for effect in effects:
+        if _makes_motion_late(balance, effect) and effect.signal is not None:
+            signal = effect.signal(np.ascontiguousarray(signal), balance.step, values_of(effect, values))
+    return signal
 
 
 def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
@@ -279,37 +302,16 @@ def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     A pulling spring's is the force before its sensor: what that does comes later, with every other force.
     """
     assert balance.applied is not None
-    force = balance.applied
-    if balance.force_channel == "position":
-        # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
-        said = np.ascontiguousarray(balance.axis.position)
-        given = _before_the_sensor(said, "position", effects, values, balance.step, late=False)
-        force = force + balance.pull_stiffness * (said - given)
-    elif balance.force_channel == "spring_force":
-        force = _before_the_sensor(force, "spring_force", effects, values, balance.step)
-    for effect in effects:
-        if _makes_motion_late(balance, effect) and effect.signal is not None:
-            moving = balance.inputs["pull_position"] if balance.force_channel == "position" else force
-            late = effect.signal(np.ascontiguousarray(moving), balance.step, values_of(effect, values)) - moving
-            force = force + (balance.pull_stiffness * late if balance.force_channel == "position" else late)
-    return force
-
-
-def _before_the_delay(balance: Balance, effects: Sequence[Effect], values: Values, needed: np.ndarray) -> np.ndarray:
-    """The force (n,) that was applied when the one `needed` by the logged motion is, where that motion is late.
-
-    A drive that lags and a position sensor that does make the measured motion late against the command by the same
-    amount: one open-loop chain cannot tell.
-    """
-    for effect in effects:
-        if not _makes_motion_late(balance, effect):
-            continue
-        p = values_of(effect, values)
-        if split_channel(effect.name)[0].endswith("lag"):
-            needed = needed + p.time_constant * np.gradient(needed, balance.step)
-        else:
-            needed = _advanced(needed, balance.step, p.delay)
-    return needed
+    if balance.force_channel != "position":
+        given = balance.applied
+        if balance.force_channel == "spring_force":
+            given = _before_the_sensor(given, "spring_force", effects, values, balance.step)
+        return _as_late_as_the_motion(balance, effects, values, given)
+    # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
+    said, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
+    unbent = _before_the_sensor(said, "position", effects, values, balance.step, late=False)
+    late = _as_late_as_the_motion(balance, effects, values, pull)
+    return balance.applied + balance.pull_stiffness * (said - unbent + late - pull)
 
 
 def _before_the_sensor(

@@ -7,6 +7,8 @@ import math
 import re
 import xml.etree.ElementTree as ET
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import get_args
 
@@ -22,11 +24,22 @@ from drawings.annotation import (
     Symbol,
 )
 from drawings.document import LAYERS, document_of, dxf_bytes, measured_text
+from drawings.dxf_writing import entity_text
 from drawings.export import DPI, Renderings, render
 from drawings.frame import PAPERS, drawing_space, frame
 from drawings.ink import Words
 from drawings.sheet import scale_text, sheet_area
 from drawings.title_block import title_box, title_ink
+
+
+@contextmanager
+def ezdxf_without_the_time() -> Iterator[None]:
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +57,27 @@ def test_every_dimension_measures_what_it_says(document) -> None:
     assert found[3] == pytest.approx([16.0])
     assert found[4] == pytest.approx([8.0])
     assert found[5] == pytest.approx([45.0])
+
+
+def test_the_file_is_what_the_dxf_library_itself_writes(document) -> None:
+    layout = document.modelspace()
+    # Entities with more than a sheet's usual have are left to the library.
+    odd = [
+        layout.add_line((0, 0), (1, 1), dxfattribs={"color": 1, "layer": "HIDDEN"}),
+        layout.add_lwpolyline([(0, 0, 0, 0, 0.5), (1, 1)]),
+        layout.add_text("tagged", height=2.5),
+    ]
+    odd[2].set_xdata("ACAD", [(1000, "note")])
+    assert [entity_text(entity) for entity in odd] == [None] * 3
+    known = [entity.dxftype() for block in document.blocks for entity in block if entity_text(entity)]
+    assert {"LINE", "CIRCLE", "ARC", "LWPOLYLINE", "TEXT"} == set(known)
+    ours = dxf_bytes(document)
+    stream = io.StringIO()
+    with ezdxf_without_the_time():
+        document.write(stream)
+    assert ours == stream.getvalue().encode("utf-8")
+    for entity in odd:
+        layout.delete_entity(entity)
 
 
 def test_decimals_are_kept(document) -> None:
