@@ -19,6 +19,7 @@ from sysid.driven_stage_starts import slipping_starts
 from sysid.driven_stage_valleys import lowest_valley
 from sysid.fit import robust_scale
 from sysid.friction_drive import FrictionDriveRecord
+from sysid.held_fits import led
 from sysid.misfit import weighted_residual
 from sysid.model import Prepared, Scales, shape_grid, size_of, with_effect
 
@@ -246,6 +247,8 @@ def look_at(
     starts += slipping_starts(base.model, effect, records, scales, far, points[0] if points else None)
     if not starts:
         return None
+    if far:
+        starts += led(starts, records, base.weights, FROM_AFAR)
     fits = [fit_model(start, records, base.weights, FROM_AFAR if far else SHORT) for start in starts]
     nearest = min(fits, key=lambda fitted: fitted.fit.cost)
     if not scores:

@@ -13,13 +13,16 @@ import numpy as np
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.driven_stage_numbers import CONTACT_STIFFNESS
 from sysid.friction_drive import FrictionDriveRecord
-from sysid.model import Prepared
+from sysid.held_fits import led
+from sysid.model import Model, Prepared
 
 AWAY = (0.6, 1.6)
 """Factors by which a number is moved."""
 TRIED = 6
 """Steps of a fit from there, before it is judged."""
 STIFFNESS, DAMPING = "rig.contact_stiffness", "rig.contact_damping"
+HELD = 15
+"""Steps of a fit held to the measured motion, which leads there."""
 ROUNDS = 3
 """At the most, over all numbers."""
 LOWER = 0.98
@@ -41,7 +44,10 @@ def lowest_valley(fitted: Fitted, records: Sequence[Prepared], rounds: int = ROU
     best = fitted
     for _ in range(rounds):
         before = best
-        best = min([best, *_stiffer(best, records)], key=lambda f: f.fit.cost)
+        starts = [best.model, *_stiffer(best.model)]
+        held = led(starts, records, best.weights, HELD)
+        fits = [fit_model(start, records, best.weights, TRIED) for start in (*held, *starts[1:])]
+        best = min([best, *fits], key=lambda f: f.fit.cost)
         for key in [u.key for u in best.model.unknowns]:
             if ranking_error(best.fit.residual) <= AT_THE_NOISE:
                 return best
@@ -52,23 +58,22 @@ def lowest_valley(fitted: Fitted, records: Sequence[Prepared], rounds: int = ROU
     return best
 
 
-def _stiffer(fitted: Fitted, records: Sequence[Prepared]) -> list[Fitted]:
-    """Short fits with a softer contact, a stiffer one, and one as any fit begins with, all forces in proportion.
+def _stiffer(model: Model) -> list[Model]:
+    """The model with a softer contact, a stiffer one, and one as any fit begins with, all forces in proportion.
 
     Motion alone tells forces over stiffness well, the stiffness itself by inertia only.
     """
-    unknowns = {u.key: u for u in fitted.model.unknowns}
+    unknowns = {u.key: u for u in model.unknowns}
     if STIFFNESS not in unknowns:
         return []
-    values = fitted.model.values
+    values = model.values
     starts = []
     for part in (*AWAY, CONTACT_STIFFNESS / values[STIFFNESS]):
         moved = {key: part * values[key] for key in unknowns if key == STIFFNESS or key.endswith(".force")}
         if DAMPING in unknowns:
             moved[DAMPING] = float(np.sqrt(part)) * values[DAMPING]
-        within = {key: min(max(value, unknowns[key].low), unknowns[key].high) for key, value in moved.items()}
-        starts.append(fitted.model.at(within))
-    return [fit_model(start, records, fitted.weights, TRIED) for start in starts]
+        starts.append(model.at({key: min(max(v, unknowns[key].low), unknowns[key].high) for key, v in moved.items()}))
+    return starts
 
 
 def _beside(fitted: Fitted, key: str, records: Sequence[Prepared]) -> list[Fitted]:

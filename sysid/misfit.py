@@ -187,6 +187,33 @@ def at_rest(weights: Weighting) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
+AWAY = 4.0
+"""Widths of the filter from a stop, a start or a turn beyond which nothing of it is left in a balance."""
+
+
+def away_from_turns(records: Sequence[Prepared], weights: Weighting) -> np.ndarray:
+    """Which of the scored samples (n,) of driven masses lie in motion or at rest, beyond the reach of any turn.
+
+    Where a mass stops and starts, its balance depends on when to a fraction of a sample; beside, on the laws alone.
+    """
+    parts = []
+    for record, picks in zip(records, weights.picks, strict=True):
+        near = np.ones(record.size, dtype=bool)
+        if isinstance(record, Balance) and record.stops is not None and record.whole is not None:
+            near = _near(record, AWAY * record.whole.width / record.step)
+        parts += [~near[pick] if channel != REST else np.zeros(pick.size, bool) for channel, pick in picks.items()]
+    return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
+
+
+def _near(record: Balance, reach: float) -> np.ndarray:
+    assert record.stops is not None and record.turns is not None
+    near = np.zeros(record.size + 1, dtype=int)
+    for time in (*record.stops.time, *record.stops.departure, *np.abs(record.turns)):
+        if np.isfinite(time):
+            near[max(0, int(time - reach)) : int(time + reach) + 2] = 1
+    return near[:-1].astype(bool)
+
+
 def blocks(records: Sequence[Prepared], weights: Weighting, per_record: int = 24) -> np.ndarray:
     """Block number (n,) of each scored sample: stretches of time, the same for all channels of a record."""
     parts, start = [], 0

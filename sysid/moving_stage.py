@@ -74,6 +74,9 @@ def moved_on(
     """Position, speed and force of the spring a time t on."""
     count = max(1, int(np.ceil(t / longest)))
     h = t / count
+    if touching and slip_side == 0.0:
+        # A tip that turns round from row to row may lower the most at once.
+        q = yielded(q, u - v, slip_curves, level, share, slip_top)
     for n in range(count):
         at = n * h
         a1, w1 = rates(

@@ -15,7 +15,7 @@ from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.case import Case
 from sysid.case_fit import BaseFit
-from sysid.misfit import ChannelMisfit, blocks, excess, misfit
+from sysid.misfit import ChannelMisfit, away_from_turns, blocks, excess, huber_square, misfit
 from sysid.model import Model
 from sysid.pairs import Pair, best_pairs, pairs_on_top
 from sysid.residual_maps import residual_maps
@@ -27,8 +27,10 @@ from sysid.verdict_limits import (
     AT_STARTS,
     BENT,
     CLEARLY_ABOVE,
+    CLEARLY_AWAY,
     LATE,
     LEANS,
+    LEAST_AWAY,
     LEAST_GAIN,
     LEAST_PATTERN,
     LEAST_PATTERN_LEFT,
@@ -40,8 +42,10 @@ from sysid.verdict_limits import (
     NEARLY_NOISE,
     NOISE_ALONE,
     NOTHING_ABOVE,
+    SHARE_AWAY,
     SHARE_ENOUGH,
     SHARE_OF_A_PART,
+    SHARE_OF_NOISE,
     SHARE_OF_TWO,
     SHARE_WITH_THE_PATTERN,
     UNDERRATED,
@@ -112,16 +116,26 @@ class Evidence:
 
 @dataclass(frozen=True)
 class _Named:
-    """An effect that gains: its trial, what ties with it, and what it takes and leaves."""
+    """An effect that gains: its trial, what ties with it, and what it takes and leaves.
+
+    Args:
+        trial: the effect.
+        ties: families that the records cannot tell from it.
+        share: of the loss above the noise that it takes.
+        left: of the variance above the noise that it leaves.
+        away: its share of the loss away from the turns of a driven mass; none where there are no turns.
+    """
 
     trial: Trial
     ties: tuple[str, ...]
     share: float
     left: float
+    away: float | None
 
     @property
     def enough_alone(self) -> bool:
-        return self.share >= SHARE_ENOUGH or 1.0 - self.left >= VARIANCE_ENOUGH
+        away = self.away is not None and self.away >= SHARE_AWAY
+        return self.share >= SHARE_ENOUGH or 1.0 - self.left >= VARIANCE_ENOUGH or away
 
     @property
     def part(self) -> float:
@@ -168,7 +182,19 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
 
 
 def _named(evidence: Evidence, trial: Trial, ties: tuple[str, ...]) -> _Named:
-    return _Named(trial, ties, explained_share(evidence.base, trial), evidence.left_by(trial))
+    return _Named(
+        trial, ties, explained_share(evidence.base, trial), evidence.left_by(trial), _share_away(evidence, trial)
+    )
+
+
+def _share_away(evidence: Evidence, trial: Trial) -> float | None:
+    """Share of the held-out loss above the noise, away from the turns of a driven mass, that an effect takes."""
+    away = away_from_turns(evidence.case.validate_records, evidence.base.weights)
+    if np.mean(away) < LEAST_AWAY:
+        return None
+    before, after = (float(np.mean(huber_square(r[away]))) for r in (evidence.base.residual, trial.residual))
+    # Where there is little above the noise a share of it says nothing.
+    return (before - after) / (before - min(1.0, after)) if before > CLEARLY_AWAY else 0.0
 
 
 def _adequate(reason: str) -> Verdict:
@@ -221,15 +247,18 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     remaining = _pattern_of(evidence, best.candidate.fitted.model)
     turn_like = evidence.balance and _of_turns(case, best)
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
-    took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and not turn_like
-    if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT):
+    little_left = excess(*misfits_of(case, best)) <= UNDERRATED
+    took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
+    # What an effect that takes little elsewhere takes at the turns is their time.
+    beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART
+    if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
     patterned = _patterned(evidence)
     above = [] if bent or not patterned else pairs_on_top(case, evidence.base, best.candidate, evidence.all_effects)
     if above and _explains(evidence, above[0]):
         reason = f"explains its share; {above[0].partner(best.family)} the rest"
         return Verdict("missing-effect", best, (), named.left, reason)
-    if not patterned and evidence.over <= UNDERRATED:
+    if not patterned and evidence.over <= UNDERRATED and named.share < SHARE_OF_NOISE:
         return _adequate(
             "no effect explains what is left, and it follows no coordinate: noise, though more than was thought"
         )
@@ -237,7 +266,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
         return _unexplained(
             named.left,
             f"{best.family} takes {100 * named.part:.0f} % of the misfit, but what it leaves still follows "
-            "position: the law is another than its own",
+            f"{best.candidate.effect.coordinates[0]}: the law is another than its own",
         )
     return _unexplained(
         1.0 - max(named.share, 0.0),
@@ -343,12 +372,11 @@ def _pattern_of(evidence: Evidence, model: Model, coordinates: Sequence[str] = (
 
 
 def _bent(evidence: Evidence, trial: Trial) -> bool:
-    """Whether a force of the position with one law leaves a residual that still follows the position."""
-    effect = trial.candidate.effect
-    one_law = not effect.variants and all(p.role != "shape" for p in effect.parameters)
-    if not one_law or effect.force is None or effect.coordinates != ("position",):
+    """Whether an effect of the position, or of time, leaves a residual that still follows it: the law is another."""
+    own = trial.candidate.effect.coordinates
+    if own not in (("position",), ("time",)):
         return False
-    return _pattern_of(evidence, trial.candidate.fitted.model, effect.coordinates) >= BENT
+    return _pattern_of(evidence, trial.candidate.fitted.model, own) >= BENT
 
 
 def misfits_of(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:

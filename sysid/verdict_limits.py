@@ -60,9 +60,16 @@ effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at th
 VARIANCE_ENOUGH = 0.93
 """The same in the robust variance, which a few rough samples do not weigh down: 0.95 and more, against 0.86."""
 
+SHARE_AWAY = 0.85
+LEAST_AWAY = 0.15
+CLEARLY_AWAY = 2.0
+"""Share of the loss away from a driven mass's turns from which one effect is the explanation, whatever is left at the
+turns: true ones 0.95 and more, false ones 0.65 at the most (generated records). It counts where so large a part of the
+samples is away from turns, and their mean squared loss is at least so large, in noise deviations squared."""
+
 BENT = 0.4
-"""Share of what an effect with one law leaves from which its own coordinate tells that the law is another: a spring
-that is not straight leaves 0.45 and more over its position (generated records)."""
+"""Share of what an effect of the position or of time leaves from which that coordinate tells that the law is another: a
+spring that is not straight leaves 0.45 and more over its position, the true law 0.2 at the most (generated records)."""
 
 SHARE_OF_A_PART = 0.55
 LEAST_PATTERN_LEFT = 0.3
@@ -72,6 +79,9 @@ others; where a coordinate still explains much of what is left, the effect only 
 SHARE_WITH_THE_PATTERN = 0.25
 """The same for an effect that leaves no pattern at all, where there was one: the rest is noise, though more of it than
 was thought (the steps of a coarse sensor, say)."""
+
+SHARE_OF_NOISE = 0.3
+"""Share that an effect must stay below where what is left, without any pattern, is to be noise."""
 
 SHARE_OF_TWO = 0.92
 VARIANCE_OF_TWO = 0.97
