@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import rankdata
 
 from stagecad.parameters.errors import InputError
 
@@ -49,4 +48,7 @@ def rank_sum(columns: ArrayLike) -> Array:
     Returns:
         shape (candidates,).
     """
+    # Loading scipy.stats takes longer than most calculators here together.
+    from scipy.stats import rankdata
+
     return rankdata(np.asarray(columns, float), axis=0).sum(axis=1)

@@ -42,8 +42,8 @@ MAKE, SHOW = "make ", "show "
 Calculate = Callable[[Store, Any], "ProcedureValues"]
 """Gives what the procedure of a design has to calculate, once its parts are in the store; it must pickle."""
 
-SLOWEST_FIRST = ("base", "stage", "holder", "tip", "tooth_bar", "bearing_way")
-"""Order in which parts are begun, so that no long one is left for the end."""
+SLOWEST_FIRST = ("base", "spring", PROCEDURE, ASSEMBLY, "stage", "holder", "tip", "tooth_bar", "bearing_way")
+"""Order in which parts are made and sheets drawn, so that no long one is left for the end."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,11 @@ def make_sheets(
             if task in missing:
                 advance(task)
 
-        drawn = run_tasks((*before, *missing), work, tell, workers=workers, needs=needs)
+        first = sorted((t for t in before if t.startswith(MAKE)), key=lambda task: _slowness(task.removeprefix(MAKE)))
+        # The first sheet, which takes longest, is drawn beside the pictures.
+        shows = [task for task in before if task.startswith(SHOW)]
+        tasks = (*first, *missing[:1], *shows, *missing[1:])
+        drawn = run_tasks(tasks, work, tell, workers=workers, needs=needs)
         found |= {part: drawn[part] for part in missing}
     return {part: found[part] for part in wanted}
 

@@ -17,7 +17,7 @@ import trimesh
 from stagecad.solids.export import glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.frame import Frame
 from stagecad.solids.mass import geometry_of
-from stagecad.solids.mesh import Mesh, mesh_of
+from stagecad.solids.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.piece import Piece
 
 GREY = (0.7, 0.7, 0.8)
@@ -131,3 +131,10 @@ def test_meshing_leaves_the_exact_box_alone(solid: cq.Solid) -> None:
     before = geometry_of(solid)
     mesh_of(solid, solid.Volume())
     assert geometry_of(solid) == before
+
+
+def test_a_bent_wire_loses_a_twelfth_of_the_squared_angle() -> None:
+    ring = cq.Solid.makeTorus(8.0, 1.0)
+    for angular in (0.2, 0.17):
+        mesh = triangulated(ring, LINEAR, angular)
+        assert 1.0 - mesh.volume / ring.Volume() == pytest.approx(angular**2 / 12.0, rel=0.1)
