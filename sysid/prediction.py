@@ -10,8 +10,9 @@ import numpy as np
 
 from sim.effect import Axis, Effect
 from sysid.balance import Balance
+from sysid.bristled_stops import bristled_friction, parts_of_a_step
 from sysid.first_rest import along_from_rest
-from sysid.rests import FULLY_AT_REST, REST, given_way
+from sysid.rests import FULLY_AT_REST, REST, bristles_of, given_way
 from sysid.reversals import at_times, sharp_friction
 from sysid.stops import departures, stop_times
 
@@ -133,14 +134,14 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
             # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
             held = np.where(balance.heading != 0.0, balance.heading * level, held)
         if unseen > LEAST_UNSEEN:
-            sharp = _sharp(balance, effects, values, forces, level, _stretch_of(level, p))
+            sharp = _sharp(balance, effects, values, forces, level, core)
             part = unseen
             if balance.rests is not None and balance.stuck is not None:
                 # How the body gives way at rest is scored as a displacement, from rest to rest.
                 part = np.where(balance.stuck > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
             return forces + (1.0 - part) * held, part * sharp
         return forces + held, None
-    sharp = _sharp(balance, effects, values, forces, level, values_of(core, values).stretch)
+    sharp = _sharp(balance, effects, values, forces, level, core)
     return forces, sharp
 
 
@@ -173,7 +174,7 @@ def unseen_part(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> fl
 
 
 def _sharp(
-    balance: Balance, effects: Sequence[Effect], values: Values, forces: np.ndarray, level: np.ndarray, stretch: float
+    balance: Balance, effects: Sequence[Effect], values: Values, forces: np.ndarray, level: np.ndarray, core: Effect
 ) -> np.ndarray:
     """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
@@ -188,7 +189,20 @@ def _sharp(
     )  # fmt: skip
     leaves = departures(stops.time, stops.departure, stops.next_heading, push, level, farthest)
     direction, stuck, turns = at_times(balance.direction, balance.stuck, stops, times, leaves)
-    return sharp_friction(direction, stuck, turns, push, level, stretch, balance.step**2 / mass)
+    p, scale = values_of(core, values), balance.step**2 / mass
+    friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(level, p), scale)
+    assert core.core is not None
+    if core.core.name != "coulomb":
+        usual = float(np.median(level))
+        stretches, weights = bristles_of(core.core, p, max(usual, 1e-12))
+        parts = parts_of_a_step(usual, stretches, weights, scale)
+        if parts:
+            seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.light_noise
+            bristled_friction(
+                friction, direction, balance.axis.position, times, stops.heading, push, level, stretches, weights,
+                scale, parts, seen,
+            )  # fmt: skip
+    return friction
 
 
 FARTHEST = 2.5

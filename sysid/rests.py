@@ -166,7 +166,7 @@ def _given_way(ratio: np.ndarray, side: float, stretches: np.ndarray, weights: n
     return out
 
 
-def _bristles(core: Core, p: Any, level: float) -> tuple[np.ndarray, np.ndarray]:
+def bristles_of(core: Core, p: Any, level: float) -> tuple[np.ndarray, np.ndarray]:
     """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does."""
     if core.springs is not None:
         return core.springs(p)
@@ -198,7 +198,7 @@ def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core,
         core: the bristles that the level acts through.
         p: their parameter values.
     """
-    stretches, weights = _bristles(core, p, max(float(np.median(level)), 1e-12))
+    stretches, weights = bristles_of(core, p, max(float(np.median(level)), 1e-12))
     moved = np.zeros(level.size)
     for (start, stop), side in zip(rests.spans, rests.side, strict=True):
         held = max(float(level[start]), 1e-12)
