@@ -107,10 +107,13 @@ def follow_events(
                     elif slip_side != 0.0:
                         most = holds(slip_curves, level_now, share_now, slip_side, slip_side * w, slip_top)
                         force = slip_side * most
-                        # A tip that slows down from row to row may raise the most at once, or end the slip: no spring
-                        # follows that.
-                        behind = behind or slip_side * q < most * (1.0 - 1e-12) or slip_side * w < 0.0
-                        if behind and slip_side * (q + c * w) <= most:
+                        if slip_side * w < 0.0:
+                            # A tip that turned round from row to row ends the slip at once.
+                            q = slip_side * min(slip_side * q, most)
+                            slip_side, force, behind = 0.0, q + c * w, True
+                        # One that slows down may raise the most at once, and no spring follows that.
+                        behind = behind or slip_side * q < most * (1.0 - 1e-12)
+                        if slip_side != 0.0 and behind and slip_side * (q + c * w) <= most:
                             slip_side, force = 0.0, q + c * w
                     else:
                         force = q + c * w

@@ -82,7 +82,7 @@ HIDDEN: dict[str, Hidden] = {
     ),
     "contact.direction_asymmetry": Hidden(
         lambda r: {"contact_asymmetry": _sign(r) * r.uniform(0.05, 0.2)}, ("contact.direction_asymmetry",),
-        ("sawtooth",), SLIPS, {"slip": 3.5},
+        ("there_and_back",), SLIPS, {"slip": 3.5},
     ),
     "contact.presliding": Hidden(
         lambda r: {"contact_presliding": _between(3e-7, 1.5e-6)(r)}, ("contact.presliding",), ("sawtooth",), SLIPS,

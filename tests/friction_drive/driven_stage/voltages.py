@@ -62,11 +62,20 @@ def rests(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray, np
 
 def sawtooth(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Slow one way and quick the other: the stage stays behind the quick stroke."""
+    return _teeth(random, time, False)
+
+
+def there_and_back(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sawteeth, the quick strokes of one burst against those of the burst before."""
+    return _teeth(random, time, True)
+
+
+def _teeth(random: np.random.Generator, time: np.ndarray, turned: bool) -> tuple[np.ndarray, np.ndarray]:
     side = np.zeros(time.size)
-    start = 0.1
+    start, way = 0.1, 1.0
     while start < time[-1] - 0.4:
         period, size, quick = random.uniform(0.03, 0.12), random.uniform(20.0, 40.0), random.uniform(1.5e-3, 6e-3)
-        way = random.choice([-1.0, 1.0])
+        way = -way if turned else random.choice([-1.0, 1.0])
         for _ in range(int(random.integers(2, 6))):
             corners = np.array([start, start + period - quick, start + period])
             on = (time >= start) & (time < start + period)
@@ -76,4 +85,6 @@ def sawtooth(random: np.random.Generator, time: np.ndarray) -> tuple[np.ndarray,
     return BIAS - side, BIAS + side
 
 
-MOTIONS = {"lean": lean, "lift": lift, "walk": walk, "rests": rests, "sawtooth": sawtooth}
+MOTIONS = {
+    "lean": lean, "lift": lift, "walk": walk, "rests": rests, "sawtooth": sawtooth, "there_and_back": there_and_back
+}  # fmt: skip
