@@ -15,7 +15,7 @@ from sim.compilation import compiled
 FINEST = 64
 """Most parts of a step in which the mass on its bristles is followed."""
 
-PHASE = 0.25
+PHASE = 0.35
 """Phase of the fastest swing, in radians, that one part may take."""
 
 
@@ -30,7 +30,7 @@ def parts_of_a_step(level: float, stretches: np.ndarray, weights: np.ndarray, sc
     phase = float(np.sqrt(max(level, 0.0) * np.sum(weights / np.maximum(stretches, 1e-300)) * scale))
     if phase > FINEST:
         return 0
-    return int(min(FINEST, max(4, np.ceil(phase / PHASE))))
+    return int(min(FINEST, max(3, np.ceil(phase / PHASE))))
 
 
 @compiled
@@ -70,7 +70,7 @@ def bristled_friction(
         if i < 1 or i >= n - 1:
             continue
         z[:] = heading[k] * stretches
-        ratio, held = heading[k] * np.sum(weights), False
+        ratio = heading[k] * np.sum(weights)
         before = times[k] - (i - 0.5)
         until = int(np.floor(times[k + 1] + 0.5)) if k + 1 < times.size else n - 1
         v, left = 0.0, position[i]
@@ -84,25 +84,18 @@ def bristled_friction(
                 force = level[i] * ratio
                 v += (now - force) * scale * pause
                 moved = v * pause
-                ratio, held = 0.0, False
+                ratio = 0.0
                 for b in range(bristles):
-                    there = z[b] + moved
-                    if there >= stretches[b]:
-                        there = stretches[b]
-                        held |= moved < 0.0
-                    elif there <= -stretches[b]:
-                        there = -stretches[b]
-                        held |= moved > 0.0
-                    else:
-                        held = True
-                    z[b] = there
-                    ratio += stiffness[b] * there
+                    z[b] = min(max(z[b] + moved, -stretches[b]), stretches[b])
+                    ratio += stiffness[b] * z[b]
                 total += force / parts
             out[i] = share * total + (before * heading[k] * level[i] if first else 0.0)
             first = False
             i += 1
             # Under way: by the balance and by the position, or by the position alone, clearly.
             if abs(direction[i]) > 0.999:
-                slips = not held and v * direction[i] > 0.0
+                slips = v * direction[i] > 0.0
+                for b in range(bristles):
+                    slips &= abs(z[b]) == stretches[b]
                 if slips or abs(position[i] - left) > seen:
                     break

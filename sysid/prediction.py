@@ -12,7 +12,7 @@ from sim.effect import Axis, Effect
 from sysid.balance import Balance
 from sysid.bristled_stops import bristled_friction, parts_of_a_step
 from sysid.first_rest import along_from_rest
-from sysid.rests import FULLY_AT_REST, REST, bristles_of, given_way
+from sysid.rests import FULLY_AT_REST, REST, bristles_of, given_way, usual_level
 from sysid.reversals import at_times, sharp_friction
 from sysid.stops import departures, stop_times
 
@@ -154,7 +154,7 @@ ENOUGH_UNSEEN = 0.25
 
 def _stretch_of(level: np.ndarray, p: Any) -> float:
     """Displacement at which the bristles of a core slip, m."""
-    return float(p.stretch) if hasattr(p, "stretch") else float(np.median(level)) / max(float(p.stiffness), 1e-300)
+    return float(p.stretch) if hasattr(p, "stretch") else usual_level(level) / max(float(p.stiffness), 1e-300)
 
 
 def unseen_part(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> float:
@@ -169,7 +169,7 @@ def unseen_part(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> fl
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
         own *= balance.pull_stiffness
-    along = float(np.median(level)) / max(_stretch_of(level, p), 1e-300) * balance.light_noise
+    along = usual_level(level) / max(_stretch_of(level, p), 1e-300) * balance.light_noise
     return 1.0 - own / float(np.hypot(own, along))
 
 
@@ -193,8 +193,8 @@ def _sharp(
     friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(level, p), scale)
     assert core.core is not None
     if core.core.name != "coulomb":
-        usual = float(np.median(level))
-        stretches, weights = bristles_of(core.core, p, max(usual, 1e-12))
+        usual = usual_level(level)
+        stretches, weights = bristles_of(core.core, p, max(usual, 1e-12), SWUNG_ON)
         parts = parts_of_a_step(usual, stretches, weights, scale)
         if parts:
             seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.light_noise
@@ -204,6 +204,9 @@ def _sharp(
             )  # fmt: skip
     return friction
 
+
+SWUNG_ON = 8
+"""Springs that stand for a core without a sharp end where a mass swings on it."""
 
 FARTHEST = 2.5
 """Widths of the light filter by which the momentum may move a stop."""

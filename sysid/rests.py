@@ -63,11 +63,23 @@ class Rests:
 
     def centred(self, values: np.ndarray) -> np.ndarray:
         """`values` (n,) less their mean over the scored samples of each rest; 0 outside."""
-        out = np.zeros(values.size)
-        for start, stop in self.spans:
-            span = slice(start, stop)
-            out[span] = values[span] - np.mean(values[span][self.scored[span]])
-        return out
+        starts, stops = np.array(self.spans).T
+        return _centred(np.ascontiguousarray(values, dtype=float), self.scored, starts, stops)
+
+
+@compiled
+def _centred(values: np.ndarray, scored: np.ndarray, starts: np.ndarray, stops: np.ndarray) -> np.ndarray:
+    out = np.zeros(values.size)
+    for k in range(starts.size):
+        total, count = 0.0, 0
+        for i in range(starts[k], stops[k]):
+            if scored[i]:
+                total += values[i]
+                count += 1
+        mean = total / count if count else 0.0
+        for i in range(starts[k], stops[k]):
+            out[i] = values[i] - mean
+    return out
 
 
 def find_rests(
@@ -131,47 +143,64 @@ def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: 
 
 
 @compiled
-def _given_way(ratio: np.ndarray, side: float, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Displacement (k,) of bristles under a force of `ratio` (k,) times what they hold, all slipped to `side` before.
+def _given_way(
+    starts: np.ndarray,
+    stops: np.ndarray,
+    sides: np.ndarray,
+    friction: np.ndarray,
+    level: np.ndarray,
+    stretches: np.ndarray,
+    weights: np.ndarray,
+) -> np.ndarray:
+    """Displacement (n,) of bristles in each rest, all slipped to its side before, under the force to be held.
 
     Each element is an ideal spring up to its own slip: the sum is piecewise linear, and inverted exactly.
     """
-    n, elements = ratio.size, stretches.size
-    z = np.full(elements, side)
-    total, x = side * np.sum(weights), 0.0
-    out = np.empty(n)
-    for i in range(n):
-        wanted = min(1.0, max(-1.0, ratio[i]))
-        sign = 1.0 if wanted > total else -1.0
-        for _ in range(elements + 1):
-            slope, reach = 0.0, np.inf
-            for k in range(elements):
-                if z[k] * sign < 1.0:
-                    slope += weights[k] / stretches[k]
-                    reach = min(reach, (1.0 - z[k] * sign) * stretches[k])
-            left = (wanted - total) * sign
-            if slope <= 0.0 or left <= 0.0:
-                break
-            move = min(left / slope, reach)
-            for k in range(elements):
-                if z[k] * sign < 1.0:
-                    z[k] += sign * move / stretches[k]
-                    if move >= (1.0 - 1e-12) * reach and (1.0 - z[k] * sign) * stretches[k] < 1e-9 * stretches[k]:
-                        z[k] = sign
-            total += sign * move * slope
-            x += sign * move
-            if move >= left / slope:
-                break
-        out[i] = x
+    elements = stretches.size
+    out, z = np.zeros(friction.size), np.empty(elements)
+    for rest in range(starts.size):
+        z[:] = sides[rest]
+        total, x = sides[rest] * np.sum(weights), 0.0
+        held = max(level[starts[rest]], 1e-12)
+        for i in range(starts[rest], stops[rest]):
+            wanted = min(1.0, max(-1.0, friction[i] / held))
+            sign = 1.0 if wanted > total else -1.0
+            for _ in range(elements + 1):
+                slope, reach = 0.0, np.inf
+                for k in range(elements):
+                    if z[k] * sign < 1.0:
+                        slope += weights[k] / stretches[k]
+                        reach = min(reach, (1.0 - z[k] * sign) * stretches[k])
+                left = (wanted - total) * sign
+                if slope <= 0.0 or left <= 0.0:
+                    break
+                move = min(left / slope, reach)
+                for k in range(elements):
+                    if z[k] * sign < 1.0:
+                        z[k] += sign * move / stretches[k]
+                        if move >= (1.0 - 1e-12) * reach and (1.0 - z[k] * sign) * stretches[k] < 1e-9 * stretches[k]:
+                            z[k] = sign
+                total += sign * move * slope
+                x += sign * move
+                if move >= left / slope:
+                    break
+            out[i] = x
     return out
 
 
-def bristles_of(core: Core, p: Any, level: float) -> tuple[np.ndarray, np.ndarray]:
+TAIL = 5.0
+"""Stretches, of the level over the stiffness, up to which a core without a sharp end is followed."""
+
+POINTS = 24
+"""Ideal springs that stand for such a core."""
+
+
+def bristles_of(core: Core, p: Any, level: float, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
     """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does."""
     if core.springs is not None:
         return core.springs(p)
     longest = TAIL * level / max(float(p.stiffness), 1e-300)
-    knots = longest * (np.arange(POINTS + 1) / POINTS) ** 2
+    knots = longest * (np.arange(points + 1) / points) ** 2
     # Slipped one way, then pushed back: half of the way back is the curve of a fresh contact (Masing).
     path = np.concatenate([[-20.0 * longest, 0.0], -2.0 * knots[1:]])
     time = 1e6 * np.arange(path.size)
@@ -180,12 +209,6 @@ def bristles_of(core: Core, p: Any, level: float) -> tuple[np.ndarray, np.ndarra
     slope = np.maximum.accumulate(np.maximum(np.diff(curve), 0.0)[::-1] / np.diff(knots)[::-1])[::-1]
     shares = (slope - np.append(slope[1:], 0.0)) * knots[1:]
     return knots[1:], shares / np.sum(shares)
-
-
-TAIL = 5.0
-"""Stretches, of the level over the stiffness, up to which a core without a sharp end is followed."""
-
-POINTS = 24
 
 
 def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core, p: Any) -> np.ndarray:
@@ -198,9 +221,15 @@ def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core,
         core: the bristles that the level acts through.
         p: their parameter values.
     """
-    stretches, weights = bristles_of(core, p, max(float(np.median(level)), 1e-12))
-    moved = np.zeros(level.size)
-    for (start, stop), side in zip(rests.spans, rests.side, strict=True):
-        held = max(float(level[start]), 1e-12)
-        moved[start:stop] = _given_way(np.ascontiguousarray(friction[start:stop] / held), side, stretches, weights)
+    stretches, weights = bristles_of(core, p, max(usual_level(level), 1e-12))
+    starts, stops = np.array(rests.spans).T
+    moved = _given_way(
+        starts, stops, np.array(rests.side), np.ascontiguousarray(friction), np.ascontiguousarray(level), stretches,
+        weights,
+    )  # fmt: skip
     return rests.centred(moved)
+
+
+def usual_level(level: np.ndarray) -> float:
+    """Median of a friction level (n,), N; of one value for all samples, that value."""
+    return float(level[0]) if level.strides == (0,) else float(np.median(level))
