@@ -52,8 +52,8 @@ def check_effects(
         model: the table, for messages.
 
     Raises:
-        InputError: an effect nobody knows, one that stands twice, a sensor channel that is not recorded, a fault in a
-            user's file.
+        InputError: an effect nobody knows, one that stands twice, two friction cores at one place, a sensor channel
+            that is not recorded, a fault in a user's file.
     """
     own = load_all_custom(custom)
     found: dict[str, Effect] = {}
@@ -75,7 +75,21 @@ def check_effects(
                 f"{model.where('effects')}: '{name}': only a friction-drive has a contact of tip and stage; write "
                 f"'{name.removeprefix('contact.')}'"
             )
+        _check_core(name, found, model)
     return found
+
+
+def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> None:
+    """One friction level becomes one force: a second core at the same place would leave one of the two unheard."""
+    if found[name].core is None:
+        return
+    in_contact = name.startswith("contact.")
+    for other, effect in found.items():
+        if other != name and effect.core is not None and other.startswith("contact.") == in_contact:
+            raise InputError(
+                f"{model.where('effects')}: '{other}' and '{name}' are both friction cores, and a model has one"
+                f"{' between tip and stage' if in_contact else ''}; leave one out"
+            )
 
 
 def read_settings(
