@@ -1,4 +1,4 @@
-"""A drive that is late, on an axis that also rests: what holds it at rest is the late force, not the command."""
+"""A late drive, a late or bent force sensor, on an axis that also rests: what holds it is the force as it arrives."""
 
 from __future__ import annotations
 
@@ -21,7 +21,18 @@ def test_with_the_lag_or_delay_added_what_is_left_is_noise(
     step = add_effects(tmp_path, [effect])
 
     assert step.before_validate["drive_force"].over_noise > 5.0
-    assert step.after_validate["drive_force"].over_noise < 1.5
+    assert step.after_validate["drive_force"].over_noise < 1.2
     found = step.rung.document["parameters"][f"{effect}.{parameter}"]["value"]
     # The simulator that made the record moves in steps of 0.05 ms.
     assert found == pytest.approx(case.key["truth"][effect], abs=1e-4)
+
+
+@pytest.mark.parametrize("effect,law", [("sensor_delay", ""), ("sensor_lag", ""), ("sensor_drift", ":power")])
+def test_a_pulled_mass_at_rest_says_nothing_of_the_force_sensor(tmp_path: Path, effect: str, law: str) -> None:
+    case = make_case(Plan("spring-pull", (effect,), "strong", idle=False, rows=8000), np.random.default_rng(5))
+    case.write(tmp_path)
+
+    step = add_effects(tmp_path, [f"{effect}{law}@spring_force"])
+
+    assert step.before_validate["spring_force"].over_noise > 5.0
+    assert step.after_validate["spring_force"].over_noise < 1.2
