@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sysid.balance import Balance
-from sysid.base_fit import ranking_error
+from sysid.base_fit import fit_model, ranking_error
 from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, settled, target_of
 from sysid.case import Case
@@ -16,7 +15,6 @@ from sysid.case_fit import BaseFit
 from sysid.looked_at import looked_at
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name
-from sysid.prediction import unseen_part, values_of
 
 Progress = Callable[[str, int, int], None]
 """Called with what comes next, how many steps are done, and of how many; once more when all are."""
@@ -61,6 +59,10 @@ class Trial:
 
 REFITTED = 10
 """Effects refitted in full: those that looked best. The others keep what their first look found."""
+
+
+IN_FULL = 3
+"""Of those, effects refitted to the whole of long records; the others keep what their beginnings showed."""
 
 
 @dataclass(frozen=True)
@@ -109,11 +111,12 @@ def try_all(
 
     looks, target = looks_on(case, base, present, all_effects, scoring)
     trials = []
+    fitted, records = looked_at(base.fitted, case.fit_records)
     for k, look in enumerate(looks):
         if k < REFITTED:
             if progress is not None:
                 progress(f"refitting {look.effect.name}", scored + k, steps)
-            candidate = refined(base.fitted, look, case.fit_records, case.scales)
+            candidate = refined(fitted, look, records, case.scales)
         else:
             candidate = as_it_looks(look)
         trial = trial_of(case, base, candidate)
@@ -122,12 +125,20 @@ def try_all(
     if progress is not None:
         progress("", steps, steps)
     trials.sort(key=lambda t: t.error)
+    if fitted is not base.fitted:
+        whole = [trial_of(case, base, _in_full(base, trial.candidate, case)) for trial in trials[:IN_FULL]]
+        trials = sorted([*(t for t in whole if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
     if trials:
         gone_on = settled(base.fitted, trials[0].candidate, case.fit_records)
         further = trial_of(case, base, gone_on) if gone_on is not trials[0].candidate else None
         if further is not None and further.error < trials[0].error:
             trials[0] = further
     return Search(trials, looks, target)
+
+
+def _in_full(base: BaseFit, candidate: Candidate, case: Case) -> Candidate:
+    """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
+    return replace(candidate, fitted=fit_model(candidate.fitted.model, case.fit_records, base.fitted.weights))
 
 
 def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
@@ -137,9 +148,6 @@ def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
         return None
     numbers = blocks(case.validate_records, base.weights)
     count = int(numbers.max()) + 1 if numbers.size else 0
-    share_at_rest = _share_at_rest(base, residual)
-    if share_at_rest < LEAST_AT_REST and _beyond_sight(case, candidate):
-        return None
     before = np.bincount(numbers, huber_square(base.residual), minlength=count)
     loss = np.bincount(numbers, huber_square(residual), minlength=count)
     before_fit = ranking_error(base.fitted.fit.residual)
@@ -153,27 +161,8 @@ def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
         residual=residual,
         p_value=_chance(before - loss),
         steadiness=_steadiness(before - loss),
-        share_at_rest=share_at_rest,
+        share_at_rest=_share_at_rest(base, residual),
     )
-
-
-LEAST_AT_REST = 0.3
-"""Part of a core's gain that displacements at rest must make where the position's noise hides its bristles."""
-
-OUT_OF_SIGHT = 0.95
-"""Part of a bristle's force that comes from the balance itself, from which the motion shows nothing of it."""
-
-
-def _beyond_sight(case: Case, candidate: Candidate) -> bool:
-    """Whether a new core has bristles that the records' noise hides: what it gains is not by them."""
-    core = candidate.effect
-    if core.core is None or core.core.name == "coulomb":
-        return False
-    model = candidate.fitted.model
-    driven = [r for r in case.fit_records if isinstance(r, Balance) and r.stuck is not None]
-    level = np.array([model.values.get(f"{core.name}.force", 0.0)])
-    p = values_of(core, model.values)
-    return bool(driven) and min(unseen_part(r, core, level, p) for r in driven) > OUT_OF_SIGHT
 
 
 def _share_at_rest(base: BaseFit, residual: np.ndarray) -> float:
