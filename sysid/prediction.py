@@ -126,7 +126,8 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
         return forces, None
     if core.core.name != "coulomb" or balance.stuck is None:
         p = values_of(core, values)
-        unseen = unseen_part(balance, core, level, p)
+        usual = usual_level(level)
+        unseen = unseen_part(balance, core, usual, p)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
         held = along_from_rest(balance, core, axis, level, p, forces)
@@ -134,14 +135,14 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
             # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
             held = np.where(balance.heading != 0.0, balance.heading * level, held)
         if unseen > LEAST_UNSEEN:
-            sharp = _sharp(balance, effects, values, forces, level, core)
+            sharp = _sharp(balance, effects, values, forces, level, usual, core)
             part = unseen
             if balance.rests is not None and balance.stuck is not None:
                 # How the body gives way at rest is scored as a displacement, from rest to rest.
                 part = np.where(balance.stuck > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
             return forces + (1.0 - part) * held, part * sharp
         return forces + held, None
-    sharp = _sharp(balance, effects, values, forces, level, core)
+    sharp = _sharp(balance, effects, values, forces, level, usual_level(level), core)
     return forces, sharp
 
 
@@ -152,12 +153,12 @@ ENOUGH_UNSEEN = 0.25
 """Part from which the displacements at rest say more of the bristles than the force at rest."""
 
 
-def _stretch_of(level: np.ndarray, p: Any) -> float:
-    """Displacement at which the bristles of a core slip, m."""
-    return float(p.stretch) if hasattr(p, "stretch") else usual_level(level) / max(float(p.stiffness), 1e-300)
+def _stretch_of(usual: float, p: Any) -> float:
+    """Displacement at which the bristles of a core slip, m, at the level that is usual."""
+    return float(p.stretch) if hasattr(p, "stretch") else usual / max(float(p.stiffness), 1e-300)
 
 
-def unseen_part(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> float:
+def unseen_part(balance: Balance, core: Effect, usual: float, p: Any) -> float:
     """Part of a bristle's force, 0 to 1, that a noisy position cannot show, and the balance of forces has to.
 
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
@@ -169,12 +170,18 @@ def unseen_part(balance: Balance, core: Effect, level: np.ndarray, p: Any) -> fl
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
         own *= balance.pull_stiffness
-    along = usual_level(level) / max(_stretch_of(level, p), 1e-300) * balance.light_noise
+    along = usual / max(_stretch_of(usual, p), 1e-300) * balance.light_noise
     return 1.0 - own / float(np.hypot(own, along))
 
 
 def _sharp(
-    balance: Balance, effects: Sequence[Effect], values: Values, forces: np.ndarray, level: np.ndarray, core: Effect
+    balance: Balance,
+    effects: Sequence[Effect],
+    values: Values,
+    forces: np.ndarray,
+    level: np.ndarray,
+    usual: float,
+    core: Effect,
 ) -> np.ndarray:
     """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
@@ -190,10 +197,9 @@ def _sharp(
     leaves = departures(stops.time, stops.departure, stops.next_heading, push, level, farthest)
     direction, stuck, turns = at_times(balance.direction, balance.stuck, stops, times, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
-    friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(level, p), scale)
+    friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(usual, p), scale)
     assert core.core is not None
     if core.core.name != "coulomb":
-        usual = usual_level(level)
         stretches, weights = bristles_of(core.core, p, max(usual, 1e-12), SWUNG_ON)
         parts = parts_of_a_step(usual, stretches, weights, scale)
         if parts:
