@@ -19,6 +19,7 @@ import numpy as np
 
 from drawings.view import Projection
 from stagecad.solids.frame import Frame, Vector
+from stagecad.solids.triangulation import triangulations
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -169,17 +170,17 @@ def _compound(faces: Sequence[Any], frame: Frame) -> TopoDS_Shape:
 
 def _meshed(shape: TopoDS_Shape) -> _Faces:
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.TopAbs import TopAbs_REVERSED
 
     BRepMesh_IncrementalMesh(shape, DEFLECTION, False, TURN, False)
     faces = tuple(_faces(shape))
     corners, triangles, owners = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     count = 0
-    for index, face in enumerate(faces):
-        places, faceted = _triangles(face)
-        corners.append(places)
-        triangles.append(faceted + count)
-        owners.append(np.full(len(faceted), index))
-        count += len(places)
+    for index, (face, mesh) in enumerate(zip(faces, triangulations(faces), strict=True)):
+        corners.append(_placed(mesh.places, face))
+        triangles.append((mesh.corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else mesh.corners) + count)
+        owners.append(np.full(len(mesh.corners), index))
+        count += len(mesh.places)
     return _Faces(faces, np.concatenate(corners), np.concatenate(triangles), np.concatenate(owners))
 
 
@@ -194,20 +195,15 @@ def _faces(shape: TopoDS_Shape) -> Iterator[Any]:
         explorer.Next()
 
 
-def _triangles(face: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Corners and triangles of a meshed face, turning so that one sees it from outside the material."""
+def _placed(places: np.ndarray, face: Any) -> np.ndarray:
+    """Corners of a face's triangles where the face stands."""
     from OCP.BRep import BRep_Tool
-    from OCP.TopAbs import TopAbs_REVERSED
     from OCP.TopLoc import TopLoc_Location
 
     location = TopLoc_Location()
-    mesh = BRep_Tool.Triangulation_s(face, location)
-    if mesh is None:
-        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
-    places = np.array([mesh.Node(i).Coord() for i in range(1, mesh.NbNodes() + 1)])
-    if not location.IsIdentity():
-        move = location.Transformation()
-        rows = np.array([[move.Value(row, column) for column in range(1, 5)] for row in range(1, 4)])
-        places = places @ rows[:, :3].T + rows[:, 3]
-    faceted = np.array([mesh.Triangle(i).Get() for i in range(1, mesh.NbTriangles() + 1)]) - 1
-    return places, faceted[:, ::-1] if face.Orientation() == TopAbs_REVERSED else faceted
+    BRep_Tool.Triangulation_s(face, location)
+    if location.IsIdentity():
+        return places
+    move = location.Transformation()
+    rows = np.array([[move.Value(row, column) for column in range(1, 5)] for row in range(1, 4)])
+    return places @ rows[:, :3].T + rows[:, 3]

@@ -45,7 +45,7 @@ def triangulations(faces: Sequence[TopoDS_Face]) -> list[Triangulation]:
     """What the mesher left on each of some faces.
 
     Args:
-        faces: meshed; each of another surface.
+        faces: meshed.
 
     Raises:
         ValueError: a face has no triangles.
@@ -55,12 +55,17 @@ def triangulations(faces: Sequence[TopoDS_Face]) -> list[Triangulation]:
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS_Compound, TopoDS_Face
 
+    kernel = [BRep_Tool.Triangulation_s(face, TopLoc_Location()) for face in faces]
+    # Faces that are one and the same in several places share their triangles, which are written once.
+    numbers: dict[int, int] = {}
     builder, bare = BRep_Builder(), TopoDS_Compound()
     builder.MakeCompound(bare)
-    for face in faces:
-        triangles = BRep_Tool.Triangulation_s(face, TopLoc_Location())
+    for triangles in kernel:
         if triangles is None:
             raise ValueError("a face of the solid could not be meshed")
+        if id(triangles) in numbers:
+            continue
+        numbers[id(triangles)] = len(numbers)
         # A face of nothing but triangles: surfaces and edges need not be written.
         holder = TopoDS_Face()
         builder.MakeFace(holder, triangles)
@@ -68,9 +73,9 @@ def triangulations(faces: Sequence[TopoDS_Face]) -> list[Triangulation]:
     stream = io.BytesIO()
     BinTools.Write_s(bare, stream, True, True, BinTools_FormatVersion.BinTools_FormatVersion_VERSION_4)
     found = list(_read(stream.getvalue()))
-    if len(found) != len(faces):
-        raise ValueError(f"the kernel wrote the triangles of {len(found)} of {len(faces)} faces")
-    return found
+    if len(found) != len(numbers):
+        raise ValueError(f"the kernel wrote the triangles of {len(found)} of {len(numbers)} faces")
+    return [found[numbers[id(triangles)]] for triangles in kernel]
 
 
 def _read(data: bytes) -> Iterator[Triangulation]:

@@ -44,6 +44,16 @@ def test_nodes_triangles_and_normals_are_the_kernel_s_own(with_normals: bool) ->
         assert ours.normals == pytest.approx(np.array(normals), abs=1e-7)
 
 
+def test_faces_that_stand_in_several_places_share_their_triangles() -> None:
+    ball, *others = meshed()
+    placed = [ball, *others, ball.moved(cq.Location((50, 0, 0))), others[0].moved(cq.Location((50, 0, 0)))]
+    read = triangulations([face.wrapped for face in placed])
+    assert len(read) == len(others) + 3
+    assert read[-2] is read[0]
+    assert read[-1] is read[1]
+    assert read[0] is not read[1]
+
+
 def test_a_face_without_triangles_is_told() -> None:
     bare = cq.Workplane().box(1, 1, 1).faces(">Z").val()
     with pytest.raises(ValueError, match="could not be meshed"):
