@@ -14,6 +14,7 @@ from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.driven_stage_numbers import CONTACT_STIFFNESS
 from sysid.friction_drive import FrictionDriveRecord
 from sysid.held_fits import led
+from sysid.looked_at import looked_at
 from sysid.model import Model, Prepared
 
 AWAY = (0.6, 1.6)
@@ -34,6 +35,8 @@ AT_THE_NOISE = 1.03
 def lowest_valley(fitted: Fitted, records: Sequence[Prepared], rounds: int = ROUNDS) -> Fitted:
     """The fit, or one that began with some number elsewhere and ended lower; as it is where nothing is driven.
 
+    Of long records the beginnings are searched.
+
     Args:
         fitted: with its weights, which are kept.
         records: those fitted.
@@ -41,6 +44,15 @@ def lowest_valley(fitted: Fitted, records: Sequence[Prepared], rounds: int = ROU
     """
     if not any(isinstance(record, FrictionDriveRecord) for record in records):
         return fitted
+    seen, beginnings = looked_at(fitted, records)
+    if seen is fitted:
+        return _lowest(fitted, records, rounds)
+    near = _lowest(fit_model(seen.model, beginnings, seen.weights, TRIED), beginnings, rounds)
+    whole = fit_model(near.model, records, fitted.weights)
+    return whole if whole.fit.cost < LOWER * fitted.fit.cost else fitted
+
+
+def _lowest(fitted: Fitted, records: Sequence[Prepared], rounds: int) -> Fitted:
     best = fitted
     for _ in range(rounds):
         before = best

@@ -48,6 +48,8 @@ PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: where a fit of the pads' level begins."""
 LONGEST_STEP = 1e-4
 """s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""
+MOST_STEPS = 50
+"""Of a row, at the most: what moves within a fiftieth of a row has long come to rest by the next."""
 REST_SIGMAS = 5.0
 LIGHT = 4.0
 """Width in steps of the filter through which the motion is seen that sets the levels."""
@@ -226,7 +228,7 @@ def _follow(
     reach, weights = _bristles(contact_core, values)
     return follow(
         along, push, np.where(load > 0.0, level, 0.0), reach, weights, stiffness, damping, pad_level, pad_reach,
-        pad_weights, mass, record.step, max(1, int(np.ceil(record.step / LONGEST_STEP))),
+        pad_weights, mass, record.step, min(max(1, int(np.ceil(record.step / LONGEST_STEP))), MOST_STEPS),
     )  # fmt: skip
 
 
