@@ -23,7 +23,7 @@ COMMANDS = {
     "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",
     "check": "Every design check, with value, limit and margin.",
     "calc": "One design calculator by itself.",
-    "simulate": "The experiments tip, presliding, hysteresis and stick-slip.",
+    "simulate": "The thesis's experiments, and the stage driven by its piezos.",
     "effects": "The library of physical effects.",
     "compare": "Fit the model as it stands to a measurement; show where it fails.",
     "diagnose": "Which physical effect is missing, ranked, and what cannot be told apart.",

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from workbench.loop_text import angle_words, plain, shape_words, value_words
+from workbench.loop_text import angle_words, doubt_words, interval_words, plain, shape_words, value_words
 
 
 def times(over: float) -> str:
@@ -38,15 +38,15 @@ def _misfit_words(m: Mapping[str, Any]) -> dict[str, str]:
 
 def parameter_rows(parameters: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Fitted values with their 95 % intervals, and a word where the records do not settle them."""
-    rows = []
-    for key, q in parameters.items():
-        low, high, interval = q.get("low"), q.get("high"), ""
-        word = "at its bound" if q.get("at_bound") else "not told by these records"
-        if low is not None and high is not None and math.isfinite(low) and math.isfinite(high):
-            interval = f"{plain(low, q['unit'])} … {plain(high, q['unit'])}"
-            word = "may as well be zero" if low < 0.0 < high else ""
-        rows.append({"key": key, "value": plain(q["value"], q["unit"]), "interval": interval, "word": word})
-    return rows
+    return [
+        {
+            "key": key,
+            "value": plain(q["value"], q["unit"]),
+            "interval": interval_words(q).replace(" .. ", " … "),
+            "word": doubt_words(q),
+        }
+        for key, q in parameters.items()
+    ]
 
 
 def detectable_rows(detectable: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:

@@ -74,23 +74,33 @@ def misfit_table(case: Case, rows: Iterable[tuple[str, Mapping[str, ChannelMisfi
 
 
 def parameter_table(parameters: Mapping[str, Mapping[str, Any]], title: str = "Parameters") -> Table:
-    """Fitted values with their 95 % intervals."""
+    """Fitted values with their 95 % intervals, and a word where the records do not settle them."""
     table = Table(title=title, title_justify="left")
-    for name in ("parameter", "value", "95 % interval", ""):
-        table.add_column(name, justify="right" if name in ("value",) else "left")
-    for key, q in parameters.items():
-        low, high = q.get("low"), q.get("high")
-        interval = "not told by these records"
-        # An open end is written as the text "inf": JSON has no infinity.
-        if (
-            isinstance(low, int | float)
-            and isinstance(high, int | float)
-            and math.isfinite(low)
-            and math.isfinite(high)
-        ):
-            interval = f"{plain(low, q['unit'])} .. {plain(high, q['unit'])}"
-        table.add_row(key, plain(q["value"], q["unit"]), interval, "at its bound" if q.get("at_bound") else "")
+    doubts = [doubt_words(q) for q in parameters.values()]
+    columns = ("parameter", "value", "95 % interval", *(("remark",) if any(doubts) else ()))
+    for name in columns:
+        table.add_column(name, justify="right" if name == "value" else "left")
+    for (key, q), doubt in zip(parameters.items(), doubts, strict=True):
+        table.add_row(*(key, plain(q["value"], q["unit"]), interval_words(q), doubt)[: len(columns)])
     return table
+
+
+def interval_words(quantity: Mapping[str, Any]) -> str:
+    """A 95 % interval as text; empty where it has an open end."""
+    low, high = quantity.get("low"), quantity.get("high")
+    if low is None or high is None:
+        return ""
+    return f"{plain(low, quantity['unit'])} .. {plain(high, quantity['unit'])}"
+
+
+def doubt_words(quantity: Mapping[str, Any]) -> str:
+    """What the records leave open of a fitted value; empty where they settle it."""
+    if quantity.get("at_bound"):
+        return "at its bound"
+    low, high = quantity.get("low"), quantity.get("high")
+    if low is None or high is None:
+        return "not told by these records"
+    return "may as well be zero" if low < 0.0 < high else ""
 
 
 def where_table(maps: Sequence[ResidualMap]) -> Table:
@@ -240,7 +250,7 @@ def ranking_table(ranking: Sequence[Mapping[str, Any]], tried: int) -> Table:
         table.add_row(
             row.get("law", row["effect"]),
             f"{100 * row['expected_reduction']:.1f} %",
-            f"{100 * row['reduction'] + 0.0:.1f} %" if row.get("reduction") is not None else "",
+            f"{round(100 * row['reduction'], 1) + 0.0:.1f} %" if row.get("reduction") is not None else "",
             plain(error["value"], error["unit"]) if error else "",
             f"{row['over_noise']:.2f} x" if "over_noise" in row else "",
             f"< {chance['below']}" if isinstance(chance, dict) else f"{chance:.3f}",
