@@ -153,7 +153,3 @@ class View:
     def to_paper(self, point: Point2) -> Point2:
         """Paper coordinates of a point of the view."""
         return (self.place[0] + self.scale * point[0], self.place[1] + self.scale * point[1])
-
-    def part_to_paper(self, point: Point) -> Point2:
-        """Paper coordinates of where a point of the part is seen."""
-        return self.to_paper(self.projection.to_view(point))

@@ -42,7 +42,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     Raises:
         InputError: a name that is neither a part with a drawing nor one of its sheets.
     """
-    from drawings.made_sheets import make_sheets
+    from drawings.drawing_tasks import make_sheets
     from drawings.sheet_names import chosen_sheets
     from stagecad.solids.cache import Store
     from stagecad.solids.outputs import DamagedError, write_manifest, write_stored
