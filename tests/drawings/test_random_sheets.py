@@ -93,7 +93,7 @@ def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(10))
 def test_the_machine_s_sheets_of_some_random_designs_are_free_of_hits(seed: int, tmp_path: Path) -> None:
     design, overrides = random_design(seed)
     store = Store(tmp_path)
