@@ -151,7 +151,8 @@ def _experiment_file(path: Path) -> Path:
         if path.is_dir():
             file = path / "experiment.toml"
             if not file.is_file():
-                raise InputError(f"{name}: has no experiment.toml{_meant('experiment.toml', path)}")
+                meant = _meant("experiment.toml", path) or "; 'stagecad demo' writes one to start from"
+                raise InputError(f"{name}: has no experiment.toml{meant}")
             return file
         if path.is_file():
             return path

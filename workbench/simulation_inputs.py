@@ -49,12 +49,6 @@ def mass_given(text: str) -> float:
 
 def design_mass(run: Run) -> float:
     """Mass of the design's moving body (stage, irons, magnets), kg, from the cached solids; made when missing."""
-    from stagecad.solids.machine import find_machine, make_machine
-    from stagecad.solids.registry import part_names
+    from workbench.made_machine import made_machine
 
-    machine = find_machine(run.design)
-    if machine is None:
-        with run.progress() as progress:
-            task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
-            machine = make_machine(run.design, advance=lambda name: progress.update(task, advance=1, description=name))
-    return machine.moving_body.mass
+    return made_machine(run).moving_body.mass

@@ -29,7 +29,7 @@ from workbench.commands.demo import fresh_copy
         ),
         ("calc hertz --loa 20N", "calc hertz: no option '--loa'; did you mean '--load'?"),
         ("calc hertz --load inf", "hertz: load: must be above 0 N, and finite"),
-        ("compare .", ".: has no experiment.toml"),
+        ("compare .", ".: has no experiment.toml; 'stagecad demo' writes one to start from"),
         ("compare ./experiment.tom", "experiment.tom: no such folder or file"),
     ],
 )

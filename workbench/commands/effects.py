@@ -20,12 +20,27 @@ from workbench.options import Run, common_options
     metavar="FILE.py",
     help="A file of your own effects, checked and listed with the built-in ones; may be repeated.",
 )
+@click.option(
+    "--write",
+    "target",
+    type=click.Path(path_type=Path),
+    metavar="FILE.py",
+    help="Write an effect of your own to a new file to start from.",
+)
 @common_options
-def command(run: Run, name: str | None, custom_files: tuple[Path, ...]) -> None:
+def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:
     """List the physical effects, or tell all about one: NAME, NAME:VARIANT."""
     from sim.custom import load_all_custom
     from sim.library import find, library
 
+    if target is not None:
+        from workbench.own_effect import write_own_effect
+
+        name = write_own_effect(target)
+        run.note(
+            f'written: {target}; to have it tried, put custom = ["{target.name}"] under [model] in experiment.toml'
+        )
+        custom_files = (*custom_files, target)
     custom = load_all_custom(custom_files)
     if name is None:
         effects = [*library().values(), *custom]

@@ -33,29 +33,17 @@ def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Make what is missing, write the files of `wanted` that differ, and return the document of the command."""
     from stagecad.solids.cache import Store
     from stagecad.solids.outputs import DamagedError
+    from workbench.made_machine import made_machine
 
     store = Store()
-    machine = _machine(run, store)
+    machine = made_machine(run, store)
     try:
         return _write(run, machine, wanted)
     except DamagedError as damage:
         # The cache is the program's own affair: what is damaged there is made again.
         store.drop(damage.entry)
         run.note("a stored result was damaged; it is made again")
-        return _write(run, _machine(run, store), wanted)
-
-
-def _machine(run: Run, store: Any) -> Machine:
-    from stagecad.solids.machine import find_machine, make_machine
-
-    machine = find_machine(run.design, store)
-    if machine is not None:
-        return machine
-    from stagecad.solids.registry import part_names
-
-    with run.progress() as progress:
-        task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
-        return make_machine(run.design, store, lambda name: progress.update(task, advance=1, description=name))
+        return _write(run, made_machine(run, store), wanted)
 
 
 def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any]:
