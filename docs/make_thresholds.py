@@ -40,6 +40,7 @@ CONSTANTS = (
     (verdict_limits, "SHARE_WITH_THE_PATTERN", "the same for an effect that leaves no pattern at all"),
     (verdict_limits, "UNDERRATED", "error over noise up to which what follows nothing is noise thought too small"),
     (verdict_limits, "SHARE_OF_NOISE", "share that no effect may take then"),
+    (verdict_limits, "HARDLY_MORE", "ranking error over the best's up to which another may be the first of two"),
     (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
     (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
     (verdict_limits, "AT_STARTS", "effects that an error in the time of a start looks like"),

@@ -28,6 +28,7 @@ from sysid.verdict_limits import (
     BENT,
     CLEARLY_ABOVE,
     CLEARLY_AWAY,
+    HARDLY_MORE,
     LATE,
     LEANS,
     LEAST_AWAY,
@@ -254,10 +255,11 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
     patterned = _patterned(evidence)
-    above = [] if bent or not patterned else pairs_on_top(case, evidence.base, best.candidate, evidence.all_effects)
-    if above and _explains(evidence, above[0]):
-        reason = f"explains its share; {above[0].partner(best.family)} the rest"
-        return Verdict("missing-effect", best, (), named.left, reason)
+    for first in [] if bent or not patterned else _as_good(evidence, best):
+        above = pairs_on_top(case, evidence.base, first.candidate, evidence.all_effects)[:1]
+        if above and _explains(evidence, above[0]):
+            reason = f"explains its share; {above[0].partner(first.family)} the rest"
+            return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
     if not patterned and evidence.over <= UNDERRATED and named.share < SHARE_OF_NOISE:
         return _adequate(
             "no effect explains what is left, and it follows no coordinate: noise, though more than was thought"
@@ -273,6 +275,12 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
         f"the best effect, {best.family}, takes only {100 * named.share:.0f} % of the misfit, "
         "and no second one the rest",
     )
+
+
+def _as_good(evidence: Evidence, best: Trial) -> list[Trial]:
+    """The effect named, and the next best that leave hardly more: any of them may be one of two."""
+    others = [trial for trial in evidence.ranked if trial is not best and trial.error <= HARDLY_MORE * best.error]
+    return [best, *others[:2]]
 
 
 def _patterned(evidence: Evidence) -> bool:

@@ -94,3 +94,6 @@ LEAST_GAIN = 0.03
 
 LEANS = 0.5
 """Part of the loss above the noise, left beside the best effect, that another pair must fall below to unseat it."""
+
+HARDLY_MORE = 1.1
+"""Ranking error over the best effect's up to which another effect too is tried with a second one on top."""
