@@ -30,7 +30,8 @@ def held(records: Sequence[Prepared]) -> list[Prepared]:
 def led(
     starts: Sequence[Model], records: Sequence[Prepared], weights: Weighting | None, steps: int, count: int = 1
 ) -> list[Model]:
-    """The starts that come nearest once fitted held, best first; none where nothing can be held.
+    """The starts that come nearest once fitted held, best first; none where nothing can be held, nor
+    where bristles give way before they slip: their stretch follows the stage's own motion.
 
     Args:
         starts: of one model.
@@ -40,7 +41,7 @@ def led(
         count: of the models returned, at the most.
     """
     tied = held(records)
-    if not tied or not starts:
+    if not tied or not starts or any(e.core is not None and e.core.name != "coulomb" for e in starts[0].effects):
         return []
     fits = [fit_model(start, tied, weights, steps) for start in starts]
     return [fitted.model for fitted in sorted(fits, key=lambda f: f.fit.cost)[:count]]
