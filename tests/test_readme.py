@@ -17,7 +17,7 @@ from workbench.command_line import COMMANDS, stagecad
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-RUN = ("README.md", "docs/tutorial.md", "docs/parts_and_parameters.md")
+RUN = ("README.md", "docs/tutorial.md", "docs/parts_and_parameters.md", "docs/checks.md")
 """Pages whose outputs are held against what the commands print."""
 
 
