@@ -210,8 +210,13 @@ def one_per_family(trials: Sequence[Trial]) -> list[Trial]:
     return sorted(kept.values(), key=lambda t: t.error)
 
 
+WHERE = ("phase", "rest_position")
+"""Parameters that say where along the axis a law lies: one law is no simpler than another for being told that."""
+
+
 def parameter_count(trial: Trial) -> int:
-    return len(trial.candidate.fitted.model.unknowns)
+    """How many values the model has to fit, but for those that only say where it lies."""
+    return sum(unknown.key.rpartition(".")[2] not in WHERE for unknown in trial.candidate.fitted.model.unknowns)
 
 
 def explained_share(base: BaseFit, trial: Trial) -> float:

@@ -43,6 +43,7 @@ from sysid.verdict_limits import (
     NEARLY_NOISE,
     NOISE_ALONE,
     NOTHING_ABOVE,
+    RESTORING,
     SHARE_AWAY,
     SHARE_ENOUGH,
     SHARE_OF_A_PART,
@@ -361,6 +362,8 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
 
 def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     """Whether two effects together explain the misfit; after a `bent` one, only if they leave no pattern."""
+    if set(pair.names) <= RESTORING:
+        return False
     case = evidence.case
     after = excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
     rest_left = _left(evidence.over, after)

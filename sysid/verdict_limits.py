@@ -97,3 +97,7 @@ LEANS = 0.5
 
 HARDLY_MORE = 1.1
 """Ranking error over the best effect's up to which another effect too is tried with a second one on top."""
+
+RESTORING = {"cable_spring", "gravity_torque"}
+"""Forces that pull the axis back along one smooth curve of its position. Two of them together bend as a spring that is
+not straight does: they explain no more than that there is such a curve."""
