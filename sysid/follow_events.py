@@ -200,8 +200,11 @@ def follow_events(
                                         slip_side, slip_side * (wt + speeding * soon), slip_top,
                                     )  # fmt: skip
                                     rising = (rising - most_t) / soon
-                                # A slip ends before it goes back, however the level falls there.
-                                over = max((rising - slip_side * k * wt) / (k * natural), -slip_side * wt / natural)
+                                over = (rising - slip_side * k * wt) / (k * natural)
+                                if slip_curves.shape[1] > 0:
+                                    # A slip ends before it goes back, however the level falls there by the speed; one
+                                    # whose level falls by the load may go back slipping.
+                                    over = max(over, -slip_side * wt / natural)
                                 if over > past:
                                     past, kind = over, 5
                         else:
