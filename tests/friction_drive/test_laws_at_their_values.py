@@ -48,6 +48,9 @@ def at_truth(model, truth, own):
         ("contact.stribeck", "sawtooth", 3, "contact.stribeck:rational",
          {"force": "contact_stribeck", "velocity": "contact_stribeck_velocity", "exponent": 2.0}, 1.1),
         ("contact.viscous", "sawtooth", 1, "contact.viscous", {"coefficient": "contact_viscous"}, 1.1),
+        # A level that falls with the load lets the tip slip on as it turns round.
+        ("contact.load_dependent_friction", "walk", 1, "contact.load_dependent_friction:power",
+         {"exponent": "load_exponent"}, 1.1),
         ("contact.direction_asymmetry", "there_and_back", 1, "contact.direction_asymmetry",
          {"coulomb": "contact_asymmetry"}, 1.1),
         ("direction_asymmetry", "lean", 1, "direction_asymmetry", {"coulomb": "asymmetry"}, 1.1),
@@ -64,8 +67,7 @@ def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, see
     model = with_effect(case.start, find(law), case.scales)
     model = at_truth(model, truth, {f"{law}.{key}": value for key, value in own.items()})
     left = misfit(model, case.validate_records)["position"].over_noise
-    # Curves of speed are tables: a stage that rings on its pads (stribeck) shows their grid, if little of it.
-    assert left < 1.25
+    assert left < most
     assert missing > 4.0 * left
 
 
