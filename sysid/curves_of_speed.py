@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Axis, Effect
-from sysid.prediction import Values, values_of
+from sysid.effect_terms import Values, values_of
 
 COUNT = 400
 """Speeds of a curve."""

@@ -14,10 +14,10 @@ from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.detectable import Smallest, smallest_shown
 from sysid.diagnose import Diagnosis
+from sysid.effect_terms import split_channel
 from sysid.identifiability import correlation_json, open_words, public_key
 from sysid.intervals import Intervals, intervals
 from sysid.misfit import ChannelMisfit
-from sysid.prediction import split_channel
 from sysid.principal_angles import stand_in_angle
 from sysid.residual_maps import ResidualMap
 from sysid.rigs import CHANNELS

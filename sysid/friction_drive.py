@@ -30,12 +30,13 @@ from sim.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
 from sysid.curves_of_speed import NO_CURVES, Curves, curves_of, goes_by_speed
+from sysid.effect_terms import Values, axis_force, friction_level, remember, values_of
 from sysid.follow import follow
 from sysid.follow_exactly import follow_exactly
-from sysid.follow_plane import follow_plane, substeps
+from sysid.follow_plane import follow_plane
 from sysid.noise_floor import Noise
-from sysid.prediction import Values, axis_force, friction_level, remember, sensed, values_of
 from sysid.records import Record
+from sysid.sensing import sensed
 from sysid.smoothing import GaussianFilter
 from sysid.tip import stretch_of
 from sysid.uniform import uniform
@@ -195,7 +196,6 @@ def _follow_plane(
     x, y = follow_plane(
         along, across, push, load, level, stiffness, values["rig.contact_damping"], pad_level,
         values.get("viscous.coefficient", 0.0), guide, mass, record.step,
-        substeps(stiffness, guide, mass, record.step),
     )  # fmt: skip
     turn = values["rig.turn"]
     cosine, sine = np.cos(turn), np.sin(turn)

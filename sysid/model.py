@@ -10,9 +10,10 @@ import numpy as np
 
 from sim.effect import Effect, Parameter
 from sysid.balance import Balance
+from sysid.effect_terms import split_channel
 from sysid.fit import Unknown
 from sysid.friction_drive import CONTACT, FrictionDriveRecord, predict_friction_drive
-from sysid.prediction import predict_balance, split_channel
+from sysid.prediction import predict_balance
 from sysid.sliding_speed import sliding_speed
 from sysid.tip import TipRecord, predict_tip
 

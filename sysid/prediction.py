@@ -2,87 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from sim.effect import Axis, Effect
+from sim.effect import Effect
 from sysid.balance import Balance
 from sysid.bristled_stops import bristled_friction, parts_of_a_step
+from sysid.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
 from sysid.first_rest import along_from_rest
 from sysid.rests import FULLY_AT_REST, REST, bristles_of, given_way, usual_level
 from sysid.reversals import at_times, sharp_friction
+from sysid.sensing import as_late_as_the_motion, before_the_sensor, makes_motion_late, sensed
 from sysid.stops import departures, stop_times
-
-Values = Mapping[str, float]
-"""Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
-
-MEMO_LIMIT = 160
-
-
-def split_channel(name: str) -> tuple[str, str | None]:
-    """`sensor_lag@position` -> (`sensor_lag`, `position`); (name, None) without a channel."""
-    base, _, channel = name.partition("@")
-    return base, channel or None
-
-
-def values_of(effect: Effect, values: Values) -> Any:
-    """The effect's parameter values as the named tuple its laws take."""
-    return effect.values_type(*[values[f"{effect.name}.{p.name}"] for p in effect.parameters])
-
-
-def remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], make: Callable[[], Any]) -> Any:
-    """What `make` gives, kept in `store` under `key`; the store is emptied when it grows past its limit."""
-    if key not in store:
-        if len(store) >= MEMO_LIMIT:
-            store.clear()
-        store[key] = make()
-    return store[key]
-
-
-def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -> tuple[Axis, tuple[object, ...]]:
-    """The axis as level and core see it, after the effects with memory, and a key that names it."""
-    axis, key = balance.axis, ()
-    for effect in effects:
-        if effect.memory is not None:
-            p = values_of(effect, values)
-            key = (*key, effect.name, p)
-            axis = remember(balance.memo, ("axis", key), partial(effect.memory, axis, p))
-    return axis, key
-
-
-def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray | float:
-    """Friction level (n,), N: the sum of every `level` times the product of every `factor`, never below zero."""
-    axis, key = friction_axis(balance, effects, values)
-    total: Any = 0.0
-    factor: Any = 1.0
-    for effect in effects:
-        if effect.level is not None:
-            p = values_of(effect, values)
-            total = total + remember(balance.memo, ("level", effect.name, p, key), partial(effect.level, axis, p))
-        if effect.factor is not None:
-            p = values_of(effect, values)
-            factor = factor * remember(balance.memo, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
-    return np.maximum(total * factor, 0.0)
-
-
-def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """Sum (n,) of the forces that act on the axis beside the core, N."""
-    total = np.zeros(balance.size)
-    for effect in effects:
-        if effect.force is not None:
-            p = values_of(effect, values)
-            total = total + remember(balance.memo, ("force", effect.name, p), partial(effect.force, balance.axis, p))
-        if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
-            # What rides on a mode keeps pulling while friction holds the body: a force as any other.
-            p = values_of(effect, values)
-            own = balance.axis.acceleration
-            ride = partial(effect.signal, np.ascontiguousarray(own), balance.step, p)
-            ridden = remember(balance.memo, ("ride", effect.name, p[:2]), ride)
-            total = total + values.get("rig.mass", 0.0) * getattr(p, "mass_ratio", 1.0) * (ridden - own)
-    return total
 
 
 def predict_balance(
@@ -277,9 +210,9 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     out: dict[str, np.ndarray] = {}
     channel = balance.force_channel
     if channel == "position":
-        pull = _as_late_as_the_motion(balance, effects, values, balance.inputs["pull_position"])
+        pull = as_late_as_the_motion(balance, effects, values, balance.inputs["pull_position"])
         out["position"] = pull - total / values["rig.pull_stiffness"]
-        effects = [effect for effect in effects if not _makes_motion_late(balance, effect)]
+        effects = [effect for effect in effects if not makes_motion_late(balance, effect)]
     else:
         out[channel] = total
     if _has_stretch(balance):
@@ -287,36 +220,10 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     out = sensed(effects, values, out, balance.step)
     if channel != "position":
         said = balance.measured[channel]
-        out[channel] = out[channel] + said - _as_late_as_the_motion(balance, effects, values, said)
+        out[channel] = out[channel] + said - as_late_as_the_motion(balance, effects, values, said)
     if balance.rests is not None:
         out[REST] = _given_way(balance, effects, values)
     return out
-
-
-def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
-    index = np.arange(signal.size)
-    return np.interp(index + ahead / step, index, signal)
-
-
-def _makes_motion_late(balance: Balance, effect: Effect) -> bool:
-    """Whether an effect sets the logged motion behind the logged force: the drive's lag, or the motion sensor's."""
-    base, channel = split_channel(effect.name)
-    if balance.kind == "velocity-drive":
-        return False
-    if channel is None and balance.kind == "force-drive":
-        return base in ("sensor_lag", "sensor_delay", "drive_lag", "drive_delay")
-    every = channel is None and "position" in balance.measured
-    return base in ("sensor_lag", "sensor_delay") and (every or channel in ("position", "velocity"))
-
-
-def _as_late_as_the_motion(
-    balance: Balance, effects: Sequence[Effect], values: Values, signal: np.ndarray
-) -> np.ndarray:
-    """A signal (n,) set back by as much as the logged motion is."""
-    for effect in effects:
-        if _makes_motion_late(balance, effect) and effect.signal is not None:
-            signal = effect.signal(np.ascontiguousarray(signal), balance.step, values_of(effect, values))
-    return signal
 
 
 def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
@@ -328,36 +235,13 @@ def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     if balance.force_channel != "position":
         given = balance.applied
         if balance.force_channel == "spring_force":
-            given = _before_the_sensor(given, "spring_force", effects, values, balance.step)
-        return _as_late_as_the_motion(balance, effects, values, given)
+            given = before_the_sensor(given, "spring_force", effects, values, balance.step)
+        return as_late_as_the_motion(balance, effects, values, given)
     # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
     said, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
-    unbent = _before_the_sensor(said, "position", effects, values, balance.step, late=False)
-    late = _as_late_as_the_motion(balance, effects, values, pull)
+    unbent = before_the_sensor(said, "position", effects, values, balance.step, late=False)
+    late = as_late_as_the_motion(balance, effects, values, pull)
     return balance.applied + balance.pull_stiffness * (said - unbent + late - pull)
-
-
-def _before_the_sensor(
-    said: np.ndarray, channel: str, effects: Sequence[Effect], values: Values, step: float, late: bool = True
-) -> np.ndarray:
-    """What the sensor of a channel was given (n,), from what it `said`: what its effects did, undone from the last on.
-
-    Args:
-        late: lags and delays too; else only what bends the scale.
-    """
-    for effect in reversed(effects):
-        base, own = split_channel(effect.name)
-        if effect.acts_on != "sensor" or own not in (None, channel) or base == "sensor_quantisation":
-            continue
-        p = values_of(effect, values)
-        if base == "sensor_lag":
-            said = said + p.time_constant * np.gradient(said, step) if late else said
-        elif base == "sensor_delay":
-            said = _advanced(said, step, p.delay) if late else said
-        elif effect.signal is not None:
-            # A small distortion is undone, to first order, by taking it away again.
-            said = 2.0 * said - effect.signal(np.ascontiguousarray(said), step, p)
-    return said
 
 
 def _stretch_relation(
@@ -370,7 +254,7 @@ def _stretch_relation(
     stiffness = values["rig.pull_stiffness"]
     every = slice(None) if index is None else index
     force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]
-    force = _before_the_sensor(force, "spring_force", effects, values, balance.step)[every]
+    force = before_the_sensor(force, "spring_force", effects, values, balance.step)[every]
     stretch = force / stiffness
     for effect in effects:
         if effect.name == "backlash":
@@ -378,21 +262,3 @@ def _stretch_relation(
             slight = 3.0 * balance.noise["spring_force"]
             stretch = stretch + 0.5 * values_of(effect, values).gap * np.clip(force / slight, -1.0, 1.0)
     return pull - stretch
-
-
-def sensed(
-    effects: Sequence[Effect], values: Values, channels: dict[str, np.ndarray], step: float
-) -> dict[str, np.ndarray]:
-    """The channels as their sensors report them; an effect without a channel in its name acts on every one."""
-    for effect in effects:
-        if effect.acts_on != "sensor" or effect.signal is None:
-            continue
-        base, wanted = split_channel(effect.name)
-        if base == "sensor_quantisation":
-            continue
-        p = values_of(effect, values)
-        for channel in channels:
-            if channel == "drive_force" or (wanted is not None and wanted != channel):
-                continue
-            channels[channel] = effect.signal(np.ascontiguousarray(channels[channel]), step, p)
-    return channels

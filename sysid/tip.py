@@ -18,9 +18,10 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.balance import filled
+from sysid.effect_terms import Values, remember, values_of
 from sysid.noise_floor import Noise
-from sysid.prediction import Values, remember, sensed, values_of
 from sysid.records import Record
+from sysid.sensing import sensed
 from sysid.uniform import uniform
 
 
