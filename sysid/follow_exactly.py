@@ -24,6 +24,17 @@ def looks(stiffness: float, mass: float, step: float) -> int:
     return max(1, int(np.ceil(np.sqrt(stiffness / mass) * step / LONGEST_PHASE)))
 
 
+def swinging_visibly(stiffness: float, damping: float, mass: float, step: float) -> tuple[float, float]:
+    """Mass (kg) and dashpot (N s/m) with which a stage on a `stiffness` (N/m) is followed from row to row.
+
+    A slow record would be followed through swings that have long died away when the next row comes. A stage so much
+    heavier, damped as much, swings five times a row in their place; what it lags behind is 1 % at the highest frequency
+    that rows can show, and falls with the square of it.
+    """
+    heavier = max(np.sqrt(stiffness / mass) * step / MOST_PHASE, 1.0) ** 2
+    return heavier * mass, np.sqrt(heavier) * damping
+
+
 def follow_exactly(
     tip: np.ndarray,
     push: np.ndarray,
@@ -61,11 +72,7 @@ def follow_exactly(
     from sysid.follow_events import follow_events
 
     one = np.ones(tip.size)
-    # A slow record would be followed through swings that have long died away when the next row comes. A stage so much
-    # heavier, damped as much, swings five times a row in their place; what it lags behind is 1 % at the highest
-    # frequency that rows can show, and falls with the square of it.
-    heavier = max(np.sqrt(stiffness / mass) * step / MOST_PHASE, 1.0) ** 2
-    mass, damping = heavier * mass, np.sqrt(heavier) * damping
+    mass, damping = swinging_visibly(stiffness, damping, mass, step)
     return follow_events(
         tip, push, load, level, stiffness, damping, pads, mass, step, looks(stiffness, mass, step),
         one if contact_share is None else contact_share, contact_curves.values, contact_curves.top,

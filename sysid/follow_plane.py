@@ -11,17 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from sim.compilation import compiled
+from sysid.follow_exactly import swinging_visibly
 
 LONGEST_PHASE = 0.06
 """rad of the stage's oscillation on its contact in one step: its phase is then off by some 1e-4 of itself."""
 
 
-def substeps(stiffness: float, guide: float, mass: float, step: float) -> int:
-    """Steps in each row of a record."""
-    return max(1, int(np.ceil(np.sqrt((stiffness + guide) / mass) * step / LONGEST_PHASE)))
-
-
-@compiled
 def follow_plane(
     along: np.ndarray,
     across: np.ndarray,
@@ -35,9 +30,11 @@ def follow_plane(
     guide: float,
     mass: float,
     step: float,
-    parts: int,
+    finer: int = 1,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Position (n,) of the stage along and across, from its rest at the first row, m.
+
+    Where rows are so far apart that the stage swings more than five times between two, a heavier one is followed.
 
     Args:
         along, across: motion of the tip, m, (n,).
@@ -50,8 +47,20 @@ def follow_plane(
         guide: stiffness across, N/m.
         mass: kg.
         step: of the record, s.
-        parts: steps in each row.
+        finer: times more steps than a phase of `LONGEST_PHASE` asks for.
     """
+    mass, damping = swinging_visibly(stiffness + guide, damping, mass, step)
+    parts = finer * max(1, int(np.ceil(np.sqrt((stiffness + guide) / mass) * step / LONGEST_PHASE)))
+    return _steps(
+        along, across, push, load, level, stiffness, damping, pads, viscous, guide, mass, step, parts
+    )  # fmt: skip
+
+
+@compiled
+def _steps(
+    along, across, push, load, level, stiffness, damping, pads, viscous, guide, mass, step, parts
+):  # fmt: skip
+    """Positions of `follow_plane` in so many `parts` of each row."""
     n = along.size
     out_x, out_y = np.zeros(n), np.zeros(n)
     h = step / parts

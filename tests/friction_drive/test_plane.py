@@ -11,7 +11,7 @@ import pytest
 from sysid.case import load_case
 from sysid.case_fit import fit_case
 from sysid.follow_exactly import follow_exactly
-from sysid.follow_plane import follow_plane, substeps
+from sysid.follow_plane import follow_plane
 from sysid.misfit import misfit
 
 STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5
@@ -32,7 +32,7 @@ def test_in_a_plane_without_a_guide_no_direction_is_special(slip):
     )  # fmt: skip
     along, across = follow_plane(
         0.6 * tip, 0.8 * tip, rest, one, level, STIFFNESS, DAMPING, pads, 0.0, 0.0, MASS, step,
-        4 * substeps(STIFFNESS, 0.0, MASS, step),
+        finer=4,
     )  # fmt: skip
     assert np.abs(along - 0.6 * line).max() < 1e-3 * np.ptp(line)
     assert np.abs(across - 0.8 * line).max() < 1e-3 * np.ptp(line)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.follow_exactly import follow_exactly
+from sysid.follow_plane import follow_plane
 
 STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
 
@@ -29,3 +30,17 @@ def test_a_stage_that_no_inertia_holds_back_lags_by_its_pads_alone(step):
         expected[k] = min(max(expected[k - 1], tip[k] - reach), tip[k] + reach)
     assert np.abs(stage - expected).max() < 2e-3 * np.ptp(tip)
     assert np.ptp(stage) == pytest.approx(np.ptp(tip) - 2.0 * reach, rel=2e-3)
+
+
+@pytest.mark.parametrize("step", [0.05, 50.0])
+def test_so_does_one_that_moves_in_the_plane(step):
+    """Along a line that is no axis: the radial pull of pads at rest is that of one axis."""
+    pads = 1.2
+    tip, line = _followed(step, pads)
+    n = tip.size
+    along, across = follow_plane(
+        0.6 * tip, 0.8 * tip, np.zeros(n), np.ones(n), np.full(n, np.inf), STIFFNESS, DAMPING, np.full(n, pads), 0.0,
+        0.0, MASS, step,
+    )  # fmt: skip
+    assert np.abs(0.6 * along + 0.8 * across - line).max() < 2e-3 * np.ptp(tip)
+    assert np.abs(0.8 * along - 0.6 * across).max() < 1e-3 * np.ptp(tip)
