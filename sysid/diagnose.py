@@ -10,6 +10,7 @@ from sysid.base_fit import ranking_error
 from sysid.case import Case, load_case
 from sysid.case_fit import BaseFit, fit_case
 from sysid.coarse_steps import coarse_steps
+from sysid.evidence import Evidence, is_worthwhile, misfits_of
 from sysid.experiment import DesignValues
 from sysid.ladder_files import read_ladder
 from sysid.misfit import ChannelMisfit, excess, misfit
@@ -18,7 +19,7 @@ from sysid.pairs import searched_again
 from sysid.residual_maps import ResidualMap, residual_maps
 from sysid.swaps import Swap, find_swaps
 from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, try_all
-from sysid.verdict import Evidence, is_worthwhile, misfits_of, verdict_on
+from sysid.verdict import verdict_on
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE, NEARLY_NOISE, SHARE_OF_A_PART
 
 

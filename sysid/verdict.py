@@ -6,38 +6,22 @@ The questions stand in the order in which they are asked (`verdict_on`); docs/th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
-from sysid.balance import Balance
-from sysid.base_fit import ranking_error
-from sysid.case import Case
-from sysid.case_fit import BaseFit
-from sysid.misfit import ChannelMisfit, away_from_turns, blocks, excess, huber_square, misfit
-from sysid.model import Model
+from sysid.evidence import Evidence, is_worthwhile, misfits_of
+from sysid.misfit import excess, misfit
 from sysid.pairs import Pair, best_pairs, pairs_on_top
-from sysid.residual_maps import residual_maps
-from sysid.trials import Search, Trial, explained_share, parameter_count, share_of_error, significance_of
+from sysid.ties import tied
+from sysid.trials import Trial, explained_share, share_of_error
 from sysid.verdict_limits import (
-    ADEQUATE_OVER_NOISE,
-    AT_REST,
-    AT_REVERSALS,
     AT_STARTS,
-    BENT,
     CLEARLY_ABOVE,
-    CLEARLY_AWAY,
     HARDLY_MORE,
-    LATE,
     LEANS,
-    LEAST_AWAY,
-    LEAST_GAIN,
     LEAST_PATTERN,
     LEAST_PATTERN_LEFT,
-    LEAST_PERSISTENCE,
     LEAST_SIGNIFICANCE,
-    LEAST_STEADINESS,
     MOST_OF_IT,
     MUCH_OF_IT,
     NEARLY_NOISE,
@@ -73,47 +57,6 @@ class Verdict:
     ties: tuple[str, ...]
     left: float
     reason: str
-
-
-@dataclass(frozen=True)
-class Evidence:
-    """What a verdict is made from.
-
-    Args:
-        case, base: records and scales, and the model fitted to them.
-        search: every effect tried on it.
-        ranked: the best law of each effect, best first.
-        over: error over noise of the base model, the worst of its records.
-        pattern: share of its residual that the best coordinate explains.
-        all_effects: second effects too are looked for in the whole library.
-    """
-
-    case: Case
-    base: BaseFit
-    search: Search
-    ranked: Sequence[Trial]
-    over: float
-    pattern: float
-    all_effects: bool
-
-    @property
-    def allowance(self) -> float:
-        """Error over noise up to which a model of this form is adequate."""
-        return ADEQUATE_OVER_NOISE[self.case.form]
-
-    @property
-    def balance(self) -> bool:
-        """Whether the records are compared as a force balance."""
-        return self.case.form == "force_balance"
-
-    @property
-    def error(self) -> float:
-        """Ranking error of the base model on the held-out records, in deviations."""
-        return ranking_error(self.base.residual)
-
-    def left_by(self, trial: Trial) -> float:
-        """Share of the variance above the noise that an effect leaves."""
-        return _left(self.over, excess(*misfits_of(self.case, trial)))
 
 
 @dataclass(frozen=True)
@@ -172,7 +115,7 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
         return _adequate(noise)
     if excess(best.after_fit, best.after_validate) <= NEARLY_NOISE:
         return named.missing(EXPLAINS_ALL)
-    bent = named.enough_alone and _bent(evidence, best)
+    bent = named.enough_alone and evidence.bent(best)
     pair, first = _beside(evidence, best)
     if first is not best:
         named = _named(evidence, first, ())
@@ -185,18 +128,8 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
 
 def _named(evidence: Evidence, trial: Trial, ties: tuple[str, ...]) -> _Named:
     return _Named(
-        trial, ties, explained_share(evidence.base, trial), evidence.left_by(trial), _share_away(evidence, trial)
+        trial, ties, explained_share(evidence.base, trial), evidence.left_by(trial), evidence.share_away(trial)
     )
-
-
-def _share_away(evidence: Evidence, trial: Trial) -> float | None:
-    """Share of the held-out loss above the noise, away from the turns of a driven mass, that an effect takes."""
-    away = away_from_turns(evidence.case.validate_records, evidence.base.weights)
-    if np.mean(away) < LEAST_AWAY:
-        return None
-    before, after = (float(np.mean(huber_square(r[away]))) for r in (evidence.base.residual, trial.residual))
-    # Where there is little above the noise a share of it says nothing.
-    return (before - after) / (before - min(1.0, after)) if before > CLEARLY_AWAY else 0.0
 
 
 def _adequate(reason: str) -> Verdict:
@@ -211,7 +144,7 @@ def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
     """Where no single effect lowers the held-out loss by more than chance."""
     if evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE:
         return _adequate("what is left is noise; no effect lowers it by more than chance")
-    if evidence.over <= UNDERRATED and not _patterned(evidence):
+    if evidence.over <= UNDERRATED and not evidence.patterned:
         return _adequate(
             "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought"
         )
@@ -232,13 +165,13 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     clear = not evidence.balance or evidence.over >= CLEARLY_ABOVE or taken >= MUCH_OF_IT
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
-    of_starts = _of_turns(evidence.case, best) or best.family in AT_STARTS
+    of_starts = evidence.like_turns(best) or best.family in AT_STARTS
     nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0
     little = nothing_above or named.share < 0.5 or (of_starts and not to_the_noise)
     if evidence.over <= evidence.allowance and little:
         return "what is left is noise; no effect is worth its parameters"
-    turn_like = evidence.balance and _of_turns(evidence.case, best) and not to_the_noise
-    if turn_like and (evidence.error <= 1.0 or not _patterned(evidence)):
+    turn_like = evidence.balance and evidence.like_turns(best) and not to_the_noise
+    if turn_like and (evidence.error <= 1.0 or not evidence.patterned):
         return "what is left follows no coordinate: the timing of the axis's turns"
     return None
 
@@ -246,8 +179,8 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
 def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     """Where neither one effect nor two of the best-scored ones explain the misfit."""
     case, best = evidence.case, named.trial
-    remaining = _pattern_of(evidence, best.candidate.fitted.model)
-    turn_like = evidence.balance and _of_turns(case, best)
+    remaining = evidence.pattern_left(best.candidate.fitted.model)
+    turn_like = evidence.balance and evidence.like_turns(best)
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
     little_left = excess(*misfits_of(case, best)) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
@@ -255,7 +188,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
-    patterned = _patterned(evidence)
+    patterned = evidence.patterned
     for first in [] if bent or not patterned else _as_good(evidence, best):
         above = pairs_on_top(case, evidence.base, first.candidate, evidence.all_effects)[:1]
         if above and _explains(evidence, above[0]):
@@ -284,118 +217,19 @@ def _as_good(evidence: Evidence, best: Trial) -> list[Trial]:
     return [best, *others[:2]]
 
 
-def _patterned(evidence: Evidence) -> bool:
-    """Whether the base model's residual follows some coordinate, known or not."""
-    return evidence.pattern >= LEAST_PATTERN or persistence(evidence.case, evidence.base) >= LEAST_PERSISTENCE
-
-
-def _of_turns(case: Case, trial: Trial) -> bool:
-    """Whether a small error in the time of the turns would look like this effect."""
-    # On a driven mass a late sensor of its motion is a late drive.
-    late = case.kind == "force-drive" and trial.family in LATE
-    return (late or trial.family in AT_REVERSALS) and trial.share_at_rest < AT_REST
-
-
-def _left(before: float, after: float) -> float:
-    """Share of the variance above the noise that is left."""
-    return float(min(1.0, max(0.0, after**2 - 1.0) / max(before**2 - 1.0, 1e-9)))
-
-
-def persistence(case: Case, base: BaseFit) -> float:
-    """Correlation of the held-out residual with itself four scored samples on, less that of the sensors' noise: what is
-    left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
-    lag, best = 4, 0.0
-    start = 0
-    for record, picks in zip(case.validate_records, base.weights.picks, strict=True):
-        for channel, pick in picks.items():
-            r = np.clip(base.residual[start : start + pick.size], -8.0, 8.0)
-            start += pick.size
-            if r.size < 50:
-                continue
-            noise = case.noise.get(channel)
-            own = noise.correlation**lag if noise is not None and case.form == "output" else 0.0
-            if isinstance(record, Balance) and record.whole is not None:
-                # Filtered white noise; a record is thinned to a sample per filter width, rounded down.
-                apart = lag * max(1, int(record.whole.width / record.step)) * record.step
-                own = float(np.exp(-0.25 * (apart / record.whole.width) ** 2))
-            best = max(best, float(np.corrcoef(r[lag:], r[:-lag])[0, 1]) - own)
-    return best
-
-
-def is_worthwhile(base: BaseFit, trial: Trial) -> bool:
-    """Whether an effect lowers the held-out loss by more than chance, and by enough to matter."""
-    before = ranking_error(base.residual) ** 2
-    before_fit = ranking_error(base.fitted.fit.residual) ** 2
-    certain = trial.significance >= LEAST_SIGNIFICANCE or trial.steadiness >= LEAST_STEADINESS
-    return certain and trial.gain >= LEAST_GAIN * before and trial.fit_gain >= LEAST_GAIN * before_fit
-
-
-def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
-    """The effect to name, and those that these records cannot tell from it.
-
-    Tied are effects whose held-out loss differs from the best one's by chance only. Named is the simplest of them, or a
-    simpler effect that leaves as little in the robust figure: what it lacks are a few samples beside reversals.
-    """
-    numbers = blocks(case.validate_records, base.weights)
-    first = ranked[0]
-    before = ranking_error(base.residual) ** 2
-    gained = before - first.error**2
-    group = [first]
-    for other in ranked[1:]:
-        behind = other.error**2 - first.error**2
-        # Along a filtered motion a lag and a delay differ by less than what the filter costs.
-        alike = case.kind == "force-drive" and {first.family, other.family} <= LATE and other.error <= 1.0
-        if behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5):
-            group.append(other)
-    best = min(group, key=lambda t: (parameter_count(t), t.error))
-    least = excess(best.after_fit, best.after_validate)
-    for other in ranked[1:]:
-        simpler = parameter_count(other) < parameter_count(best) and other.after_fit
-        as_good = simpler and excess(other.after_fit, other.after_validate) <= 1.03 * least
-        if as_good and before - other.error**2 >= 0.97 * gained:
-            best = other
-    names = [t.family for t in group if t is not best and (t is first or parameter_count(t) <= parameter_count(best))][
-        :2
-    ]
-    return tuple(names), best
-
-
 def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     """Whether two effects together explain the misfit; after a `bent` one, only if they leave no pattern."""
     if set(pair.names) <= RESTORING:
         return False
     case = evidence.case
     after = excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
-    rest_left = _left(evidence.over, after)
+    rest_left = evidence.left_at(after)
     rest = share_of_error(evidence.base, pair.error)
-    pattern_left = _pattern_of(evidence, pair.model)
+    pattern_left = evidence.pattern_left(pair.model)
     quiet = rest >= SHARE_ENOUGH and pattern_left < LEAST_PATTERN_LEFT
     silent = rest >= SHARE_OF_A_PART and evidence.pattern >= LEAST_PATTERN > pattern_left
     much = not bent and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)
     return quiet or silent or much
-
-
-def _pattern_of(evidence: Evidence, model: Model, coordinates: Sequence[str] = ()) -> float:
-    """Largest share of a model's residual that one coordinate explains, of all or of some."""
-    case, base = evidence.case, evidence.base
-    maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
-    return max((m.share for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
-
-
-def _bent(evidence: Evidence, trial: Trial) -> bool:
-    """Whether an effect of the position, or of time, leaves a residual that still follows it: the law is another."""
-    own = trial.candidate.effect.coordinates
-    if own not in (("position",), ("time",)):
-        return False
-    return _pattern_of(evidence, trial.candidate.fitted.model, own) >= BENT
-
-
-def misfits_of(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:
-    """Misfits with an effect in, kept with its trial."""
-    if not trial.after_fit:
-        trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
-        trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
-    return trial.after_fit, trial.after_validate
 
 
 def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:

@@ -1,0 +1,42 @@
+"""Effects that the same records cannot tell apart, and which of them is named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sysid.base_fit import ranking_error
+from sysid.case import Case
+from sysid.case_fit import BaseFit
+from sysid.misfit import blocks, excess
+from sysid.trials import Trial, parameter_count, significance_of
+from sysid.verdict_limits import LATE
+
+
+def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
+    """The effect to name, and those that these records cannot tell from it.
+
+    Tied are effects whose held-out loss differs from the best one's by chance only. Named is the simplest of them, or a
+    simpler effect that leaves as little in the robust figure: what it lacks are a few samples beside reversals.
+    """
+    numbers = blocks(case.validate_records, base.weights)
+    first = ranked[0]
+    before = ranking_error(base.residual) ** 2
+    gained = before - first.error**2
+    group = [first]
+    for other in ranked[1:]:
+        behind = other.error**2 - first.error**2
+        # Along a filtered motion a lag and a delay differ by less than what the filter costs.
+        alike = case.kind == "force-drive" and {first.family, other.family} <= LATE and other.error <= 1.0
+        if behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5):
+            group.append(other)
+    best = min(group, key=lambda t: (parameter_count(t), t.error))
+    least = excess(best.after_fit, best.after_validate)
+    for other in ranked[1:]:
+        simpler = parameter_count(other) < parameter_count(best) and other.after_fit
+        as_good = simpler and excess(other.after_fit, other.after_validate) <= 1.03 * least
+        if as_good and before - other.error**2 >= 0.97 * gained:
+            best = other
+    names = [t.family for t in group if t is not best and (t is first or parameter_count(t) <= parameter_count(best))][
+        :2
+    ]
+    return tuple(names), best
