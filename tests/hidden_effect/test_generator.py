@@ -62,6 +62,40 @@ def test_rigid_friction_holds_the_axis_exactly_and_lets_go_at_its_level() -> Non
     assert run.velocity.max() == pytest.approx(2 * speed, rel=0.01)
 
 
+LAWS = {
+    "flexible_mode": {"flexible_share": 0.25, "flexible_frequency": 98.0, "flexible_damping": 0.02},
+    "presliding": {"presliding": 1e-4},
+    "frictional_lag": {"stribeck": 0.5, "stribeck_velocity": 5e-3, "stribeck_delay": 5e-3},
+    "backlash": {"backlash": 2e-4},
+    "magnetic_cogging": {"cogging": 0.4},
+    "quadratic_drag": {"quadratic": 20.0},
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_step_of_fifty_microseconds_is_fine_enough(name: str) -> None:
+    """Sixteen times finer steps change the record by little of what the effect does to it."""
+    from generator.axis import SPRING, SUBSTEPS, AxisTruth, simulate_axis
+    from generator.motions import Motion
+
+    rows = 400
+    time = np.arange(rows) * 1e-3
+    zero, one = np.zeros(rows), np.ones(rows)
+    speed = 0.03 + 0.01 * np.sin(20.0 * time)
+
+    def positions(truth: AxisTruth, substeps: int) -> np.ndarray:
+        run = simulate_axis(
+            SPRING, truth, Motion(np.cumsum(speed) * 1e-3, speed, zero, zero), load=10 * one, temperature=21 * one,
+            factor=one, extra=zero, pitches=np.ones(1), phases=np.zeros(1), substeps=substeps,
+        )  # fmt: skip
+        return run.position
+
+    plain = AxisTruth(mass=1.9, pull_stiffness=4300.0, coulomb=1.0, viscous=4.0)
+    usual, finer = (positions(plain._replace(**LAWS[name]), n) for n in (SUBSTEPS, 16 * SUBSTEPS))
+    does = usual - positions(plain, SUBSTEPS)
+    assert np.std(usual - finer) < 0.1 * np.std(does)
+
+
 def test_the_generator_imports_nothing_of_the_library() -> None:
     own = {"stagecad", "designcalc", "drawings", "sim", "sysid", "workbench"}
     for path in (Path(__file__).parent / "generator").glob("*.py"):

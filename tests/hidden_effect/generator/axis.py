@@ -107,12 +107,12 @@ def _position_force(p, x):
 
 
 @njit(cache=True)
-def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, extra, pitches, phases):
+def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, extra, pitches, phases, substeps):
     n = guide.size
-    h = SAMPLE / SUBSTEPS
+    h = SAMPLE / substeps
     out = np.zeros((6, n))
     command = np.zeros(n)
-    seen = np.zeros(n * SUBSTEPS + 1)
+    seen = np.zeros(n * substeps + 1)
     delay = round(p.stribeck_delay / h)
     late = round(p.drive_delay / h)
     # Eight stop operators: break-away distances spread geometrically, equal shares of the level.
@@ -143,9 +143,9 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
             command[k] += feed[k]
             if k == 0:
                 actual = command[0]
-        for j in range(SUBSTEPS):
-            step = k * SUBSTEPS + j
-            part = j / SUBSTEPS
+        for j in range(substeps):
+            step = k * substeps + j
+            part = j / substeps
             nxt = min(k + 1, n - 1)
             fac = factor[k] + part * (factor[nxt] - factor[k])
             push = extra[k] + part * (extra[nxt] - extra[k])
@@ -164,7 +164,7 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
                 elif stretch < -half:
                     drive = p.pull_stiffness * (stretch + half)
             elif mode == SERVO:
-                now = max(step - late, 0) // SUBSTEPS
+                now = max(step - late, 0) // substeps
                 if p.drive_lag > 0.0:
                     actual += (command[now] - actual) * (1.0 - np.exp(-h / p.drive_lag))
                 else:
@@ -173,7 +173,7 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
             if riding > 0.0 and mode != VELOCITY:
                 flex = riding * (w * w * (q - x) + 2.0 * p.flexible_damping * w * (qv - v))
             if mode == VELOCITY:
-                new = guide_speed[k] + (part + 1.0 / SUBSTEPS) * (guide_speed[nxt] - guide_speed[k])
+                new = guide_speed[k] + (part + 1.0 / substeps) * (guide_speed[nxt] - guide_speed[k])
                 trend = v if v != 0.0 else new
             else:
                 new = 0.0
@@ -225,8 +225,9 @@ def _run(mode, p, gains, guide, guide_speed, feed, gain, load, warmth, factor, e
                     stops[i] = min(max(stops[i] + dx, -widths[i]), widths[i])
             x += dx
             travelled += abs(dx)
-            if riding > 0.0:
-                qv += h * (-w * w * (q - x) - 2.0 * p.flexible_damping * w * (qv - new))
+            if riding > 0.0 and mode != VELOCITY:
+                # The same force as on the body, at the same moment: else a drag of riding * w^2 * h comes of the steps.
+                qv -= h * flex / riding
                 q += h * qv
             if new != 0.0:
                 direction = 1.0 if new > 0.0 else -1.0
@@ -257,6 +258,7 @@ def simulate_axis(
     extra: np.ndarray,
     pitches: np.ndarray,
     phases: np.ndarray,
+    substeps: int = SUBSTEPS,
 ) -> AxisRun:
     """Run one record of `motion` (see motions); channels have one value per millisecond.
 
@@ -278,5 +280,6 @@ def simulate_axis(
         extra,
         pitches,
         phases,
+        substeps,
     )
     return AxisRun(*out)
