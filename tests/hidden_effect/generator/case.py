@@ -13,7 +13,10 @@ from .hidden import HIDDEN
 from .logged import experiment_text, known_numbers, logged_columns
 from .nuisance import as_logged, draw_units
 from .running import REACH, draw_record, run_axis, settings
-from .size import LEVELS, acceptable, to_size, visible_of
+from .size import LEVELS, acceptable, to_size, visible_beside, visible_of
+
+LEAST_BESIDE = 3.0
+"""Noise deviations that each of two effects must still be worth once the other is known."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,10 @@ def make_case(plan: Plan, rng: np.random.Generator, tries: int = 12) -> Case:
         for draw in draws:
             strength, _ = to_size(rng, rig, fit, draw, plan.level, texture_seed)
             strengths.append(strength)
-        if all(strengths):
+        if not all(strengths):
+            continue
+        beside = visible_beside(rig, fit, hidden, draws, strengths, texture_seed) if len(hidden) == 2 else []
+        if all(left >= LEAST_BESIDE for left in beside):
             break
     else:
         raise ValueError(f"{'+'.join(plan.effects)} cannot be made {plan.level} on {plan.rig}")
@@ -93,4 +99,6 @@ def make_case(plan: Plan, rng: np.random.Generator, tries: int = 12) -> Case:
     }
     if where:
         key["where"] = where
+    if beside:
+        key["beside"] = beside
     return Case(tables[0], tables[1], experiment_text(rig, known_numbers(rng, rig), noises), key)

@@ -51,7 +51,10 @@ def _plan(
     level = "strong" if level == "weak" else level
     while True:
         first, second = (HIDDEN[str(n)] for n in rng.choice(names, 2, replace=False))
-        clash = set(first.accept) & set(second.accept) or {first.name, second.name} & {"coulomb", "bristle_damping"}
+        both = {first.name, second.name}
+        clash = set(first.accept) & set(second.accept) or both & {"coulomb", "bristle_damping"}
+        # A spring at rest elsewhere is a spring and a bias.
+        clash = clash or ("cable_spring" in both and "constant_bias" in {*first.accept, *second.accept})
         bases = [entry.base for entry in (first, second) if entry.base is not None]
         if not clash and len(bases) < 2:
             return Plan(rig, (first.name, second.name), level, nuisance, hard, rows=rows)

@@ -125,6 +125,24 @@ def to_size(
     return (strength, left) if left >= low else (0.0, left)
 
 
+def visible_beside(
+    rig: Rig, record: Record, hidden: list[Hidden], draws: list[Draw], strengths: list[float], texture_seed: int
+) -> list[float]:
+    """What is visible of each of two effects once the other is known: of an effect smaller than the other's steps, or
+    that the other may imitate, nothing is.
+    """
+    found = []
+    for one, other in ((0, 1), (1, 0)):
+        alone = settings([draws[one]], [strengths[one]])
+        left, also = visible_of(rig, record, alone, texture_seed)
+        left = min(left, also.get(hidden[other].name, left))
+        step = settings([draws[other]], [strengths[other]]).sensor.step
+        on_motion = on_position(rig) or rig.plan.rig == "actuator-tip"
+        noise = rig.noise_position if on_motion else rig.noise_force
+        found.append(left / float(np.hypot(1.0, step / np.sqrt(12.0) / noise)))
+    return found
+
+
 def acceptable(rig: Rig, hidden: list[Hidden], visible: float, also: dict[str, float]) -> list[str]:
     """Names that count as right."""
     if not hidden:
