@@ -1,10 +1,12 @@
 """The stage that follows a tip through friction: one compiled pass over a record.
 
-Newmark's method with slight damping of what the step does not resolve; in each step the balance
+The implicit midpoint rule; in each step the balance at its middle
 
-    m x'' + (bristles of the pads) - (bristles of the contact) = push
+    m x'' + (bristles of the pads) + (friction of rigid pads) - (bristles of the contact) = push
 
 is a piecewise linear function that rises with the displacement, solved exactly by Newton's method within a bracket.
+Rigid pads hold wherever their level is enough to stop the stage by the end of the step: no spring stands for them,
+which would give way by a part of what the contact does, and slips add that up. Second order in the step.
 """
 
 from __future__ import annotations
@@ -12,9 +14,16 @@ from __future__ import annotations
 import numpy as np
 
 from sim.compilation import compiled
+from sysid.follow_exactly import swinging_visibly
+
+LONGEST_STEP = 5e-5
+"""s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""
+MOST_STEPS = 50
+"""Of a row, at the most."""
+FINER = 8
+"""Parts of a step in which rigid pads hold or let go."""
 
 
-@compiled
 def follow(
     tip: np.ndarray,
     push: np.ndarray,
@@ -28,7 +37,7 @@ def follow(
     pad_weights: np.ndarray,
     mass: float,
     step: float,
-    substeps: int,
+    finer: int = 1,
 ) -> np.ndarray:
     """Position (n,) of the stage from its rest at the first row, m.
 
@@ -39,31 +48,52 @@ def follow(
         contact_reach, contact_weights: stretch (m) and part of the level of each of its bristles; with one bristle or
             none, it is a spring of `contact_stiffness`, N/m, that holds up to the level.
         contact_damping: of the contact, N s/m, shared by its bristles, within what each holds.
-        pad_level, pad_reach, pad_weights: of the pads, as of the contact.
+        pad_level: most that the pads hold, N, (n,).
+        pad_reach, pad_weights: stretch and part of the level of each of their bristles; rigid pads have none.
         mass: kg.
-        step: of the record, s; substeps: in each.
+        step: of the record, s.
+        finer: times more steps than `LONGEST_STEP` asks for.
     """
+    stiffness = contact_stiffness
+    if contact_weights.size > 1:
+        stiffness = float(np.max(contact_level)) * float(np.sum(contact_weights / contact_reach))
+    mass, contact_damping = swinging_visibly(stiffness, contact_damping, mass, step)
+    substeps = finer * min(max(1, int(np.ceil(step / LONGEST_STEP))), MOST_STEPS)
+    return _steps(
+        tip, push, contact_level, contact_reach, contact_weights, contact_stiffness, contact_damping, pad_level,
+        pad_reach, pad_weights, mass, step, substeps,
+    )  # fmt: skip
+
+
+@compiled
+def _steps(
+    tip, push, contact_level, contact_reach, contact_weights, contact_stiffness, contact_damping, pad_level, pad_reach,
+    pad_weights, mass, step, substeps,
+):  # fmt: skip
+    """Positions of `follow` in so many `substeps` of each row."""
     n = tip.size
     out = np.zeros(n)
     springs = max(1, contact_weights.size)
     bristles = pad_weights.size
     held = np.zeros(springs)  # force of each contact bristle, N
     bent = np.zeros(bristles)  # of each pad bristle, part of its share of the level
-    gamma = 0.6
-    beta = 0.25 * (gamma + 0.5) ** 2
-    h = step / substeps
-    lossy = contact_damping / springs / h
-    x, v, a = 0.0, 0.0, 0.0
+    x, v = 0.0, 0.0
+    side = 0.0  # the way the stage slides on rigid pads, zero while they hold
     stiff = np.zeros(springs)
     most = np.zeros(springs)
     for i in range(1, n):
-        dtip = (tip[i] - tip[i - 1]) / substeps
-        for s in range(substeps):
-            # Levels go straight from row to row; where one is infinite, or the tip off, the new row's holds at once.
-            part = (s + 1.0) / substeps
-            level = contact_level[i]
+        # Levels go straight from row to row; where one is infinite, or the tip off, the new row's holds at once.
+        changes = 0.0 < contact_level[i] < np.inf and 0.0 < contact_level[i - 1] < np.inf
+        done, parts, first = 0, substeps, True
+        while done < parts:
+            h = step / parts
+            dtip = (tip[i] - tip[i - 1]) / parts
+            lossy = contact_damping / springs / h
+            inertia = 2.0 * mass / (h * h)
+            part = (done + 0.5) / parts
             pushed = push[i - 1] + part * (push[i] - push[i - 1])
-            if part < 1.0 and 0.0 < level < np.inf and 0.0 < contact_level[i - 1] < np.inf:
+            level = contact_level[i]
+            if changes:
                 level = contact_level[i - 1] + part * (level - contact_level[i - 1])
             pad = pad_level[i - 1] + part * (pad_level[i] - pad_level[i - 1])
             for e in range(springs):
@@ -75,52 +105,64 @@ def follow(
                 else:
                     stiff[e], most[e] = contact_stiffness if level > 0.0 else 0.0, level
                 held[e] = min(max(held[e], -most[e]), most[e])
-            # Newmark: x'' at the end of the step is (d - known)/(beta h^2) for a displacement d.
-            known = h * v + h * h * (0.5 - beta) * a
-            inertia = mass / (beta * h * h)
-            d = known
+            # First the displacement that stops the stage: rigid pads may hold it there. Else they hold their level.
+            d = 0.5 * h * v
+            rigid, after = 0.0, 0.0
+            stopping = bristles == 0
             low, high = -1e300, 1e300
             for _ in range(60):
-                force = inertia * (d - known) - pushed
+                force = inertia * (d - h * v) - pushed + rigid
                 slope = inertia
                 for e in range(bristles):
                     cap = pad * pad_weights[e]
-                    u = bent[e] + d / pad_reach[e]
+                    u = bent[e] + 0.5 * d / pad_reach[e]
                     if u > 1.0:
                         force += cap
                     elif u < -1.0:
                         force -= cap
                     else:
                         force += cap * u
-                        slope += cap / pad_reach[e]
+                        slope += 0.5 * cap / pad_reach[e]
                 for e in range(springs):
-                    f = held[e] + (stiff[e] + lossy) * (dtip - d)
+                    f = held[e] + (0.5 * stiff[e] + lossy) * (dtip - d)
                     if f > most[e]:
                         force -= most[e]
                     elif f < -most[e]:
                         force += most[e]
                     else:
                         force -= f
-                        slope += stiff[e] + lossy
+                        slope += 0.5 * stiff[e] + lossy
+                if stopping:
+                    if abs(force) <= pad:
+                        break
+                    stopping = False
+                    after = 1.0 if force < 0.0 else -1.0
+                    rigid = after * pad
+                    force += rigid
                 if force > 0.0:
                     high = min(high, d)
                 else:
                     low = max(low, d)
-                change = force / slope
-                nearer = d - change
+                nearer = d - force / slope
                 if nearer <= low or nearer >= high:
                     nearer = 0.5 * (low + high) if low > -1e299 and high < 1e299 else nearer
-                done = abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
+                near = abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
                 d = nearer
-                if done:
+                if near:
                     break
+            if after != side and first:
+                # Pads that hold or let go within a step: what it tells is of the first order only, so it is divided.
+                done, parts, first = done * FINER, parts * FINER, False
+                continue
+            side = after
             for e in range(bristles):
                 bent[e] = min(max(bent[e] + d / pad_reach[e], -1.0), 1.0)
             for e in range(springs):
                 held[e] = min(max(held[e] + stiff[e] * (dtip - d), -most[e]), most[e])
-            after = (d - known) / (beta * h * h)
-            v += h * ((1.0 - gamma) * a + gamma * after)
-            a = after
+            v = 2.0 * d / h - v
             x += d
+            done += 1
+            if not first and done % FINER == 0:
+                done, parts, first = done // FINER, substeps, True
         out[i] = x
     return out

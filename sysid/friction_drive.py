@@ -10,7 +10,7 @@ With `position_y` logged the stage moves in the plane: the third stack leans the
 -h [d3 - (d1 + d2)/2]/(D sqrt(3)/2), a guide holds the stage across, and the sensors may stand turned to the tip.
 
 The stage's motion is predicted, from rest, and compared with the measured position: the form is `output`. Friction
-sticks and slips as bristles that yield at their share of a level (one for `coulomb`, many for `presliding`); their
+sticks and slips: rigid for `coulomb`, as bristles that yield at their share of a level for `presliding`; their
 stretch follows the predicted motion, and so does a level that goes by the speed. What else sets a level (position,
 load, distance, age) is read off the measured motion: it is known far better than any level changes with it, and the
 prediction stays one pass.
@@ -47,10 +47,6 @@ ACROSS = "position_y"
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: where a fit of the pads' level begins."""
-LONGEST_STEP = 1e-4
-"""s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""
-MOST_STEPS = 50
-"""Of a row, at the most: what moves within a fiftieth of a row has long come to rest by the next."""
 REST_SIGMAS = 5.0
 LIGHT = 4.0
 """Width in steps of the filter through which the motion is seen that sets the levels."""
@@ -58,8 +54,6 @@ LIGHTEST = 1.0
 """The same of the position itself: its noise is far below any pitch, its turns are not wider than a few rows."""
 TOP = 1.5
 """Over the largest speeds of tip and stage: how far curves of speed go."""
-RIGID_STRETCH = 1e-9
-"""m: of a Coulomb bristle, far below what the contact itself gives."""
 READ_LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
 """Contact effects that read nothing of how tip and stage move over each other."""
 
@@ -228,7 +222,7 @@ def _follow(
     reach, weights = _bristles(contact_core, values)
     return follow(
         along, push, np.where(load > 0.0, level, 0.0), reach, weights, stiffness, damping, pad_level, pad_reach,
-        pad_weights, mass, record.step, min(max(1, int(np.ceil(record.step / LONGEST_STEP))), MOST_STEPS),
+        pad_weights, mass, record.step,
     )  # fmt: skip
 
 
@@ -272,15 +266,13 @@ def _core(effects: Sequence[Effect]) -> Effect | None:
 
 
 def _bristles(core: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches at which the bristles of a core slip, m, and the parts of the level they carry; none without a core.
+    """Stretches at which the bristles of a core slip, m, and the parts of the level they carry; none for `coulomb`.
 
     Raises:
         InputError: a core whose bristles do not yield at a stretch of their own.
     """
-    if core is None:
+    if core is None or core.core.name == "coulomb":
         return np.empty(0), np.empty(0)
-    if core.core.name == "coulomb":
-        return np.array([RIGID_STRETCH]), np.ones(1)
     if core.core.springs is not None:
         return core.core.springs(values_of(core, values))
     raise InputError(

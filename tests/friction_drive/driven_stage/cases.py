@@ -85,8 +85,8 @@ HIDDEN: dict[str, Hidden] = {
         ("there_and_back",), SLIPS, {"slip": 3.5},
     ),
     "contact.presliding": Hidden(
-        lambda r: {"contact_presliding": _between(3e-7, 1.5e-6)(r)}, ("contact.presliding",), ("sawtooth",), SLIPS,
-        {"slip": 3.5},
+        lambda r: {"contact_presliding": _between(3e-7, 1.5e-6)(r)}, ("contact.presliding",), ("walk", "sawtooth"),
+        SLIPS, {"slip": 3.5},
     ),
     "drive_lag": Hidden(lambda r: {"drive_lag": _between(5e-4, 5e-3)(r)}, ("drive_lag", "sensor_lag")),
     "drive_delay": Hidden(lambda r: {"drive_delay": _between(5e-4, 5e-3)(r)}, ("drive_delay", "sensor_delay")),

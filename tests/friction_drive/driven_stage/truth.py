@@ -152,14 +152,14 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
             side = 1.0 if held > 0.0 else -1.0
             most *= 1.0 + p.contact_asymmetry * side
             if p.contact_presliding > 0.0:
+                # Each element is a spring and a dashpot, up to what it holds.
                 force = 0.0
                 for k in range(elements):
+                    reach, part = widths[k] * p.contact_presliding, most / elements
                     wound[k] += sliding * h
-                    reach = widths[k] * p.contact_presliding
+                    pull = part * wound[k] / reach + p.damping / elements * sliding
+                    force += min(max(pull, -part), part)
                     wound[k] = min(max(wound[k], -reach), reach)
-                    force += most * wound[k] / reach / elements
-                    if abs(wound[k]) < reach:
-                        force += p.damping / elements * sliding
                 held = force
             else:
                 # Radial return: spring and dashpot up to what the contact holds.
