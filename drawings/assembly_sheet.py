@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.annotation import Annotation, Balloon, Note, SectionMark
 from drawings.annotation_ink import BALLOON
-from drawings.document import view_box
+from drawings.extent import view_box
 from drawings.frame import Paper
 from drawings.ink import Ink, Stroke, Words
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
@@ -145,7 +145,7 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
     """Middles of the straight lines of a piece that are long enough to be seen, else of all its curves."""
-    from drawings.document import outermost
+    from drawings.extent import outermost
 
     straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
     if straight:

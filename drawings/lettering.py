@@ -8,6 +8,7 @@ those, and the other symbols, are drawn (`drawings.symbols`).
 from __future__ import annotations
 
 import importlib.util
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -58,18 +59,31 @@ def _width(text: str) -> float:
     return _font().text_width(text)
 
 
-@cache
-def outline(text: str, narrowed: float = NARROWED) -> tuple[np.ndarray, list[int], float]:
-    """Points and codes of a text's outlines (`drawings.strokes`), and its width, all at a height of capitals of 1.
+@dataclass(frozen=True)
+class Glyph:
+    """A sign of the font, at a height of capitals of 1 and at its own width.
 
-    Args:
-        narrowed: width factor.
+    Attributes:
+        points: (n, 2) of its outlines, from the place where it begins on the base line; none for a blank.
+        codes: (n,) what each point is for (`drawings.strokes`).
+        advance: how far on the next sign begins.
     """
-    path = _font().text_path_ex(text, 1.0, narrowed)
+
+    points: np.ndarray
+    codes: np.ndarray
+    advance: float
+
+
+@cache
+def glyph(sign: str) -> Glyph:
+    """A sign's outlines; a box where the font lacks it."""
+    path = _font().text_path_ex(sign, 1.0, 1.0)
+    # The font gives blanks alone no width.
+    advance = _font().text_width_ex(f"{sign}|", 1.0, 1.0) - _font().text_width_ex("|", 1.0, 1.0)
     if not len(path):
-        return np.empty((0, 2)), [], 0.0
+        return Glyph(np.empty((0, 2)), np.empty(0, dtype=np.int64), advance)
     codes = [_MOVE, *(code for command in path.command_codes() for code in _CODES[int(command)])]
-    return path.np_vertices(), codes, _font().text_width_ex(text, 1.0, narrowed)
+    return Glyph(path.np_vertices(), np.array(codes), advance)
 
 
 _MOVE = 1

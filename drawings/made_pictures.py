@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from drawings.uncollected import uncollected
 from stagecad.solids.assembly import assemble
 from stagecad.solids.cache import Entry, Store
 from stagecad.solids.made_part import MadePart
@@ -58,8 +59,9 @@ def make_picture(
         picture = machine_picture(name, instances, shapes, scene, exact=exact)
         (folder / _FILE).write_text(json.dumps(picture and as_json(picture)), "utf-8")
 
-    document = store.make(_named(name), design, _MODULES, make, _keys(parts)).document(_FILE)
-    return from_json(document) if document else None
+    with uncollected():
+        document = store.make(_named(name), design, _MODULES, make, _keys(parts)).document(_FILE)
+        return from_json(document) if document else None
 
 
 def _named(picture: str) -> str:

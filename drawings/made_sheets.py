@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.made_pictures import PICTURES, PROCEDURE, make_picture
+from drawings.uncollected import uncollected
 from stagecad import __version__
 from stagecad.parameters.mass_properties import combined
 from stagecad.solids.assembly import assemble
@@ -162,7 +163,8 @@ def draw_whole(
             sheet = _procedure_sheet(assembled, reading, values, tuple(pictures.values()))
         (folder / SHEETS).write_text(json.dumps([write_sheet(sheet, folder)], indent=1), "utf-8")
 
-    return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
+    with uncollected():
+        return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
 
 
 def all_parts(store: Store, design: Any) -> dict[str, MadePart]:
@@ -223,7 +225,8 @@ def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tu
         documents = [write_sheet(sheet, folder) for sheet in sheets_of(described, reading, gauge, exact=exact)]
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
-    return _sheets(store.make(f"drawing of {part}", design, _modules(part), make, _depends(made)))
+    with uncollected():
+        return _sheets(store.make(f"drawing of {part}", design, _modules(part), make, _depends(made)))
 
 
 def describe(made: MadePart, design: Any) -> Any:

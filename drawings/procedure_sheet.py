@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from drawings.annotation_ink import BALLOON
 from drawings.assembly_sheet import all_balloons
-from drawings.document import view_box
+from drawings.extent import view_box
 from drawings.frame import CENTRING, PAPERS, Paper, drawing_space
 from drawings.ink import Ink, Stroke, Words, rectangle
 from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width

@@ -1,5 +1,5 @@
-"""What a sheet's DXF document shows on paper, as arrays: outlines to be drawn along, one lot for each line weight, or
-to be filled.
+"""What a sheet's DXF document shows on paper: outlines to be drawn along, one lot for each line weight, or to be
+filled, as arrays; and texts.
 
 The document is read as any program reads it: layers give weights and line types, viewports show model space, a
 dimension is its block. A sheet holds seven kinds of entity only, so that is a short matter; ezdxf's own interpreter of
@@ -19,12 +19,10 @@ from typing import Any
 import numpy as np
 from ezdxf.document import Drawing
 
-from drawings.lettering import outline
+from drawings.texts import CUBIC, LINE, MOVE, Text
 from drawings.view import Arc, Point2
 from drawings.windows import Window, drawn, windows
 
-MOVE, LINE, QUADRATIC, CUBIC = 1, 2, 3, 4
-"""Codes of points, as in matplotlib: a curve's control points have the code of its end."""
 FLAT = 0.02
 """How far the chords of a broken arc may leave it, mm on paper."""
 BY_LAYER = -1
@@ -37,7 +35,7 @@ class Outlines:
     Attributes:
         points: (n, 2), mm on paper.
         codes: (n,) what each point is for.
-        begins: index of the point with which each outline, or set of outlines filled together, begins.
+        begins: index of the point with which each outline begins.
         weight: of the line, mm; none for what is filled.
     """
 
@@ -46,25 +44,22 @@ class Outlines:
     begins: tuple[int, ...]
     weight: float | None
 
-    def with_cubics(self) -> Outlines:
-        """The same with each quadratic curve as a cubic one, which is all that some formats have."""
-        first = np.flatnonzero(self.codes == QUADRATIC)[::2]
-        if not len(first):
-            return self
-        start, control, end = (self.points[first + k] for k in (-1, 0, 1))
-        repeats = np.ones(len(self.codes), dtype=np.int64)
-        repeats[first] = 2
-        points, codes = np.repeat(self.points, repeats, axis=0), np.repeat(self.codes, repeats)
-        places = first + np.arange(len(first))
-        points[places] = start + 2.0 / 3.0 * (control - start)
-        points[places + 1] = end + 2.0 / 3.0 * (control - end)
-        codes[codes == QUADRATIC] = CUBIC
-        moved = np.cumsum(repeats) - repeats
-        return Outlines(points, codes, tuple(moved[list(self.begins)].tolist()), self.weight)
+
+@dataclass(frozen=True)
+class Shown:
+    """Everything on the paper.
+
+    Attributes:
+        lots: outlines in lots of one weight, thin lines first, and what is filled last.
+        texts: in the order of the document.
+    """
+
+    lots: tuple[Outlines, ...]
+    texts: tuple[Text, ...]
 
 
-def outlines(document: Drawing) -> list[Outlines]:
-    """Everything on the paper, in lots of one weight, thin lines first, and what is filled last."""
+def shown(document: Drawing) -> Shown:
+    """What a document has on the paper, that of model space as its viewports show it."""
     pens = _Pens(document)
     paper = document.paperspace()
     for entity in drawn(document, paper):
@@ -75,7 +70,7 @@ def outlines(document: Drawing) -> list[Outlines]:
         for window in seen:
             if window.shows(at):
                 pens.draw(entity, window)
-    return pens.lots()
+    return Shown(tuple(pens.lots()), tuple(pens.texts))
 
 
 class _Pen:
@@ -104,6 +99,7 @@ class _Pens:
     def __init__(self, document: Drawing) -> None:
         self._pens: dict[float, _Pen] = {}
         self._fills = _Pen()
+        self.texts: list[Text] = []
         self._patterns = {line_type.dxf.name.upper(): _pattern(line_type) for line_type in document.linetypes}
         self._layers = {layer.dxf.name: layer.dxf for layer in document.layers}
 
@@ -169,16 +165,8 @@ class _Pens:
         d = entity.dxf
         align, first, second = entity.get_placement()
         at = first if align.name == "LEFT" else (second or first)
-        points, codes, width = outline(entity.plain_text(), d.width)
-        if not len(points):
-            return
-        start = {"LEFT": 0.0, "CENTER": -width / 2, "RIGHT": -width}[align.name]
-        turn, size = math.radians(d.rotation), d.height * scale
-        c, s = size * math.cos(turn), size * math.sin(turn)
-        x, y = to((at.x, at.y))
-        along, up = points[:, 0] + start, points[:, 1]
-        placed = np.column_stack((x + along * c - up * s, y + along * s + up * c))
-        self._fills.add(placed.tolist(), codes)
+        words = Text(entity.plain_text(), to((at.x, at.y)), d.height * scale, d.rotation, d.width)
+        self.texts.append(words.moved_back({"LEFT": 0.0, "CENTER": 0.5, "RIGHT": 1.0}[align.name]))
 
 
 def _as_it_is(point: Point2) -> Point2:

@@ -17,7 +17,8 @@ import pytest
 from drawings.annotation import Balloon
 from drawings.annotation_ink import BALLOON
 from drawings.assembly_sheet import Assembled, assembly_sheet, spread
-from drawings.document import document_of, view_box
+from drawings.document import document_of
+from drawings.extent import view_box
 from drawings.field import curve_points
 from drawings.frame import drawing_space
 from drawings.ink import Words

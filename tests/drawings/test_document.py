@@ -14,6 +14,7 @@ import ezdxf
 import numpy as np
 import pytest
 from ezdxf._options import options
+from ezdxf.enums import TextEntityAlignment
 from ezdxf.filemanagement import readfile
 from PIL import Image
 from plate_sheet import TITLE, plate, sheet
@@ -23,13 +24,20 @@ from drawings.annotation import (
     Note,
     Symbol,
 )
-from drawings.document import LAYERS, document_of, dxf_bytes, measured_text
+from drawings.document import LAYERS, document_of, dxf_bytes
+from drawings.dxf_dimensions import measured_text
+from drawings.dxf_entities import Place, add_arc, add_line, add_polyline, add_words
 from drawings.dxf_writing import entity_text
-from drawings.export import DPI, Renderings, render
+from drawings.export import Renderings, render
 from drawings.frame import PAPERS, drawing_space, frame
-from drawings.ink import Words
+from drawings.ink import Anchor, Words
+from drawings.lettering import NARROWED, STYLE, glyph
+from drawings.pdf import PER_FONT
+from drawings.png import DPI
 from drawings.sheet import scale_text, sheet_area
+from drawings.strokes import shown
 from drawings.title_block import title_box, title_ink
+from drawings.view import Arc
 
 
 @pytest.fixture(scope="module")
@@ -67,6 +75,51 @@ def test_the_file_is_what_the_dxf_library_itself_writes(monkeypatch: pytest.Monk
     monkeypatch.setattr(options, "write_fixed_meta_data_for_testing", True)
     document.write(stream)
     assert ours == stream.getvalue().encode("utf-8")
+
+
+def test_entities_are_those_that_the_dxf_library_makes(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Fixed, so that two documents can be compared at all.
+    monkeypatch.setattr(options, "write_fixed_meta_data_for_testing", True)
+    ours, theirs = ezdxf.new("R2010"), ezdxf.new("R2010")  # type: ignore[attr-defined]
+    spaces = [(doc.modelspace(), doc.paperspace(), doc.blocks.new("B")) for doc in (ours, theirs)]
+    broken = {"layer": "HIDDEN", "ltscale": 0.5, "linetype": "CONTINUOUS", "lineweight": 70}
+    for own, other in zip(*spaces, strict=True):
+        for attributes in ({"layer": "VISIBLE"}, broken):
+            add_line(own, (1.0, 2.0), (3.0, 4.5), attributes)
+            other.add_line((1.0, 2.0), (3.0, 4.5), dxfattribs=attributes)
+            add_polyline(own, [(0.0, 1.0), (2.0, 3.0), (4.0, 6.0)], attributes)
+            other.add_lwpolyline([(0.0, 1.0), (2.0, 3.0), (4.0, 6.0)], dxfattribs=attributes)
+            add_arc(own, (5.0, 6.0), 7.0, Arc((0.0, 0.0), 7.0), attributes)
+            other.add_circle((5.0, 6.0), 7.0, dxfattribs=attributes)
+            add_arc(own, (5.0, 6.0), 7.0, Arc((0.0, 0.0), 7.0, 10.0, 20.0), attributes)
+            other.add_arc((5.0, 6.0), 7.0, 10.0, 20.0, dxfattribs=attributes)
+        for anchor, align in _ALIGNED.items():
+            add_words(own, Words("⌀8 ±0.1", (1.0, 2.0), 3.5, anchor, 30.0), Place(0.5, (1.0, 0.0)))
+            text = other.add_text(
+                "%%c8 %%p0.1",
+                height=7.0,
+                rotation=30.0,
+                dxfattribs={"layer": "TEXT", "style": STYLE, "width": NARROWED},
+            )
+            text.set_placement((4.0, 4.0), align=align)
+        for space in (own, other):
+            assert all(entity.doc.entitydb[entity.dxf.handle] is entity for entity in space)
+    written = []
+    for doc in (ours, theirs):
+        doc.classes.classes = dict(sorted(doc.classes.classes.items(), key=str))
+        doc.styles.add(STYLE, font="DejaVuSans.ttf")
+        stream = io.StringIO()
+        doc.write(stream)
+        written.append(stream.getvalue())
+        assert not doc.audit().errors
+    assert written[0] == written[1]
+
+
+_ALIGNED: dict[Anchor, TextEntityAlignment] = {
+    "left": TextEntityAlignment.LEFT,
+    "middle": TextEntityAlignment.CENTER,
+    "right": TextEntityAlignment.RIGHT,
+}
 
 
 def test_decimals_are_kept(document) -> None:
@@ -160,36 +213,100 @@ def _numbers(text: str) -> list[float]:
 
 def test_svg_pdf_and_png_show_the_same_lines(made: Renderings) -> None:
     root = ET.fromstring(made.svg)
-    drawn, filled = [], 0
+    drawn: list[tuple[float, str]] = []
     for group in root.findall("{*}g"):
-        outlines = [path.get("d", "") for path in group]
-        if group.get("stroke-width") is None:
-            filled += len(outlines)
-        else:
-            drawn += [(float(group.get("stroke-width", "")), outline) for outline in outlines]
-    content = zlib.decompress(made.pdf.partition(b"stream\n")[2].partition(b"\nendstream")[0]).decode()
-    assert content.count("f\n") == filled > 20
+        if group.get("stroke-width") is not None:
+            drawn += [(float(group.get("stroke-width", "")), path.get("d", "")) for path in group]
+    content = _page(made.pdf)
+    assert content.startswith(f"{72 / 25.4 / 1000:.9f} 0 0 {72 / 25.4 / 1000:.9f} 0 0 cm\n")
     strokes = content.split("S\n")[:-1]
     assert len(strokes) == len(drawn) > 50
     pixels = np.asarray(Image.open(io.BytesIO(made.png)))
     weight, to_pixels = 0.0, DPI["A3"] / 25.4
     for stroke, (width, outline) in zip(strokes, drawn, strict=True):
         *head, path = stroke.rpartition(" w\n")
-        weight = float(head[0].split()[-1]) * 25.4 / 72 if head[0] else weight
-        assert weight == pytest.approx(width, abs=1e-3)
-        if "Q" in outline:
-            continue
+        weight = float(head[0].split()[-1]) / 1000 if head[0] else weight
+        assert weight == pytest.approx(width)
         points = np.array(_numbers(outline)).reshape(-1, 2)
-        written = np.array(_numbers(path)).reshape(-1, 2) * 25.4 / 72
-        assert written == pytest.approx(np.array((0.0, 297.0)) + points * (1.0, -1.0), abs=0.005)
+        written = np.array([float(number) for number in re.findall(r"-?\d+", path)]).reshape(-1, 2) / 1000
+        assert written == pytest.approx(np.array((0.0, 297.0)) + points * (1.0, -1.0), abs=0.0011)
         x, y = (points[0] * to_pixels).astype(int)
         assert pixels[max(y - 2, 0) : y + 3, max(x - 2, 0) : x + 3].min() < 128
+
+
+def _streams(pdf: bytes) -> dict[int, str]:
+    """Streams of a PDF by the number of their objects."""
+    found = re.finditer(rb"(\d+) 0 obj\n<<[^>]*/FlateDecode >>\nstream\n(.*?)\nendstream", pdf, re.DOTALL)
+    return {int(match.group(1)): zlib.decompress(match.group(2)).decode("ascii") for match in found}
+
+
+def _page(pdf: bytes) -> str:
+    (number,) = re.findall(rb"/Contents (\d+) 0 R", pdf)
+    return _streams(pdf)[int(number)]
+
+
+def _letters(pdf: bytes) -> list[dict[int, str]]:
+    """Of each font which letter its codes stand for."""
+    streams = _streams(pdf)
+    tables = [streams[int(number)] for number in re.findall(rb"/ToUnicode (\d+) 0 R", pdf)]
+    rows = [re.findall(r"<(..)> <(\w{4,})>\n", table) for table in tables]
+    return [{int(code, 16): bytes.fromhex(sign).decode("utf-16-be") for code, sign in row} for row in rows]
+
+
+def _texts(pdf: bytes) -> list[str]:
+    """Texts of a PDF as a reader finds them."""
+    letters, found, font = _letters(pdf), [], 0
+    for operands, operator in re.findall(r"([^\n]*) (Tf|Tj)\n", _page(pdf)):
+        if operator == "Tf":
+            font = int(operands.split()[0].removeprefix("/F"))
+        else:
+            (codes,) = re.findall(r"<(\w+)>", operands)
+            found.append("".join(letters[font][code] for code in bytes.fromhex(codes)))
+    return found
+
+
+def test_texts_of_the_pdf_can_be_searched(document, made: Renderings) -> None:
+    found = _texts(made.pdf)
+    said = [text.words for text in shown(document).texts]
+    assert found == said
+    assert {"FILE_NAME", "Al 6061-T651", "±0.01"} <= set(found)
+
+
+def test_signs_beyond_one_font_of_a_pdf_are_in_the_next() -> None:
+    signs = "".join(chr(number) for number in range(0xA1, 0xA1 + PER_FONT + 40) if chr(number).isprintable())
+    assert len(set(signs)) > PER_FONT
+    bare = replace(sheet(), annotations=(), views=(plate(0.5, (100, 180)),), notes=(Note((30.0, 100.0), (signs,)),))
+    made = render(document_of(bare), "A3")
+    assert len(_letters(made.pdf)) == 2
+    assert signs in "".join(_texts(made.pdf))
+
+
+def test_texts_stand_at_the_same_place_in_every_format(document, made: Renderings) -> None:
+    """A sign's box: in the SVG, and in the PDF by its font and the text's matrix, as the advances put it."""
+    texts = shown(document).texts
+    root = ET.fromstring(made.svg)
+    paths = [path.get("d", "") for path in root.findall("{*}g")[-1]]
+    rows = re.findall(r"([-\d. ]+) Tm", _page(made.pdf))
+    assert len(paths) == len(rows) == len(texts)
+    for text, path, row in zip(texts, paths, rows, strict=True):
+        a, b, c, d, x, y = (float(number) / 1000 for number in row.split())
+        signs = [sign for sign in text.words if len(glyph(sign).points)]
+        starts = np.array([_numbers(part)[:2] for part in path.split("M")[1:]])
+        assert len(starts) == len(signs)
+        along = 0.0
+        placed = iter(starts)
+        for sign in text.words:
+            if len(glyph(sign).points):
+                there = next(placed)
+                assert there == pytest.approx((x + a * along, 297.0 - y - b * along), abs=0.01 + 1e-4 * along)
+            along += glyph(sign).advance
+        assert (a * d - b * c) == pytest.approx(text.height**2 * text.narrowed, rel=1e-3)
 
 
 def test_the_table_of_the_pdf_tells_where_its_objects_are(made: Renderings) -> None:
     table = int(made.pdf.rstrip().splitlines()[-2])
     entries = re.findall(rb"(\d{10}) 00000 n \n", made.pdf[table:])
-    assert len(entries) == 5
+    assert len(entries) > 50
     for number, entry in enumerate(entries, start=1):
         assert made.pdf[int(entry) :].startswith(b"%d 0 obj" % number)
 

@@ -9,7 +9,8 @@ import pytest
 from test_procedure import made, rows, thesis
 
 from drawings.annotation import Balloon
-from drawings.document import document_of, view_box
+from drawings.document import document_of
+from drawings.extent import view_box
 from drawings.frame import drawing_space
 from drawings.ink import Stroke, Words
 from drawings.lettering import SMALL, text_width

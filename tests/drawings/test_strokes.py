@@ -17,7 +17,8 @@ from plate_sheet import sheet
 from scipy.spatial import KDTree
 
 from drawings.document import LAYERS, LINE_TYPES, document_of
-from drawings.strokes import Outlines, dashed, outlines
+from drawings.strokes import Outlines, dashed, shown
+from drawings.texts import MOVE, text_outlines
 
 STEP = 0.1
 """Distance of the places at which lines are compared, mm."""
@@ -77,7 +78,11 @@ def test_everything_is_where_ezdxf_has_it() -> None:
         # Its viewports draw line types of views that are not 1:1 too long.
         layer.dxf.linetype = "CONTINUOUS"
     theirs = _theirs(document)
-    ours = {lot.weight: _ours(lot) for lot in outlines(document)}
+    seen = shown(document)
+    ours = {lot.weight: _ours(lot) for lot in seen.lots}
+    points, codes = text_outlines(seen.texts)
+    letters = Outlines(points, codes, tuple(np.flatnonzero(codes == MOVE).tolist()), None)
+    ours[None] = np.concatenate((ours[None], _ours(letters)))
     assert set(ours) == set(theirs) >= {None, 0.25, 0.5, 0.7}
     for weight, places in ours.items():
         for one, other in ((places, theirs[weight]), (theirs[weight], places)):
@@ -90,7 +95,7 @@ def test_a_broken_line_has_the_same_dashes_on_paper_at_every_scale(layer: str, k
     document = document_of(sheet())
     for entity in [entity for entity in document.modelspace() if entity.dxf.layer != layer]:
         document.modelspace().delete_entity(entity)
-    lot = next(lot for lot in outlines(document) if lot.weight == LAYERS[layer][1] / 100)
+    lot = next(lot for lot in shown(document).lots if lot.weight == LAYERS[layer][1] / 100)
     first = LINE_TYPES[kind][1][1]
     starts = {"HIDDEN": [(80.0, 185.0), (220.0, 220.0)], "CENTRE": [(77.5, 180.0), (210.0, 200.0)]}[layer]
     for start in starts:
