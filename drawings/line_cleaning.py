@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from itertools import groupby
+from itertools import chain, groupby
 from typing import TypeVar
 
 import numpy as np
 
-from drawings.view import Arc, Curve, Point2, Polyline, Segment
+from drawings.view import Arc, Curve, Polyline, Segment
 
 NEAR = 1e-3
 """Lines closer than this are one line, and gaps shorter than this are none, mm."""
@@ -56,15 +56,14 @@ def _of(kind: type[Kind], curves: list[Curve]) -> list[Kind]:
 
 
 def _order(curve: Curve) -> tuple[float, ...]:
+    """What curves are sorted by: where they are."""
     if isinstance(curve, Segment):
-        return (*_rounded(curve.start), *_rounded(curve.end))
-    if isinstance(curve, Arc):
-        return (*_rounded(curve.centre), round(curve.radius, 4), round(curve.start_angle, 4))
-    return tuple(value for point in curve.points for value in _rounded(point))
-
-
-def _rounded(point: Point2) -> Point2:
-    return (round(point[0], 4), round(point[1], 4))
+        numbers = (*curve.start, *curve.end)
+    elif isinstance(curve, Arc):
+        numbers = (*curve.centre, curve.radius, curve.start_angle)
+    else:
+        numbers = tuple(chain.from_iterable(curve.points))
+    return tuple([round(number, 4) for number in numbers])
 
 
 def _segments(visible: list[Segment], hidden: list[Segment]) -> tuple[list[Segment], list[Segment]]:
@@ -196,45 +195,60 @@ def _closed(spans: list[Span], gap: float) -> list[Span]:
 
 
 def _polylines(visible: list[Polyline], hidden: list[Polyline], near: float) -> tuple[list[Polyline], list[Polyline]]:
-    drawn = _Drawn(near)
-    return (
-        [piece for line in sorted(visible, key=_order) for piece in drawn.add(line)],
-        [piece for line in sorted(hidden, key=_order) for piece in drawn.add(line)],
-    )
+    """Each polyline without the runs that lie on one before it, those that are visible first."""
+    lines = [*sorted(visible, key=_order), *sorted(hidden, key=_order)]
+    kept: list[list[Polyline]] = []
+    for line, before in zip(lines, _touching([np.array(line.points) for line in lines], near), strict=True):
+        others = [np.array(piece.points) for number in before for piece in kept[number]]
+        kept.append(_uncovered(line, np.array(line.points), others, near) if others else [line])
+    count = len(visible)
+    return list(chain.from_iterable(kept[:count])), list(chain.from_iterable(kept[count:]))
 
 
-class _Drawn:
-    """Polylines that are drawn already, with their boxes, which settle most questions."""
-
-    def __init__(self, near: float) -> None:
-        self._near = near
-        self._lines: list[tuple[float, float, float, float, np.ndarray]] = []
-
-    def add(self, line: Polyline) -> list[Polyline]:
-        """Take in a polyline, and give the runs of it that do not lie on one taken in before."""
-        points = np.array(line.points)
-        u0, v0, u1, v1 = _box(points)
-        by = self._near
-        others = [
-            corners
-            for a, b, c, d, corners in self._lines
-            if c > u0 - by and a < u1 + by and d > v0 - by and b < v1 + by
-        ]
-        pieces = _uncovered(line, points, others, by)
-        self._lines.extend((*_box(corners), corners) for corners in (np.array(piece.points) for piece in pieces))
-        return pieces
+AT_ONCE = 20000
+"""Places whose distances are worked out together: of more, the numbers leave the processor's own memory."""
 
 
-def _box(points: np.ndarray) -> tuple[float, float, float, float]:
-    low, high = points.min(axis=0), points.max(axis=0)
-    return (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+def _touching(lines: Sequence[np.ndarray], near: float) -> list[list[int]]:
+    """Of each polyline those before it that a point of it is near; of all together, since most are near none."""
+    found: list[list[int]] = [[] for _ in lines]
+    if len(lines) < 2:
+        return found
+    counts = np.array([len(line) for line in lines])
+    begins = np.cumsum(counts) - counts
+    points = np.concatenate(lines)
+    low, high = np.minimum.reduceat(points, begins) - near, np.maximum.reduceat(points, begins) + near
+    meet = np.tri(len(lines), k=-1, dtype=bool)
+    for axis in (0, 1):
+        meet &= (low[:, None, axis] < high[None, :, axis]) & (high[:, None, axis] > low[None, :, axis])
+    one, other = np.nonzero(meet)
+    owner, other = np.repeat(one, counts[one]), np.repeat(other, counts[one])
+    place = points[_ranges(begins[one], counts[one])]
+    inside = ((place > low[other]) & (place < high[other])).all(axis=1)
+    owner, other, place = owner[inside], other[inside], place[inside]
+    pairs: set[tuple[int, int]] = set()
+    for start in range(0, len(owner), AT_ONCE):
+        lot = slice(start, start + AT_ONCE)
+        pieces = counts[other[lot]] - 1
+        first = _ranges(begins[other[lot]], pieces)
+        at = np.repeat(place[lot], pieces, axis=0)
+        close = _from_piece(at, points[first], points[first + 1]) < near
+        pairs.update(zip(np.repeat(owner[lot], pieces)[close].tolist(), np.repeat(other[lot], pieces)[close].tolist()))
+    for number, before in sorted(pairs):
+        found[number].append(before)
+    return found
+
+
+def _ranges(begins: np.ndarray, counts: np.ndarray) -> np.ndarray:
+    """Numbers from each beginning on, as many as its count."""
+    return np.arange(counts.sum()) + np.repeat(begins - (np.cumsum(counts) - counts), counts)
 
 
 def _uncovered(line: Polyline, points: np.ndarray, others: Sequence[np.ndarray], near: float) -> list[Polyline]:
     """The runs of a polyline that do not lie on another."""
     covered = np.zeros(len(points), dtype=bool)
     for corners in others:
-        covered |= _distances(points, corners) < near
+        covered |= _from_piece(points[:, None, :], corners[:-1], corners[1:]).min(axis=1) < near
     if not covered.any():
         return [line]
     # A piece between two covered points is covered, too; a free point keeps its pieces to both neighbours.
@@ -253,10 +267,9 @@ def _uncovered(line: Polyline, points: np.ndarray, others: Sequence[np.ndarray],
     return runs
 
 
-def _distances(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Distance of each point from a polyline."""
-    start, step = corners[:-1], np.diff(corners, axis=0)
-    square = np.maximum((step**2).sum(axis=1), 1e-30)
-    along = np.clip((((points[:, None, :] - start) * step).sum(axis=2)) / square, 0.0, 1.0)
-    nearest = start + along[..., None] * step
-    return np.linalg.norm(points[:, None, :] - nearest, axis=2).min(axis=1)
+def _from_piece(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Distance of points from straight pieces."""
+    step = end - start
+    square = np.maximum((step**2).sum(axis=-1), 1e-30)
+    along = np.clip(((points - start) * step).sum(axis=-1) / square, 0.0, 1.0)
+    return np.linalg.norm(points - start - along[..., None] * step, axis=-1)
