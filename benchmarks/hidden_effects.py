@@ -112,10 +112,12 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         if not follow or kind in ("none", "unexplained"):
             return out
         added: list[str] = []
+        told: list[list[str]] = []
         try:
             while names and len(added) < ROUNDS:
                 run(["add", str(work), document["effect"], *place])
                 added.append(plain(document["effect"]))
+                told.append(names)
                 document = run(["diagnose", str(work), "--no-figures", *place])
                 verdict, names = said(document)
                 if kind == "single" and not out.right:
@@ -126,7 +128,7 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
         return replace(
             out,
             added=tuple(added),
-            both=both_found(entry["effect"], added) if kind == "pair" else None,
+            both=both_found(entry["effect"], told) if kind == "pair" else None,
             held_out=worst_over_noise(document.get("before", {})) if out.right else None,
             stopped=(len(added) == 1) if kind == "single" and out.right else None,
         )

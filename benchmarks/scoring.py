@@ -119,9 +119,18 @@ def first_right(document: dict[str, Any], entry: dict[str, Any]) -> bool:
     return verdict in accept
 
 
-def both_found(effect: str, added: Sequence[str]) -> bool:
-    """Whether every effect of a pair `a+b` is among those added."""
-    return all(any(same(name, other) for other in added) for name in effect.split("+"))
+def both_found(effect: str, told: Sequence[Sequence[str]]) -> bool:
+    """Whether every effect of a pair `a+b` was added, or told in a tie of at most three: each by a round of its own.
+
+    Args:
+        effect: the pair.
+        told: of each round, the name that was added and those in a tie with it.
+    """
+    first, second = (
+        {k for k, names in enumerate(told) if any(same(name, other) for other in names[:LARGEST_TIE])}
+        for name in effect.split("+")
+    )
+    return any(j != k for j in first for k in second)
 
 
 def worst_over_noise(stage: dict[str, Any]) -> float | None:

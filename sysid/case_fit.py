@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import numpy as np
 
 from sim.library import find
-from sysid.base_fit import Fitted, fit_model
+from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidate_list import shows_on
 from sysid.case import Case
 from sysid.core_laws import core_laws
@@ -49,15 +49,42 @@ def fit_case(case: Case, model: Model | None = None) -> BaseFit:
     return BaseFit(fitted, weights, residual, chosen)
 
 
-def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = None) -> tuple[Fitted, tuple[str, ...]]:
+def clearly_better(other: Fitted, fitted: Fitted) -> bool:
+    """Whether another law of an effect fits so much better that chance and its extra values do not explain it."""
+    extra = len(other.model.unknowns) - len(fitted.model.unknowns)
+    # Law by law the cost of a wrong curve is far above the noise; chance is not.
+    return other.fit.cost < 0.97 * fitted.fit.cost - 4.0 * max(extra, 0)
+
+
+BETTER_HELD_OUT = 0.67
+"""Part of the held-out loss above the noise below which another law of an effect is taken for that alone."""
+
+
+def holds_better(case: Case, other: Fitted, fitted: Fitted) -> bool:
+    """Whether another law of an effect fits clearly better or, fitting no worse, predicts the held-out records so."""
+    if clearly_better(other, fitted):
+        return True
+    weights = weighting(fitted.model, case.validate_records)
+    errors = [ranking_error(weighted_residual(m, case.validate_records, weights)) for m in (other.model, fitted.model)]
+    above = [error**2 - 1.0 for error in errors]
+    return other.fit.cost <= fitted.fit.cost and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
+
+
+def best_laws(
+    case: Case,
+    fitted: Fitted,
+    families: Collection[str] | None = None,
+    better: Callable[[Fitted, Fitted], bool] = clearly_better,
+) -> tuple[Fitted, tuple[str, ...]]:
     """A fit in which effects have the best law of their family.
 
-    The law of the family's own name is taken unless another is clearly better.
+    The law of the family's own name is taken unless another is better.
 
     Args:
         case: whose records are fitted.
         fitted: the model as it stands, with any law of each family.
         families: names of the effects whose law is open; those of `open_laws` where left out.
+        better: whether one fit is so much better than another that its law is taken.
 
     Returns:
         The fit, and the names of the laws that took their family's place.
@@ -79,7 +106,7 @@ def best_laws(case: Case, fitted: Fitted, families: Collection[str] | None = Non
             shown = [variant for variant in effect.variants if shows_on(case, variant)]
             trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in shown]
         best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
-        if clearly_better(best, fitted):
+        if better(best, fitted):
             fitted = best
             chosen += [e.name for e in best.model.effects if e.name.partition(":")[0] == name]
     return fitted, tuple(chosen)
@@ -92,10 +119,3 @@ def open_laws(case: Case) -> tuple[str, ...]:
         e.name for e in case.start.effects
         if ":" not in e.name and e.variants and e.name not in given
     )  # fmt: skip
-
-
-def clearly_better(other: Fitted, fitted: Fitted) -> bool:
-    """Whether another law of an effect fits so much better that chance and its extra values do not explain it."""
-    extra = len(other.model.unknowns) - len(fitted.model.unknowns)
-    # Law by law the cost of a wrong curve is far above the noise; chance is not.
-    return other.fit.cost < 0.97 * fitted.fit.cost - 4.0 * max(extra, 0)

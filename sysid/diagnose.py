@@ -110,7 +110,9 @@ def judge(
         misfits_of(case, trial)
     maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
     pattern = max((m.share for m in maps), default=0.0)
-    evidence = Evidence(case, base, search, ranked, excess(before_fit, before_validate), pattern, all_effects)
+    added = [e for e in base.fitted.model.effects if e.name in _added(case)]
+    over = excess(before_fit, before_validate)
+    evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added)
     found = verdict_on(evidence, quantised)
     others = [] if found.best is None or found.best in ranked else [found.best]
     return Diagnosis(

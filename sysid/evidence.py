@@ -7,12 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.effect import Effect
 from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.misfit import ChannelMisfit, away_from_turns, excess, huber_square, misfit
 from sysid.model import Model
+from sysid.own_patterns import apart_from, own_coordinates
 from sysid.residual_maps import residual_maps
 from sysid.trials import Search, Trial
 from sysid.verdict_limits import (
@@ -42,6 +44,7 @@ class Evidence:
         over: error over noise of the base model, the worst of its records.
         pattern: share of its residual that the best coordinate explains.
         all_effects: second effects too are looked for in the whole library.
+        added: effects of the model that earlier rounds added.
     """
 
     case: Case
@@ -51,6 +54,7 @@ class Evidence:
     over: float
     pattern: float
     all_effects: bool
+    added: Sequence[Effect] = ()
 
     @property
     def allowance(self) -> float:
@@ -101,6 +105,18 @@ class Evidence:
         before, after = (float(np.mean(huber_square(r[away]))) for r in (self.base.residual, trial.residual))
         # Where there is little above the noise a share of it says nothing.
         return (before - after) / (before - min(1.0, after)) if before > CLEARLY_AWAY else 0.0
+
+    def share_apart(self, trial: Trial) -> float:
+        """Share of the held-out loss above the noise that an effect takes, apart from the patterns of added effects."""
+        own = own_coordinates(self.added)
+        if not own:
+            return 0.0
+        records, weights = self.case.validate_records, self.base.weights
+        before, after = (
+            float(np.mean(huber_square(apart_from(r, records, weights, own))))
+            for r in (self.base.residual, trial.residual)
+        )
+        return (before - after) / max(before - min(1.0, after), 1e-9)
 
     def like_turns(self, trial: Trial) -> bool:
         """Whether a small error in the time of the turns would look like this effect."""

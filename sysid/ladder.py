@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -14,7 +15,7 @@ from sysid.base_fit import Fitted, fit_model
 from sysid.candidate_list import candidates_of, shows_on
 from sysid.candidates import target_of, try_effect
 from sysid.case import Case, load_case, make_case
-from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, open_laws
+from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, holds_better, open_laws
 from sysid.document import both_json, noise_json, parameter_unit, parameters_json
 from sysid.driven_stage_valleys import lowest_valley
 from sysid.experiment import DesignValues, Experiment
@@ -55,8 +56,9 @@ def add_effects(
     """Add effects to the model of an experiment, fit, and write the next rung and `experiment.toml`.
 
     An effect named without variant or channel takes the law and the channel that fit best, the law of its own name
-    unless another is clearly better; so do the effects that the experiment names without a variant, once more. A core
-    takes the place of the core before it. Effects to `drop` leave the model first, on the same rung.
+    unless another is clearly better, or fits as well and predicts the held-out records clearly better; so do the
+    effects that the experiment names without a variant, once more. A core takes the place of the core before it.
+    Effects to `drop` leave the model first, on the same rung.
 
     Raises:
         InputError: an effect that is unknown, there already (to drop: not there), or that this rig cannot show; a fault
@@ -76,7 +78,7 @@ def add_effects(
         grown_case, fitted = _grow(grown_case, fitted, name)
     # A law that made up for what was missing may be the wrong one now.
     free = _free_laws(case, effects)
-    fitted, _ = best_laws(grown_case, fitted, free)
+    fitted, _ = best_laws(grown_case, fitted, free, partial(holds_better, grown_case))
     after_fit = misfit(fitted.model, grown_case.fit_records)
     after_validate = misfit(fitted.model, grown_case.validate_records)
     document = {**_rung_document(grown_case, fitted, after_fit, after_validate), "open_laws": list(free)}
@@ -152,10 +154,11 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     good = [c for c in tried if c is not None]
     if not good:
         raise InputError(f"{experiment.path}: effect '{name}' changes nothing in what these records measured")
-    best = min(good, key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
+    good.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     plain = next((c for c in good if c.effect.name == name), None)
-    if plain is not None and not clearly_better(best.fitted, plain.fitted):
-        best = plain
+    best = good[0]
+    if plain is not None:
+        best = next((c for c in good if c is not plain and holds_better(case, c.fitted, plain.fitted)), plain)
     grown = lowest_valley(best.fitted, case.fit_records)
     weights = weighting(fitted.model, case.validate_records)
     base = BaseFit(fitted, weights, weighted_residual(fitted.model, case.validate_records, weights))

@@ -81,7 +81,8 @@ def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
 _BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
 
 
-def _edges(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
+def edges_of(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
+    """Edges of a coordinate's bins, the outer ones open: even, or by rank where most samples share a few values."""
     if coordinate == "direction":
         return np.array([-np.inf, 0.0, np.inf])
     if coordinate in _BY_RANK:
@@ -92,12 +93,13 @@ def _edges(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
     return np.concatenate([[-np.inf], inner, [np.inf]])
 
 
-def _cells(values: np.ndarray, direction: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def cells_of(values: np.ndarray, direction: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Number of each sample's bin (n,), the bins of motion backwards after those forwards."""
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     return index + (edges.size - 1) * (direction < 0)
 
 
-def _means(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
+def means_of(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
     """Mean residual per cell, drawn towards zero where a cell holds few samples."""
     number = np.bincount(cells, minlength=count)
     return np.bincount(cells, residual, minlength=count) / (number + 3.0)
@@ -200,21 +202,21 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     residual = np.concatenate([s[1] for s in together])
     block = np.concatenate([s[2] + k * BLOCKS * 100 for k, s in enumerate(together)])
     record = np.concatenate([np.full(s[1].size, k) for k, s in enumerate(together)])
-    edges = _edges(values, name, BINS)
-    cells = _cells(values, direction, edges)
+    edges = edges_of(values, name, BINS)
+    cells = cells_of(values, direction, edges)
     count = 2 * (edges.size - 1)
     if name in ("time", "distance_travelled"):
         cells = cells + count * record
     half = np.arange(residual.size) % 2 == 0
-    table = _means(cells[half], residual[half], int(cells.max()) + 1)
+    table = means_of(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
     share = _share(r, predicted)
     p_value = _p_value(residual, _foretold(cells, residual, block), block, rng)
     if name not in ("time", "distance_travelled") and all(_runs_with_time(s[0], name) for s in together):
         share *= 0.5
     # Drawn finer than it is judged, from every sample.
-    fine = _edges(values, name, DRAWN_BINS)
-    means = _means(_cells(values, direction, fine), residual, 2 * (fine.size - 1))
+    fine = edges_of(values, name, DRAWN_BINS)
+    means = means_of(cells_of(values, direction, fine), residual, 2 * (fine.size - 1))
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], values)
     return ResidualMap(name, share, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
 

@@ -9,7 +9,7 @@ from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.misfit import blocks, excess
 from sysid.trials import Trial, parameter_count, significance_of
-from sysid.verdict_limits import LATE
+from sysid.verdict_limits import LATE, MORE_IS_MISSING
 
 
 def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
@@ -27,6 +27,8 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
         behind = other.error**2 - first.error**2
         # Along a filtered motion a lag and a delay differ by less than what the filter costs.
         alike = case.kind == "force-drive" and {first.family, other.family} <= LATE and other.error <= 1.0
+        # Where something else is missing too, it decides over the last hundredth of the gain.
+        alike |= first.error > MORE_IS_MISSING and behind <= 0.01 * gained
         if behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5):
             group.append(other)
     best = min(group, key=lambda t: (parameter_count(t), t.error))

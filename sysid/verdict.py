@@ -188,10 +188,12 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
+    if evidence.share_apart(best) >= SHARE_ENOUGH and not turn_like:
+        return named.missing("explains what is left apart from the patterns of effects added before")
     patterned = evidence.patterned
-    for first in [] if bent or not patterned else _as_good(evidence, best):
+    for first in _as_good(evidence, best) if patterned else []:
         above = pairs_on_top(case, evidence.base, first.candidate, evidence.all_effects)[:1]
-        if above and _explains(evidence, above[0]):
+        if above and _explains(evidence, above[0], bent):
             reason = f"explains its share; {above[0].partner(first.family)} the rest"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
     if not patterned and evidence.over <= UNDERRATED and named.share < SHARE_OF_NOISE:
