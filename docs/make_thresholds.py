@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
-from sysid import intervals, misfit, verdict_limits
+from sysid import case_fit, intervals, misfit, verdict_limits
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
@@ -41,6 +41,8 @@ CONSTANTS = (
     (verdict_limits, "UNDERRATED", "error over noise up to which what follows nothing is noise thought too small"),
     (verdict_limits, "SHARE_OF_NOISE", "share that no effect may take then"),
     (verdict_limits, "HARDLY_MORE", "ranking error over the best's up to which another may be the first of two"),
+    (verdict_limits, "MORE_IS_MISSING", "ranking error beside which effects that gain the same to 1 % are a tie"),
+    (case_fit, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
     (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
     (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
     (verdict_limits, "AT_STARTS", "effects that an error in the time of a start looks like"),
