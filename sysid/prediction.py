@@ -59,7 +59,7 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
         return forces, None
     if core.core.name != "coulomb" or balance.stuck is None:
         p = values_of(core, values)
-        usual = usual_level(level)
+        usual = _usual(core, level)
         unseen = unseen_part(balance, core, usual, p)
         if core.core.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
@@ -75,8 +75,13 @@ def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tu
                 part = np.where(balance.stuck > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
             return forces + (1.0 - part) * held, part * sharp
         return forces + held, None
-    sharp = _sharp(balance, effects, values, forces, level, usual_level(level), core)
+    sharp = _sharp(balance, effects, values, forces, level, 0.0, core)
     return forces, sharp
+
+
+def _usual(core: Effect, level: np.ndarray) -> float:
+    """Usual friction level of a core with bristles, N; one without asks for none."""
+    return 0.0 if core.core is not None and core.core.name == "coulomb" else usual_level(level)
 
 
 LEAST_UNSEEN = 0.02
