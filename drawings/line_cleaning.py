@@ -46,8 +46,8 @@ def cleaned(
     arcs = _arcs(_of(Arc, seen), _of(Arc, behind))
     others = _polylines(_of(Polyline, seen), _of(Polyline, behind), COVERED * chord)
     return (
-        (*sorted(lines[0], key=_order), *sorted(arcs[0], key=_order), *sorted(others[0], key=_order)),
-        (*sorted(lines[1], key=_order), *sorted(arcs[1], key=_order), *sorted(others[1], key=_order)),
+        (*sorted(lines[0], key=_order), *sorted(arcs[0], key=_order), *others[0]),
+        (*sorted(lines[1], key=_order), *sorted(arcs[1], key=_order), *others[1]),
     )
 
 
@@ -210,7 +210,7 @@ AT_ONCE = 20000
 
 
 def _touching(lines: Sequence[np.ndarray], near: float) -> list[list[int]]:
-    """Of each polyline those before it that a point of it is near; of all together, since most are near none."""
+    """Of each polyline with a piece that may lie on others before it, these; of all together, since few have one."""
     found: list[list[int]] = [[] for _ in lines]
     if len(lines) < 2:
         return found
@@ -222,19 +222,24 @@ def _touching(lines: Sequence[np.ndarray], near: float) -> list[list[int]]:
     for axis in (0, 1):
         meet &= (low[:, None, axis] < high[None, :, axis]) & (high[:, None, axis] > low[None, :, axis])
     one, other = np.nonzero(meet)
-    owner, other = np.repeat(one, counts[one]), np.repeat(other, counts[one])
-    place = points[_ranges(begins[one], counts[one])]
-    inside = ((place > low[other]) & (place < high[other])).all(axis=1)
-    owner, other, place = owner[inside], other[inside], place[inside]
-    pairs: set[tuple[int, int]] = set()
-    for start in range(0, len(owner), AT_ONCE):
+    point, other = _ranges(begins[one], counts[one]), np.repeat(other, counts[one])
+    inside = ((points[point] > low[other]) & (points[point] < high[other])).all(axis=1)
+    point, other = point[inside], other[inside]
+    close = np.zeros(len(point), dtype=bool)
+    for start in range(0, len(point), AT_ONCE):
         lot = slice(start, start + AT_ONCE)
         pieces = counts[other[lot]] - 1
         first = _ranges(begins[other[lot]], pieces)
-        at = np.repeat(place[lot], pieces, axis=0)
-        close = _from_piece(at, points[first], points[first + 1]) < near
-        pairs.update(zip(np.repeat(owner[lot], pieces)[close].tolist(), np.repeat(other[lot], pieces)[close].tolist()))
-    for number, before in sorted(pairs):
+        away = _from_piece(np.repeat(points[point[lot]], pieces, axis=0), points[first], points[first + 1])
+        close[lot] = np.minimum.reduceat(away, np.cumsum(pieces) - pieces) < near
+    covered = np.zeros(len(points), dtype=bool)
+    covered[point[close]] = True
+    owner = np.repeat(np.arange(len(lines)), counts)
+    # A piece is covered where both of its ends are.
+    lying = np.zeros(len(lines), dtype=bool)
+    lying[owner[:-1][covered[:-1] & covered[1:] & (owner[:-1] == owner[1:])]] = True
+    pairs = zip(owner[point[close]].tolist(), other[close].tolist())
+    for number, before in sorted({pair for pair in pairs if lying[pair[0]]}):
         found[number].append(before)
     return found
 
