@@ -16,7 +16,7 @@ import numpy as np
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.driven_stage_starts import slipping_starts
-from sysid.driven_stage_valleys import lowest_valley
+from sysid.driven_stage_valleys import ROUNDS, lowest_valley
 from sysid.fit import robust_scale
 from sysid.friction_drive import FrictionDriveRecord
 from sysid.held_fits import led
@@ -279,11 +279,18 @@ HALFWAY = 0.5
 """Part of the base model's error below which an effect is promising: what it leaves may be of a side valley."""
 
 
-def settled(base: Fitted, candidate: Candidate, records: Sequence[Prepared]) -> Candidate:
-    """A promising effect on a driven stage, its fit gone on to the lowest valley near; any other as it is."""
-    if ranking_error(candidate.fitted.fit.residual) > HALFWAY * ranking_error(base.fit.residual):
+def settled(base: Fitted, candidate: Candidate, records: Sequence[Prepared], of_contact: bool = False) -> Candidate:
+    """A promising effect on a driven stage, its fit gone on to the lowest valley near; any other as it is.
+
+    Args:
+        base: the fitted base model.
+        candidate: an effect on top of it.
+        records: those fitted.
+        of_contact: it acts between tip and stage: one round over its numbers, promising or not.
+    """
+    if not of_contact and ranking_error(candidate.fitted.fit.residual) > HALFWAY * ranking_error(base.fit.residual):
         return candidate
-    lowest = lowest_valley(candidate.fitted, records)
+    lowest = lowest_valley(candidate.fitted, records, 1 if of_contact else ROUNDS)
     return candidate if lowest is candidate.fitted else replace(candidate, fitted=lowest)
 
 

@@ -9,9 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from sim.effect import Effect
-from sysid.base_fit import Fitted, fit_model
+from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidates import linear_scores, target_of
+from sysid.held_fits import led
+from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales, with_effect
+
+HELD = 15
+"""Steps of a fit held to the measured motion."""
 
 
 def without_effect(model: Model, effect: str) -> Model:
@@ -27,13 +32,16 @@ def without_effect(model: Model, effect: str) -> Model:
 def searched(fitted: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales) -> Fitted:
     """The model with `effect` in place of its family, fitted from the best point of the effect's grid.
 
-    Bounds, priors and fixed values of the model stay. `effect` is no core.
+    Bounds, priors and fixed values of the model stay. `effect` is no core. On a driven stage a fit held to the measured
+    motion leads there too.
     """
     rest = fit_model(without_effect(fitted.model, effect.name), records, fitted.weights)
     basis, target = target_of(rest)
     scores = linear_scores(rest, effect, records, scales, basis, target)
-    start = with_effect(rest.model, effect, scales, scores[0].start if scores else None)
-    return fit_model(with_bounds_of(start, fitted.model), records)
+    start = with_bounds_of(with_effect(rest.model, effect, scales, scores[0].start if scores else None), fitted.model)
+    direct = fit_model(start, records)
+    fits = [fit_model(other, records) for other in led([start, direct.model], records, direct.weights, HELD)]
+    return min([direct, *fits], key=lambda f: ranking_error(weighted_residual(f.model, records, direct.weights)))
 
 
 def with_bounds_of(model: Model, given: Model) -> Model:

@@ -14,7 +14,7 @@ from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.looked_at import looked_at
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
-from sysid.model import base_name
+from sysid.model import base_name, in_contact
 
 Progress = Callable[[str, int, int], None]
 """Called with what comes next, how many steps are done, and of how many; once more when all are."""
@@ -60,6 +60,9 @@ class Trial:
 REFITTED = 10
 """Effects refitted in full: those that looked best. The others keep what their first look found."""
 
+
+ONLY_NOISE = 1.05
+"""Ranking error of a trial on the held-out records, in deviations, that leaves nothing to look for."""
 
 IN_FULL = 3
 """Of those, effects refitted to the whole of long records; the others keep what their beginnings showed."""
@@ -128,12 +131,28 @@ def try_all(
     if fitted is not base.fitted:
         whole = [trial_of(case, base, _in_full(base, trial.candidate, case)) for trial in trials[:IN_FULL]]
         trials = sorted([*(t for t in whole if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
-    if trials:
-        gone_on = settled(base.fitted, trials[0].candidate, case.fit_records)
-        further = trial_of(case, base, gone_on) if gone_on is not trials[0].candidate else None
-        if further is not None and further.error < trials[0].error:
-            trials[0] = further
+    trials = _gone_on(case, base, trials)
     return Search(trials, looks, target)
+
+
+def _gone_on(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
+    """The trials with the first gone on to the lowest valley near, where it is promising.
+
+    Where the best still leaves more than the noise, those between tip and stage go on too, whatever they promise: what
+    a contact holds decides every slip, and a fit that began beside the true one shows little of how it does.
+    """
+    for k in range(len(trials)):
+        trial = trials[k]
+        slips = in_contact(trial.candidate.effect)
+        if k > 0 and (not slips or any(t.family == trial.family for t in trials[:k])):
+            continue
+        if min(t.error for t in trials) <= ONLY_NOISE:
+            break
+        gone_on = settled(base.fitted, trial.candidate, case.fit_records, of_contact=slips)
+        further = trial_of(case, base, gone_on) if gone_on is not trial.candidate else None
+        if further is not None and further.error < trial.error:
+            trials[k] = further
+    return sorted(trials, key=lambda t: t.error)
 
 
 def _in_full(base: BaseFit, candidate: Candidate, case: Case) -> Candidate:

@@ -54,9 +54,9 @@ def at_truth(model, truth, own):
         ("contact.direction_asymmetry", "there_and_back", 1, "contact.direction_asymmetry",
          {"coulomb": "contact_asymmetry"}, 1.1),
         ("direction_asymmetry", "lean", 1, "direction_asymmetry", {"coulomb": "asymmetry"}, 1.1),
-        # Curves of speed are tables: a stage that rings on its pads shows their grid, if little of it.
+        # A level that falls with the speed drives what it moves: whatever a step gets wrong grows.
         ("stribeck", "lean", 1, "stribeck:rational",
-         {"force": "stribeck", "velocity": "stribeck_velocity", "exponent": 2.0}, 1.25),
+         {"force": "stribeck", "velocity": "stribeck_velocity", "exponent": 2.0}, 1.05),
     ],
 )  # fmt: skip
 def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, seed, law, own, most):

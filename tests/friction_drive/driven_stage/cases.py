@@ -110,16 +110,20 @@ HIDDEN: dict[str, Hidden] = {
         lambda r: {"asymmetry": _sign(r) * r.uniform(0.05, 0.25)}, ("direction_asymmetry", "constant_bias")
     ),
     "position_dependent_friction": Hidden(
-        lambda r: {"wave": r.uniform(0.08, 0.3), "wave_pitch": r.uniform(0.8e-6, 3e-6), "wave_phase": r.uniform(0, 6)},
+        lambda r: {
+            "wave": r.uniform(0.08, 0.3), "wave_pitch": r.uniform(0.8e-6, 2.2e-6), "wave_phase": r.uniform(0, 6)
+        },
         ("position_dependent_friction",),
     ),
     "magnetic_cogging": Hidden(
         lambda r: {
-            "cogging": r.uniform(0.1, 0.4), "cogging_pitch": r.uniform(0.8e-6, 3e-6), "cogging_phase": r.uniform(0, 6)
+            "cogging": r.uniform(0.1, 0.4), "cogging_pitch": r.uniform(0.8e-6, 2.2e-6), "cogging_phase": r.uniform(0, 6)
         },
         ("magnetic_cogging",),
     ),
-    "cable_spring": Hidden(lambda r: {"spring": _between(3e3, 3e4)(r)}, ("cable_spring",), ("walk",)),
+    "cable_spring": Hidden(
+        lambda r: {"spring": _between(5e4, 3e5)(r)}, ("cable_spring",), ("walk",), given={"press": 1.5e-6}
+    ),
     "piezo_hysteresis_of_plays": Hidden(
         lambda r: {"loop": r.uniform(0.08, 0.3), "loop_width": r.uniform(6, 30)}, ("piezo_hysteresis",)
     ),

@@ -123,7 +123,7 @@ def _stack(volts, sample, per, p, second):
 
 @njit(cache=True)
 def _move(one, two, per, h, p, push, load_of_pads, warm, out):
-    x, v = 0.0, 0.0
+    x, v, v_before = 0.0, 0.0, 0.0
     lever = HEIGHT / SPACING
     tip_before = -lever * (two[0] - one[0])
     elements = 6
@@ -137,7 +137,14 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
     for i in range(one.size):
         tip = -lever * (two[i] - one[i])
         load = max(1.0 + 0.5 * (one[i] + two[i]) / p.press, 0.0)
+        # Speeds stand halfway between the steps, forces go by the speed at them: it is read half a step on.
+        if i % per == 0:
+            out[i // per] = x
+        now = v + 0.5 * (v - v_before)
+        now = now if now * v > 0.0 else 0.0
+        v_before = v
         sliding = (tip - tip_before) / h - v
+        slipping = (tip - tip_before) / h - now
         tip_before = tip
         if load <= 0.0:
             force = 0.0
@@ -145,9 +152,9 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
             wound[:] = 0.0
         elif p.slip <= 0.0:
             held += p.stiffness * sliding * h
-            force = held + p.damping * sliding
+            force = held + p.damping * slipping
         else:
-            speed = sliding / p.contact_stribeck_velocity
+            speed = slipping / p.contact_stribeck_velocity
             most = (p.slip + p.contact_stribeck / (1.0 + speed * speed)) * load**p.load_exponent
             side = 1.0 if held > 0.0 else -1.0
             most *= 1.0 + p.contact_asymmetry * side
@@ -157,17 +164,17 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
                 for k in range(elements):
                     reach, part = widths[k] * p.contact_presliding, most / elements
                     wound[k] += sliding * h
-                    pull = part * wound[k] / reach + p.damping / elements * sliding
+                    pull = part * wound[k] / reach + p.damping / elements * slipping
                     force += min(max(pull, -part), part)
                     wound[k] = min(max(wound[k], -reach), reach)
                 held = force
             else:
                 # Radial return: spring and dashpot up to what the contact holds.
                 trial = held + p.stiffness * sliding * h
-                force = min(max(trial + p.damping * sliding, -most), most)
+                force = min(max(trial + p.damping * slipping, -most), most)
                 held = min(max(trial, -most), most)
-            force += p.contact_viscous * sliding
-        known = v
+            force += p.contact_viscous * slipping
+        known = now
         if p.memory > 0.0:
             remembered += (v - remembered) * (1.0 - np.exp(-h / p.memory))
             known = remembered
@@ -189,7 +196,7 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
         level *= 1.0 + p.wave * np.sin(2.0 * np.pi * x / p.wave_pitch + p.wave_phase)
         if p.pads_unloaded > 0.0:
             level *= max(load_of_pads[i // per], 0.0) ** p.pads_unloaded
-        other = p.viscous * v + p.quadratic * v * abs(v)
+        other = p.viscous * now + p.quadratic * now * abs(now)
         other += p.cogging * np.sin(2.0 * np.pi * x / p.cogging_pitch + p.cogging_phase)
         other += p.spring * x + p.bias_force + push[i // per]
         if p.presliding > 0.0:
@@ -198,7 +205,7 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
                 reach = widths[k] * p.presliding
                 friction += level * pads[k] / reach / elements
                 if p.bristle_damping > 0.0 and abs(pads[k]) < reach:
-                    friction += p.bristle_damping / elements * v
+                    friction += p.bristle_damping / elements * now
             v += h * (force - other - friction) / p.mass
             for k in range(elements):
                 reach = widths[k] * p.presliding
@@ -209,8 +216,6 @@ def _move(one, two, per, h, p, push, load_of_pads, warm, out):
             lost = h * level / p.mass
             v = trend - lost if trend > lost else (trend + lost if trend < -lost else 0.0)
         x += v * h
-        if i % per == 0:
-            out[i // per] = x
 
 
 def motion(
