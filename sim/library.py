@@ -91,6 +91,19 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
     return effect if effect.name == name else replace(effect, name=name)
 
 
+def laws_of(name: str, custom: Sequence[Effect] = ()) -> tuple[Effect, ...]:
+    """The other laws of the effect called `name`, in the same contact and on the same channel.
+
+    Args:
+        name: an effect without a variant: `stribeck`, `contact.stribeck`, `sensor_drift@position`.
+        custom: the user's own effects.
+    """
+    plain, at, channel = name.partition("@")
+    where = "contact." if plain.startswith("contact.") else ""
+    variants = find(name, custom).variants
+    return tuple(find(f"{where}{variant.name.removeprefix(where)}{at}{channel}", custom) for variant in variants)
+
+
 def valid_name(name: str) -> bool:
     """Whether `name` can be an effect's or a parameter's: lower-case words joined by underscores."""
     return re.fullmatch(r"[a-z][a-z0-9_]*", name) is not None

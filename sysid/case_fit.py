@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.library import find
+from sim.library import find, laws_of
 from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidate_list import shows_on
 from sysid.case import Case
 from sysid.core_laws import core_laws
 from sysid.first_fit import first_fit
 from sysid.misfit import Weighting, weighted_residual, weighting
-from sysid.model import Model
+from sysid.model import Model, base_name, law_family
 from sysid.starts import searched
 
 
@@ -91,25 +91,43 @@ def best_laws(
     """
     chosen: list[str] = []
     for name in open_laws(case) if families is None else families:
-        effect = find(name, case.custom)
-        present = {e.name for e in fitted.model.effects}
-        before: list[Fitted] = []
-        if effect.name not in present:
-            if not any(e.name.partition(":")[0] == name for e in fitted.model.effects):
-                continue
-            # Another law was chosen while the model still lacked something; its fit may be better than any begun anew.
-            before = [fitted]
-            fitted = searched(fitted, effect, case.fit_records, case.scales)
-        if effect.core is not None:
-            trials = core_laws(fitted, effect, case.fit_records, case.scales)
-        else:
-            shown = [variant for variant in effect.variants if shows_on(case, variant)]
-            trials = [searched(fitted, variant, case.fit_records, case.scales) for variant in shown]
-        best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
-        if better(best, fitted):
-            fitted = best
-            chosen += [e.name for e in best.model.effects if e.name.partition(":")[0] == name]
-    return fitted, tuple(chosen)
+        for place in dict.fromkeys(law_family(e.name) for e in fitted.model.effects):
+            if name in (place, base_name(place)):
+                fitted = _best_law(case, fitted, place, better)
+                if "@" in place and "@" not in name:
+                    fitted = _best_channel(case, fitted, place, better)
+                chosen += [
+                    e.name for e in fitted.model.effects if base_name(e.name) == base_name(place) and ":" in e.name
+                ]
+    return fitted, tuple(dict.fromkeys(chosen))
+
+
+def _best_law(case: Case, fitted: Fitted, place: str, better: Callable[[Fitted, Fitted], bool]) -> Fitted:
+    """A fit in which one effect, named without a variant, has its best law."""
+    effect = find(place, case.custom)
+    before: list[Fitted] = []
+    if place not in {e.name for e in fitted.model.effects}:
+        # Another law was chosen while the model still lacked something; its fit may be better than any begun anew.
+        before = [fitted]
+        fitted = searched(fitted, effect, case.fit_records, case.scales)
+    if effect.core is not None:
+        trials = core_laws(fitted, effect, case.fit_records, case.scales)
+    else:
+        shown = [law for law in laws_of(place, case.custom) if shows_on(case, law)]
+        trials = [searched(fitted, law, case.fit_records, case.scales) for law in shown]
+    best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
+    return best if better(best, fitted) else fitted
+
+
+def _best_channel(case: Case, fitted: Fitted, place: str, better: Callable[[Fitted, Fitted], bool]) -> Fitted:
+    """A fit in which a sensor's effect acts on the channel where it does best: which, what was missing may have hid."""
+    present = {law_family(e.name) for e in fitted.model.effects}
+    channels = [name for name in case.fit_records[0].measured if f"{base_name(place)}@{name}" not in present]
+    places = [f"{base_name(place)}@{channel}" for channel in channels]
+    laws = [law for other in places for law in (find(other, case.custom), *laws_of(other, case.custom))]
+    trials = [searched(fitted, law, case.fit_records, case.scales, place) for law in laws if shows_on(case, law)]
+    best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
+    return best if better(best, fitted) else fitted
 
 
 def open_laws(case: Case) -> tuple[str, ...]:

@@ -114,9 +114,11 @@ def judge(
     over = excess(before_fit, before_validate)
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added)
     found = verdict_on(evidence, quantised)
-    others = [] if found.best is None or found.best in ranked else [found.best]
+    if found.best is not None and found.best not in ranked:
+        # Another law of an effect than the one that does most alone.
+        ranked = [found.best, *(trial for trial in ranked if trial.family != found.best.family)]
     return Diagnosis(
-        case, base, (*others, *ranked), found.verdict, found.best, found.ties, tuple(maps), found.left, found.reason,
+        case, base, tuple(ranked), found.verdict, found.best, found.ties, tuple(maps), found.left, found.reason,
         before_fit, before_validate, perf_counter() - began,
     )  # fmt: skip
 

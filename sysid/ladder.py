@@ -24,7 +24,7 @@ from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
 from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
 from sysid.model import Model, base_name
 from sysid.pairs import added_anew
-from sysid.starts import without_effect
+from sysid.starts import without_law
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def _shrunk(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     if base_name(name) == "sensor_quantisation":
         other = make_case(experiment, case.records, [n for n in experiment.effects if n not in gone])
         return other, fit_case(other).fitted
-    return case, fit_model(without_effect(fitted.model, gone[0]), case.fit_records, iterations=40)
+    return case, fit_model(without_law(fitted.model, gone[0]), case.fit_records, iterations=40)
 
 
 def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:

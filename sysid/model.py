@@ -279,3 +279,9 @@ def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str
 def base_name(effect: str) -> str:
     """The name everyone uses for an effect: without its variant and channel."""
     return split_channel(effect)[0].partition(":")[0]
+
+
+def law_family(effect: str) -> str:
+    """The name under which one law takes another's place: without its variant, with its channel."""
+    plain, channel = split_channel(effect)
+    return plain.partition(":")[0] + (f"@{channel}" if channel else "")

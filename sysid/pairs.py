@@ -22,7 +22,7 @@ from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect
-from sysid.starts import with_bounds_of, without_effect
+from sysid.starts import with_bounds_of, without_family
 from sysid.trials import Trial, looks_on, trial_of
 
 GRID_POINTS = 2
@@ -221,6 +221,6 @@ def _shaped(model: Model) -> list[str]:
 
 def less(case: Case, base: BaseFit, family: str) -> BaseFit:
     """The fit of the model without one family of effects, on the same weights."""
-    rest = fit_model(without_effect(base.fitted.model, family), case.fit_records, base.fitted.weights)
+    rest = fit_model(without_family(base.fitted.model, family), case.fit_records, base.fitted.weights)
     residual = weighted_residual(rest.model, case.validate_records, base.weights)
     return BaseFit(rest, base.weights, residual)

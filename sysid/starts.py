@@ -13,29 +13,39 @@ from sysid.base_fit import Fitted, fit_model, ranking_error
 from sysid.candidates import linear_scores, target_of
 from sysid.held_fits import led
 from sysid.misfit import weighted_residual
-from sysid.model import Model, Prepared, Scales, with_effect
+from sysid.model import Model, Prepared, Scales, base_name, law_family, with_effect
 
 HELD = 15
 """Steps of a fit held to the measured motion."""
 
 
-def without_effect(model: Model, effect: str) -> Model:
-    """The model less one effect and its parameters, other laws of its family included."""
-    family = effect.partition(":")[0]
-    gone = [e.name for e in model.effects if e.name.partition(":")[0] == family]
+def without_law(model: Model, effect: str) -> Model:
+    """The model less one effect and its parameters, whatever law of it the model has on the effect's channel."""
+    return _without(model, [e.name for e in model.effects if law_family(e.name) == law_family(effect)])
+
+
+def without_family(model: Model, family: str) -> Model:
+    """The model less every effect of one name, on whatever channel, and their parameters."""
+    return _without(model, [e.name for e in model.effects if base_name(e.name) == family])
+
+
+def _without(model: Model, gone: Sequence[str]) -> Model:
     keep = tuple(e for e in model.effects if e.name not in gone)
     belongs = tuple(f"{name}." for name in gone)
     values = {k: v for k, v in model.values.items() if not k.startswith(belongs)}
     return Model(keep, values, tuple(u for u in model.unknowns if not u.key.startswith(belongs)))
 
 
-def searched(fitted: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales) -> Fitted:
-    """The model with `effect` in place of its family, fitted from the best point of the effect's grid.
+def searched(
+    fitted: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales, place: str | None = None
+) -> Fitted:
+    """The model with `effect` in place of its family's law (or of the one at `place`, as on another channel), fitted
+    from the best point of the effect's grid.
 
     Bounds, priors and fixed values of the model stay. `effect` is no core. On a driven stage a fit held to the measured
     motion leads there too.
     """
-    rest = fit_model(without_effect(fitted.model, effect.name), records, fitted.weights)
+    rest = fit_model(without_law(fitted.model, place or effect.name), records, fitted.weights)
     basis, target = target_of(rest)
     scores = linear_scores(rest, effect, records, scales, basis, target)
     start = with_bounds_of(with_effect(rest.model, effect, scales, scores[0].start if scores else None), fitted.model)

@@ -191,7 +191,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     if evidence.share_apart(best) >= SHARE_ENOUGH and not turn_like:
         return named.missing("explains what is left apart from the patterns of effects added before")
     patterned = evidence.patterned
-    for first in _as_good(evidence, best) if patterned else []:
+    for first in _as_good(evidence, best, bent) if patterned else []:
         above = pairs_on_top(case, evidence.base, first.candidate, evidence.all_effects)[:1]
         if above and _explains(evidence, above[0], bent):
             reason = f"explains its share; {above[0].partner(first.family)} the rest"
@@ -213,9 +213,16 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     )
 
 
-def _as_good(evidence: Evidence, best: Trial) -> list[Trial]:
-    """The effect named, and the next best that leave hardly more: any of them may be one of two."""
-    others = [trial for trial in evidence.ranked if trial is not best and trial.error <= HARDLY_MORE * best.error]
+def _as_good(evidence: Evidence, best: Trial, bent: bool) -> list[Trial]:
+    """The effect named, and the next best that leave hardly more: any of them may be one of two.
+
+    Of a `bent` effect its other laws: beside a second effect another of them may be straight.
+    """
+    among = evidence.search.trials if bent else evidence.ranked
+    others = [
+        trial for trial in among
+        if trial is not best and trial.error <= HARDLY_MORE * best.error and (not bent or trial.family == best.family)
+    ]  # fmt: skip
     return [best, *others[:2]]
 
 

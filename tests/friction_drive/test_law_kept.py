@@ -13,7 +13,7 @@ from sysid.base_fit import fit_model
 from sysid.case import load_case
 from sysid.case_fit import best_laws
 from sysid.model import with_effect
-from sysid.starts import without_effect
+from sysid.starts import without_law
 
 ADDED = "stribeck:rational"
 
@@ -31,7 +31,7 @@ def _ending_at(part):
 
     def searched(fitted, effect, records, scales):
         costs.append(fitted.fit.cost)
-        model = with_effect(without_effect(fitted.model, effect.name), effect, scales)
+        model = with_effect(without_law(fitted.model, effect.name), effect, scales)
         return replace(fitted, model=model, fit=replace(fitted.fit, cost=part * costs[0]))
 
     return searched

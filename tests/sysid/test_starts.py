@@ -12,7 +12,7 @@ from sim.library import find
 from sysid.base_fit import fit_model
 from sysid.case import Case
 from sysid.case_fit import best_laws, clearly_better, open_laws
-from sysid.starts import searched, without_effect
+from sysid.starts import searched, without_law
 
 
 @pytest.fixture
@@ -77,6 +77,6 @@ def test_bounds_outlive_the_search(tmp_path: Path) -> None:
 
 
 def test_an_effect_taken_out_takes_its_values_with_it(curve: Case) -> None:
-    rest = without_effect(curve.start, "stribeck:rational")
+    rest = without_law(curve.start, "stribeck:rational")
     assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
     assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])

@@ -53,8 +53,9 @@ def _plan(
         first, second = (HIDDEN[str(n)] for n in rng.choice(names, 2, replace=False))
         both = {first.name, second.name}
         clash = set(first.accept) & set(second.accept) or both & {"coulomb", "bristle_damping"}
-        # A spring at rest elsewhere is a spring and a bias.
-        clash = clash or ("cable_spring" in both and "constant_bias" in {*first.accept, *second.accept})
+        # A spring at rest elsewhere is a spring and a bias; so, over a small angle, is gravity.
+        leaning = both & {"cable_spring", "gravity_torque"} and "constant_bias" in {*first.accept, *second.accept}
+        clash = clash or leaning
         bases = [entry.base for entry in (first, second) if entry.base is not None]
         if not clash and len(bases) < 2:
             return Plan(rig, (first.name, second.name), level, nuisance, hard, rows=rows)
