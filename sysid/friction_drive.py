@@ -12,8 +12,8 @@ With `position_y` logged the stage moves in the plane: the third stack leans the
 The stage's motion is predicted, from rest, and compared with the measured position: the form is `output`. Friction
 sticks and slips: rigid for `coulomb`, as bristles that yield at their share of a level for `presliding`; their
 stretch follows the predicted motion, and so does a level that goes by the speed. What else sets a level (position,
-load, distance, age) is read off the measured motion: it is known far better than any level changes with it, and the
-prediction stays one pass.
+load, distance) is read off the measured motion: it is known far better than any level changes with it, and the
+prediction stays one pass. Where a level grows at rest, a second pass reads the motion of the first.
 
 The motion tells forces and mass over the contact's stiffness k (`driven_stage_numbers`).
 """
@@ -35,6 +35,7 @@ from sysid.follow import follow
 from sysid.follow_exactly import follow_exactly
 from sysid.follow_plane import follow_plane
 from sysid.noise_floor import Noise
+from sysid.own_motion import ages_at_rest, as_it_moved
 from sysid.records import Record
 from sysid.sensing import sensed
 from sysid.smoothing import GaussianFilter
@@ -206,13 +207,20 @@ def _follow(
     stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
     if all(core is None or core.core.name == "coulomb" for core in (pad_core, contact_core)):
         top = TOP * (float(np.max(np.abs(np.diff(along)))) / record.step + float(np.max(np.abs(record.axis.velocity))))
-        pad_level, pad_share, pad_push, pad_curves = _pads(record, pads, values, top)
         level, share, contact_push, contact_curves = _slider(record, contact, values, along, load, top)
-        return follow_exactly(
-            along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
-            contact_curves, share, pad_curves, pad_share,
-            record.measured["position"] - record.measured["position"][0], record.held_to,
-        )  # fmt: skip
+
+        def followed(seen: FrictionDriveRecord) -> np.ndarray:
+            pad_level, pad_share, pad_push, pad_curves = _pads(seen, pads, values, top)
+            return follow_exactly(
+                along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
+                contact_curves, share, pad_curves, pad_share,
+                record.measured["position"] - record.measured["position"][0], record.held_to,
+            )  # fmt: skip
+
+        moved = followed(record)
+        if record.held_to > 0.0 or not ages_at_rest(pads):
+            return moved
+        return followed(replace(record, axis=as_it_moved(record.axis, moved, record.step), memo={}))
     pad_level = np.zeros(record.size)
     if pad_core is not None:
         pad_level = pad_level + friction_level(record, pads, values)

@@ -117,3 +117,17 @@ def test_a_loop_by_bouc_and_wen_solves_its_equation(turning):
             h += du - (turning * abs(du) * h + (1.0 - turning) * du * abs(h)) / width
         expected.append(h)
     assert np.abs(bouc_wen(volts, width, turning) - expected).max() < 2e-4
+
+
+def test_a_level_that_grows_at_rest_is_read_off_the_predicted_motion(tmp_path):
+    """The measured one rests some rows late and creeps by its noise: read off that, a fit left 1.5 times the noise."""
+    truth = write_case(tmp_path, "dwell_strengthening", "rests", 1, ROWS)
+    case = load_case(tmp_path)
+    law = "dwell_strengthening:fading"
+    start = at_truth(
+        with_effect(case.start, find(law), case.scales), truth,
+        {f"{law}.force": 0.16, f"{law}.cut_off": 6e-3, f"{law}.memory_length": 1e-7},
+    )  # fmt: skip
+    fitted = fit_model(start, case.fit_records, iterations=8)
+    assert misfit(fitted.model, case.validate_records)["position"].over_noise < 1.15
+    assert fitted.model.values["coulomb.force"] == pytest.approx(truth["pads"], rel=0.01)
