@@ -114,7 +114,7 @@ def linear_scores(
         scaled = free / np.maximum(norms, 1e-300)
         coefficients, *_ = np.linalg.lstsq(scaled, target, rcond=1e-8)
         drop, barred = 1.0 - float(np.sum((target - scaled @ coefficients) ** 2)) / total, 0.0
-        if _out_of_bounds(effect, moves, coefficients):
+        if out_of_bounds(effect, moves, coefficients):
             drop, barred = 0.0, drop
         start = start_for(effect, shape, moves, coefficients / np.maximum(norms, 1e-300))
         whole = 1.0 - float(np.sum((target - free[:, 0]) ** 2)) / total if effect.core is not None else drop
@@ -125,7 +125,7 @@ def linear_scores(
     return sorted(scores, key=lambda s: -s.drop)
 
 
-def _out_of_bounds(effect: Effect, moves: list[dict[str, float]], coefficients: np.ndarray) -> bool:
+def out_of_bounds(effect: Effect, moves: list[dict[str, float]], coefficients: np.ndarray) -> bool:
     """Whether the one amplitude of an effect, zero at its bound, would have to go beyond that bound."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
     if effect.core is not None or len(amplitudes) != 1 or len(moves) != 1:

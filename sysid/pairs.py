@@ -16,7 +16,7 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import Candidate, Look, Score, look_at, refined, start_for, target_of
+from sysid.candidates import Candidate, Look, Score, look_at, out_of_bounds, refined, start_for, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
@@ -129,8 +129,18 @@ def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> 
         if base_name(a.name) == base_name(b.name) or (a.core is not None and b.core is not None):
             continue
         index = np.r_[first.columns, second.columns]
-        found.append((float(right[index] @ _weights(gram, right, index)), first, second))
+        weights = _weights(gram, right, index)
+        count = first.score.columns.shape[1]
+        # A Stribeck curve turned over does what a drag does, but no fit will have it.
+        if _possible(first, weights[:count]) and _possible(second, weights[count:]):
+            found.append((float(right[index] @ weights), first, second))
     return found
+
+
+def _possible(part: _Part, weights: np.ndarray) -> bool:
+    """Whether the weights (k,) of an effect's scaled columns are amplitudes that its bounds allow."""
+    norms = np.maximum(np.linalg.norm(part.score.columns, axis=0), 1e-300)
+    return not out_of_bounds(part.look.effect, part.score.moves, weights / norms)
 
 
 def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarray:

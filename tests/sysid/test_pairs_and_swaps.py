@@ -13,9 +13,10 @@ from sysid.case_fit import fit_case
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.ladder_files import read_ladder
-from sysid.pairs import added_anew
+from sysid.pairs import added_anew, best_pairs
 from sysid.smoothing import GaussianFilter
 from sysid.swaps import find_swaps
+from sysid.trials import looks_on
 
 NOISE = 0.02
 ROWS = 4000
@@ -52,6 +53,21 @@ def _write(folder: Path, force: object, effects: str = '"coulomb", "viscous"') -
 def _uneven(x: np.ndarray, v: np.ndarray) -> np.ndarray:
     # Friction that changes along the way, beside a cable: each alone is a poor explanation.
     return (1.5 + 0.6 * np.sin(2 * np.pi * x / 6e-3 + 0.3)) * np.sign(v) + 4.0 * v + 90.0 * (x + 1e-3)
+
+
+def _dragged(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return 1.5 * np.sign(v) + 9.0 * v + 0.3 * np.sin(2 * np.pi * x / 6e-3 + 0.3)
+
+
+def test_no_pair_needs_an_amplitude_that_its_bounds_forbid(tmp_path: Path) -> None:
+    """A Stribeck curve turned over does what a drag does; it once took the places of the pairs that could be."""
+    case = load_case(_write(tmp_path, _dragged, '"coulomb"'))
+    base = fit_case(case)
+    looks, target = looks_on(case, base, ["coulomb"])
+    pairs = best_pairs(case, base, looks, target)
+    assert set(pairs[0].names) == {"viscous", "magnetic_cogging"}
+    amplitudes = [(p.model.values, e) for p in pairs for e in p.model.effects if e.name.startswith("stribeck")]
+    assert all(values[f"{effect.name}.force"] > 0.0 for values, effect in amplitudes)
 
 
 def test_two_effects_are_found_one_after_the_other_and_nothing_after_them(tmp_path: Path) -> None:
