@@ -144,14 +144,15 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
 
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
-    """Middles of the straight lines of a piece that are long enough to be seen, else of all its curves."""
+    """Middles of the straight lines of a piece that are long enough to be seen, else points amid all its curves."""
     from drawings.extent import outermost
 
     straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
     if straight:
         yield from (((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2) for c in straight)
     else:
-        yield from (outermost(c)[0] for c in piece)
+        # A curve's ends may be where something else begins to hide it.
+        yield from (points[len(points) // 2] for points in map(outermost, piece))
 
 
 def spread(wished: Sequence[float], apart: float, low: float, high: float) -> list[float]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from drawings.close_up import CloseUp
 from drawings.line_cleaning import cleaned
 from drawings.projection import hidden_lines
 from drawings.sheet import scale_text
@@ -21,6 +22,9 @@ SCALE = 0.5
 """Of the views of the whole machine."""
 CHORD = 0.015
 """Greatest distance of a curve of these views from its chords, mm on the paper."""
+
+FINE = 25
+"""Pixels to the radius of a wire where its outlines are sorted into seen and hidden."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +57,30 @@ def picture(
         exact: how lines are hidden (`drawings.projection.hidden_lines`).
     """
     chord = CHORD / scale
-    shown = scene.visible([(shape, frame) for _, shape, frame in pieces], projection)
-    lines = hidden_lines(shown, projection, chord=chord, exact=exact)
+    standing = scene.standing([(shape, frame) for _, shape, frame in pieces], projection)
+    shown = standing.visible()
+    wires = {kind: scene.wire(kind) for kind in {shape for _, shape, _ in pieces}}
+    rest = [None if wires[kind] else shape for shape, (_, kind, _) in zip(shown, pieces, strict=True)]
+    lines = hidden_lines(rest, projection, chord=chord, exact=exact)
+    for number, (_, kind, frame) in enumerate(pieces):
+        wire = wires[kind]
+        if wire is not None and shown[number] is not None:
+            seen = standing.close_up(number, wire.radius / FINE)
+            lines = [tuple(_outside(piece, seen)) for piece in lines]
+            lines[number] = tuple(wire.outlines(frame, projection, seen, chord))
     visible, _ = cleaned((curve for piece in lines for curve in piece), chord=chord)
     label = "" if scale == SCALE else f"{name.upper()} ({scale_text(scale)})"
     parts = tuple((part, piece) for (part, _, _), piece in zip(pieces, lines, strict=True))
     return Picture(View(name, projection, {"VISIBLE": visible}, scale, label=label), parts)
+
+
+def _outside(curves: Sequence[Curve], seen: CloseUp) -> Iterator[Curve]:
+    """Visible curves without what a wire hides of them."""
+    for curve in curves:
+        if seen.meets(curve):
+            yield from seen.without_hidden(curve)
+        else:
+            yield curve
 
 
 def as_json(shown: Picture) -> dict[str, Any]:

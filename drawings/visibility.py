@@ -17,7 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numba
 import numpy as np
 
+from drawings.close_up import CloseUp
 from drawings.view import Projection
+from drawings.wire import Wire, wire_of
 from stagecad.solids.frame import Frame, Vector
 from stagecad.solids.triangulation import triangulations
 
@@ -65,46 +67,63 @@ class Scene:
         places = (self._meshed[name].corners @ np.array(frame.rotation).T + frame.shift) @ np.array(along)
         return float(places.min()), float(places.max())
 
-    def visible(self, pieces: Sequence[tuple[str, Frame]], projection: Projection) -> list[TopoDS_Shape | None]:
-        """What is seen of each piece.
+    def wire(self, name: str) -> Wire | None:
+        """The round wire that a shape is; None where it is anything else."""
+        return wire_of(self._meshed[name].faces)
+
+    def standing(self, pieces: Sequence[tuple[str, Frame]], projection: Projection) -> Standing:
+        """Some pieces as one direction of view shows them.
 
         Args:
             pieces: name of the shape, and where it stands.
             projection: direction of view.
-
-        Returns:
-            For each piece, in place, the faces that are in front somewhere; None where there are none.
         """
-        seen = self._seen(pieces, projection)
+        return Standing(projection, tuple((self._meshed[name], frame) for name, frame in pieces))
+
+
+class Standing:
+    """Pieces as one direction of view shows them."""
+
+    def __init__(self, projection: Projection, pieces: Sequence[tuple[_Faces, Frame]]) -> None:
+        self._projection = projection
+        self._pieces = pieces
+        axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
+        points = [(meshed.corners @ np.array(frame.rotation).T + frame.shift) @ axes.T for meshed, frame in pieces]
+        corners = np.cumsum([0, *(len(part) for part in points)])
+        faces = np.cumsum([0, *(len(meshed.faces) for meshed, _ in pieces)])
+        self._begins = corners
+        self._first_faces = faces
+        self._points = np.concatenate(points)
+        self._triangles = np.concatenate([m.triangles + first for (m, _), first in zip(pieces, corners, strict=False)])
+        self._owners = np.concatenate([m.owners + first for (m, _), first in zip(pieces, faces, strict=False)])
+
+    def visible(self) -> list[TopoDS_Shape | None]:
+        """For each piece, in place, the faces that are in front somewhere; None where there are none."""
+        low, high = self._points.min(axis=0), self._points.max(axis=0)
+        _, paint = self._painted(low, high, max(high[0] - low[0], high[1] - low[1]) / PIXELS)
+        seen = np.flatnonzero(np.bincount(paint.ravel() + 1, minlength=1)[1:])
         found: list[TopoDS_Shape | None] = []
-        start = 0
-        for name, frame in pieces:
-            faces = self._meshed[name].faces
-            shown = [face for index, face in enumerate(faces) if start + index in seen]
+        for (meshed, frame), first, end in zip(self._pieces, self._first_faces, self._first_faces[1:], strict=False):
+            shown = [meshed.faces[index - first] for index in seen[(seen >= first) & (seen < end)]]
             found.append(_compound(shown, frame) if shown else None)
-            start += len(faces)
         return found
 
-    def _seen(self, pieces: Sequence[tuple[str, Frame]], projection: Projection) -> set[int]:
-        """Numbers of the faces that are in front somewhere, counted through all pieces."""
-        axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
-        points, triangles, owners = [], [], []
-        corners = faces = 0
-        for name, frame in pieces:
-            meshed = self._meshed[name]
-            points.append((meshed.corners @ np.array(frame.rotation).T + frame.shift) @ axes.T)
-            triangles.append(meshed.triangles + corners)
-            owners.append(meshed.owners + faces)
-            corners += len(meshed.corners)
-            faces += len(meshed.faces)
-        places = np.concatenate(points)
-        low, high = places.min(axis=0), places.max(axis=0)
-        places = (places - low) * (PIXELS / max(high[0] - low[0], high[1] - low[1]))
-        size = (int(np.ceil(places[:, 1].max())) + 1, int(np.ceil(places[:, 0].max())) + 1)
+    def close_up(self, piece: int, pixel: float) -> CloseUp:
+        """What is in front around one piece, at a pixel of so many mm."""
+        own = self._points[self._begins[piece] : self._begins[piece + 1]]
+        low, high = own.min(axis=0) - 2 * pixel, own.max(axis=0) + 2 * pixel
+        depth, paint = self._painted(low, high, pixel)
+        own = (paint >= self._first_faces[piece]) & (paint < self._first_faces[piece + 1])
+        return CloseUp(self._projection, (float(low[0]), float(low[1])), pixel, depth * pixel + low[2], own)
+
+    def _painted(self, low: np.ndarray, high: np.ndarray, pixel: float) -> tuple[np.ndarray, np.ndarray]:
+        """Depth, in pixels from `low`, and number of the face in front, -1 for none, within a box."""
+        places = (self._points - low) / pixel
+        size = (int(np.ceil((high[1] - low[1]) / pixel)) + 1, int(np.ceil((high[0] - low[0]) / pixel)) + 1)
         paint = np.full(size, -1, dtype=np.int32)
         depth = np.full(size, np.inf, dtype=np.float32)
-        _fill(places, np.concatenate(triangles), np.concatenate(owners), depth, paint)
-        return set(np.flatnonzero(np.bincount(paint.ravel() + 1, minlength=1)[1:]).tolist())
+        _fill(places, self._triangles, self._owners, depth, paint)
+        return depth, paint
 
 
 @numba.njit(cache=True)
@@ -150,7 +169,7 @@ def _fill(points, triangles, owners, depth, paint):  # pragma: no cover - compil
 def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> _Faces:
     if mesh is None:
         return _meshed(shape)
-    return _Faces(tuple(_faces(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
+    return _Faces(tuple(faces_of(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
 
 
 def _compound(faces: Sequence[Any], frame: Frame) -> TopoDS_Shape:
@@ -173,7 +192,7 @@ def _meshed(shape: TopoDS_Shape) -> _Faces:
     from OCP.TopAbs import TopAbs_REVERSED
 
     BRepMesh_IncrementalMesh(shape, DEFLECTION, False, TURN, False)
-    faces = tuple(_faces(shape))
+    faces = tuple(faces_of(shape))
     corners, triangles, owners = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
     count = 0
     for index, (face, mesh) in enumerate(zip(faces, triangulations(faces), strict=True)):
@@ -184,7 +203,8 @@ def _meshed(shape: TopoDS_Shape) -> _Faces:
     return _Faces(faces, np.concatenate(corners), np.concatenate(triangles), np.concatenate(owners))
 
 
-def _faces(shape: TopoDS_Shape) -> Iterator[Any]:
+def faces_of(shape: TopoDS_Shape) -> Iterator[Any]:
+    """Faces of a shape, in its own order."""
     from OCP.TopAbs import TopAbs_FACE
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopoDS import TopoDS
