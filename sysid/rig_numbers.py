@@ -112,17 +112,37 @@ def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Map
     An upper guess: it sets how wide a filter the first estimate of the mass begins with.
     """
     _, step, channels, _ = uniform(record)
-    position = channels.get("position")
-    force = channels.get("drive_force" if kind == "force-drive" else "spring_force")
-    if position is None or force is None:
+    found = _motion_and_force({name: filled(values)[0] for name, values in channels.items()}, kind, stiffness, noise)
+    if found is None:
         return 1.0
-    position, force = filled(position)[0], filled(force)[0]
+    position, force, sigma, correlation = found
     width = step
     while width < position.size * step / 40.0:
         smooth = GaussianFilter(width, step, position.size)
         acceleration = float(np.std(smooth(position, 2)))
-        sigma = noise["position"]
-        if sigma.value * smooth.noise_gain(2, sigma.correlation) < 0.2 * acceleration:
+        if sigma * smooth.noise_gain(2, correlation) < 0.2 * acceleration:
             return float(np.std(force)) / acceleration
         width *= 2.0
     return 1.0
+
+
+def _motion_and_force(
+    channels: Mapping[str, np.ndarray], kind: str, stiffness: float | None, noise: Mapping[str, Noise]
+) -> tuple[np.ndarray, np.ndarray, float, float] | None:
+    """Position and force (n,) of a driven mass, with deviation and correlation of the position's noise.
+
+    Of a body pulled by a spring one of the two tells the other, by the spring's stiffness.
+    """
+    position, pull = channels.get("position"), channels.get("pull_position")
+    force = channels.get("drive_force" if kind == "force-drive" else "spring_force")
+    if pull is not None and stiffness is not None:
+        if position is None and force is not None:
+            known = noise["spring_force"]
+            return pull - force / stiffness, force, known.value / stiffness, known.correlation
+        if position is not None and force is None:
+            force = stiffness * (pull - position)
+    return (
+        None
+        if position is None or force is None
+        else (position, force, noise["position"].value, noise["position"].correlation)
+    )
