@@ -53,5 +53,6 @@ def with_quantisation(noise: Mapping[str, Noise], names: Sequence[str]) -> dict[
                 continue
             step = found.quantum / np.sqrt(12.0)
             # Steps well above the noise come and go with the motion, not from sample to sample: as good as white.
-            out[channel] = replace(found, value=float(np.hypot(found.value, step)), correlation=0.0)
+            value = float(np.hypot(found.value, step))
+            out[channel] = replace(found, value=value, correlation=0.0, under_steps=found.value)
     return out

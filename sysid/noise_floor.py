@@ -56,6 +56,7 @@ class Noise:
         filtered: the log was low-passed: differences of neighbours say nothing about the noise.
         quantum: step of the grid the values lie on, SI; none where they lie on no grid.
         note: for people, one line.
+        under_steps: deviation without the steps of the grid, SI, where `value` counts them in; none where it does not.
     """
 
     value: float
@@ -66,6 +67,7 @@ class Noise:
     filtered: bool = False
     quantum: float | None = None
     note: str = ""
+    under_steps: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """As it stands in the output: a quantity with `from`."""

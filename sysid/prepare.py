@@ -159,7 +159,9 @@ def driven_mass(
         raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
     if width is None:
         target = max(sigma_force, 1e-3 * scale)
-        width = max(filter_width(sigma_position, step, mass, target, n, correlation), least_width)
+        # Steps that a slow motion takes one by one are no noise that a wider filter would lessen: it only blurs more.
+        smoothed = sigma_position * _part_under_steps(noise, channels)
+        width = max(filter_width(smoothed, step, mass, target, n, correlation), least_width)
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
     if 2 * (reach + 1) >= n:
         raise InputError(
@@ -247,3 +249,9 @@ def _lightly_filtered(
         time, light(position), velocity, light(position, 2), load, temperature, rest * light.noise_gain(1, correlation)
     )
     return axis, GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, time.size)
+
+
+def _part_under_steps(noise: Mapping[str, Noise], channels: Mapping[str, np.ndarray]) -> float:
+    """Part of the motion's noise that is none of a grid's steps; 1 where those are not counted as noise."""
+    of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
+    return 1.0 if of is None or of.under_steps is None else of.under_steps / of.value
