@@ -41,6 +41,11 @@ CONSTANTS = (
     (verdict_limits, "UNDERRATED", "error over noise up to which what follows nothing is noise thought too small"),
     (verdict_limits, "SHARE_OF_NOISE", "share that no effect may take then"),
     (verdict_limits, "HARDLY_MORE", "ranking error over the best's up to which another may be the first of two"),
+    (
+        verdict_limits,
+        "LEAST_OF_MOST",
+        "standard errors that are enough for an effect that takes `MOST_OF_IT` of all",
+    ),
     (verdict_limits, "MORE_IS_MISSING", "ranking error beside which effects that gain the same to 1 % are a tie"),
     (case_fit, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
     (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),

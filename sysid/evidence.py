@@ -26,10 +26,12 @@ from sysid.verdict_limits import (
     LATE,
     LEAST_AWAY,
     LEAST_GAIN,
+    LEAST_OF_MOST,
     LEAST_PATTERN,
     LEAST_PERSISTENCE,
     LEAST_SIGNIFICANCE,
     LEAST_STEADINESS,
+    MOST_OF_IT,
 )
 
 
@@ -159,4 +161,7 @@ def is_worthwhile(base: BaseFit, trial: Trial) -> bool:
     before = ranking_error(base.residual) ** 2
     before_fit = ranking_error(base.fitted.fit.residual) ** 2
     certain = trial.significance >= LEAST_SIGNIFICANCE or trial.steadiness >= LEAST_STEADINESS
+    # What shows at a few break-aways alone is never steady: there it must take most, on all records.
+    most = trial.gain >= MOST_OF_IT * before and trial.fit_gain >= MOST_OF_IT * before_fit
+    certain |= most and trial.significance >= LEAST_OF_MOST
     return certain and trial.gain >= LEAST_GAIN * before and trial.fit_gain >= LEAST_GAIN * before_fit

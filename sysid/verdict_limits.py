@@ -56,7 +56,7 @@ LEAST_PATTERN = 0.15
 MORE_IS_MISSING = 1.5
 """Ranking error, in deviations, beside which two effects that gain the same to a hundredth are not told apart."""
 
-SHARE_ENOUGH = 0.80
+SHARE_ENOUGH = 0.75
 """Share of the ranking loss above the noise from which one effect is the explanation: with another law for the same
 effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at the most (generated records)."""
 
@@ -94,6 +94,9 @@ LEAST_SIGNIFICANCE = 4.0
 LEAST_STEADINESS = 1.5
 LEAST_GAIN = 0.03
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
+
+LEAST_OF_MOST = 2.0
+"""Significance, in standard errors, that is enough for an effect that takes `MOST_OF_IT` of all records' losses."""
 
 LEANS = 0.5
 """Part of the loss above the noise, left beside the best effect, that another pair must fall below to unseat it."""
