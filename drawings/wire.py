@@ -16,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numba
 import numpy as np
 
 from drawings.close_up import CloseUp
@@ -172,15 +173,23 @@ def _runs(points: np.ndarray, shown: np.ndarray, projection: Projection, chord: 
     flat = points @ np.array([projection.right, projection.up]).T
     edges = np.flatnonzero(np.diff(np.concatenate(([False], shown, [False]))))
     for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        chosen = [begin]
-        for place in range(begin + 2, end + 1):
-            if _sag(flat[chosen[-1] : place + 1]) > chord:
-                chosen.append(place - 1)
-        yield Polyline(tuple((float(x), float(y)) for x, y in flat[[*chosen, end]]))
+        stretch = flat[begin : end + 1]
+        yield Polyline(tuple((float(x), float(y)) for x, y in stretch[_needed(stretch, chord)]))
 
 
-def _sag(points: np.ndarray) -> float:
-    """Greatest distance of points from the straight line through the first and the last, mm."""
-    along = points[-1] - points[0]
-    from_first = points[1:-1] - points[0]
-    return float(np.abs(from_first[:, 0] * along[1] - from_first[:, 1] * along[0]).max() / max(np.hypot(*along), 1e-12))
+@numba.njit(cache=True)
+def _needed(points, chord):  # pragma: no cover - compiled
+    """Which points keep a line within a chord of all: each as far from the one before as that allows, and the last."""
+    chosen = np.zeros(len(points), dtype=np.bool_)
+    chosen[0] = chosen[-1] = True
+    first = 0
+    for last in range(2, len(points)):
+        u, v = points[last, 0] - points[first, 0], points[last, 1] - points[first, 1]
+        limit = chord * max(np.sqrt(u * u + v * v), 1e-12)
+        for place in range(first + 1, last):
+            x, y = points[place, 0] - points[first, 0], points[place, 1] - points[first, 1]
+            if abs(x * v - y * u) > limit:
+                first = last - 1
+                chosen[first] = True
+                break
+    return chosen
