@@ -170,9 +170,8 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     little = nothing_above or named.share < 0.5 or (of_starts and not to_the_noise)
     if evidence.over <= evidence.allowance and little:
         return "what is left is noise; no effect is worth its parameters"
-    turn_like = evidence.balance and evidence.like_turns(best) and not to_the_noise
-    if turn_like and (evidence.error <= 1.0 or not evidence.patterned):
-        return "what is left follows no coordinate: the timing of the axis's turns"
+    if evidence.balance and of_starts and not to_the_noise and (evidence.error <= 1.0 or not evidence.patterned):
+        return "what is left follows no coordinate: the timing of the axis's turns and starts"
     return None
 
 
