@@ -62,12 +62,15 @@ class Axis(NamedTuple):
 class Scan:
     """Range over which a shape parameter is searched, as multiples of a scale that the record sets.
 
-    The scale is the record's largest value (or range) of `of`; "period" is its duration, "sample" its sampling time.
+    The scale is the record's largest value (or range) of `of`; "time" is its duration, "sample" its sampling time,
+    "rest" its longest rest.
     `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
     A bounded range keeps a parameter physical: a cogging pitch longer than the travel is a slope in disguise.
     """
 
-    of: Literal["position", "velocity", "time", "sample", "travelled", "force", "load", "temperature", "input", "one"]
+    of: Literal[
+        "position", "velocity", "time", "sample", "travelled", "rest", "force", "load", "temperature", "input", "one"
+    ]
     low: float
     high: float
     points: int = 9

@@ -38,7 +38,8 @@ def predict(
 class Scales:
     """Sizes that the records set: what a parameter's start, search range and step are measured in. SI units.
 
-    `sliding` is the speed between the tip and the stage of a friction drive; zero where there is none.
+    `rest` is the longest rest, or a hundredth of the time where there is none to speak of. `sliding` is the speed
+    between the tip and the stage of a friction drive; zero where there is none.
     """
 
     force: float
@@ -54,6 +55,7 @@ class Scales:
     load_mean: float
     temperature_mean: float
     sliding: float = 0.0
+    rest: float = 1.0
 
     def of(self, name: str) -> float:
         """The scale called `name` in a `Scan`; 1 for `one`."""
@@ -63,6 +65,10 @@ class Scales:
 _SCALES = ("force", "position", "velocity", "time", "sample", "travelled", "load", "temperature", "input", "channel")
 
 
+LEAST_REST = 10.0
+"""Samples that a rest must last to be one to speak of."""
+
+
 def scales_of(records: Sequence[Prepared]) -> Scales:
     """Scales of a set of records: the largest over them."""
 
@@ -70,7 +76,7 @@ def scales_of(records: Sequence[Prepared]) -> Scales:
         return max(of) if of else 1.0
 
     found: dict[str, list[float]] = {name: [] for name in _SCALES}
-    load_mean, temperature_mean, sliding = 1.0, 0.0, 0.0
+    load_mean, temperature_mean, sliding, rest = 1.0, 0.0, 0.0, 0.0
     for record in records:
         if isinstance(record, TipRecord):
             found["time"].append(float(record.time[-1]))
@@ -92,11 +98,13 @@ def scales_of(records: Sequence[Prepared]) -> Scales:
         found["time"].append(float(axis.time[-1]))
         found["sample"].append(record.step)
         found["travelled"].append(float(axis.travelled[-1]))
+        rest = max(rest, float(np.max(axis.contact_age)))
         found["load"].append(float(np.ptp(axis.load)))
         found["temperature"].append(float(np.ptp(axis.temperature)))
         load_mean, temperature_mean = float(np.mean(axis.load)), float(np.mean(axis.temperature))
     sizes = {name: min(values) if name == "sample" else largest(values) for name, values in found.items()}
-    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean, sliding=sliding)
+    rest = rest if rest > LEAST_REST * sizes["sample"] else 0.01 * sizes["time"]
+    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean, sliding=sliding, rest=rest)
 
 
 def _seen_by(effect: Effect, scales: Scales) -> Scales:

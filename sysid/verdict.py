@@ -166,7 +166,8 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     of_starts = evidence.like_turns(best) or best.family in AT_STARTS
-    nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0
+    certain = taken >= MUCH_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
+    nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0 and not certain
     little = nothing_above or named.share < 0.5 or (of_starts and not to_the_noise)
     if evidence.over <= evidence.allowance and little:
         return "what is left is noise; no effect is worth its parameters"
