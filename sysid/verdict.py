@@ -188,8 +188,10 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
-    if evidence.share_apart(best) >= SHARE_ENOUGH and not turn_like:
-        return named.missing("explains what is left apart from the patterns of effects added before")
+    apart = _apart_from_patterns(evidence)
+    if apart is not None:
+        reason = "explains what is left apart from the patterns of effects added before"
+        return Verdict("missing-effect", apart, (), evidence.left_by(apart), reason)
     patterned = evidence.patterned
     for first in _as_good(evidence, best, bent) if patterned else []:
         above = pairs_on_top(case, evidence.base, first.candidate, evidence.all_effects)[:1]
@@ -211,6 +213,15 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
         f"the best effect, {best.family}, takes only {100 * named.share:.0f} % of the misfit, "
         "and no second one the rest",
     )
+
+
+def _apart_from_patterns(evidence: Evidence) -> Trial | None:
+    """The effect that explains what is left apart from the patterns of the effects that earlier rounds added."""
+    if not evidence.added:
+        return None
+    able = [t for t in evidence.ranked[:6] if is_worthwhile(evidence.base, t) and not evidence.like_turns(t)]
+    best = max(able, key=evidence.share_apart, default=None)
+    return best if best is not None and evidence.share_apart(best) >= SHARE_ENOUGH else None
 
 
 def _as_good(evidence: Evidence, best: Trial, bent: bool) -> list[Trial]:
