@@ -35,15 +35,8 @@ DEFLECTION, TURN = 0.5, 0.6
 
 
 @dataclass(frozen=True)
-class MeshedFaces:
-    """The faces of one shape, and their triangles together.
-
-    Attributes:
-        faces: of the shape, in its own order.
-        corners: of the triangles, mm, (n, 3).
-        triangles: three corners of each.
-        owners: the face of each.
-    """
+class _Faces:
+    """The faces of one shape, and their triangles together."""
 
     faces: tuple[Any, ...]
     corners: np.ndarray
@@ -63,15 +56,11 @@ class Scene:
         there = meshes or {}
         self._meshed = {name: _with_mesh(shape, there.get(name)) for name, shape in shapes.items()}
 
-    def with_more(self, shapes: Mapping[str, MeshedFaces]) -> Scene:
-        """A scene with some shapes more."""
-        scene = Scene({})
-        scene._meshed = {**self._meshed, **shapes}
+    def with_more(self, shapes: Mapping[str, TopoDS_Shape]) -> Scene:
+        """A scene with some shapes more; those that are here already are not meshed again."""
+        scene = Scene(shapes)
+        scene._meshed = {**self._meshed, **scene._meshed}
         return scene
-
-    def faces(self, name: str) -> MeshedFaces:
-        """A shape's faces with their triangles."""
-        return self._meshed[name]
 
     def reach(self, name: str, frame: Frame, along: Vector) -> tuple[float, float]:
         """Least and greatest place of a piece along a direction, mm; short by the triangles' deflection at most."""
@@ -80,7 +69,7 @@ class Scene:
 
     def wire(self, name: str) -> Wire | None:
         """The round wire that a shape is; None where it is anything else."""
-        return wire_of([face for part in self._meshed[name].faces for face in faces_of(part)])
+        return wire_of(self._meshed[name].faces)
 
     def standing(self, pieces: Sequence[tuple[str, Frame]], projection: Projection) -> Standing:
         """Some pieces as one direction of view shows them.
@@ -95,7 +84,7 @@ class Scene:
 class Standing:
     """Pieces as one direction of view shows them."""
 
-    def __init__(self, projection: Projection, pieces: Sequence[tuple[MeshedFaces, Frame]]) -> None:
+    def __init__(self, projection: Projection, pieces: Sequence[tuple[_Faces, Frame]]) -> None:
         self._projection = projection
         self._pieces = pieces
         axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
@@ -116,7 +105,7 @@ class Standing:
         found: list[TopoDS_Shape | None] = []
         for (meshed, frame), first, end in zip(self._pieces, self._first_faces, self._first_faces[1:], strict=False):
             shown = [meshed.faces[index - first] for index in seen[(seen >= first) & (seen < end)]]
-            found.append(compound_of(shown, frame) if shown else None)
+            found.append(_compound(shown, frame) if shown else None)
         return found
 
     def close_up(self, piece: int, pixel: float) -> CloseUp:
@@ -177,16 +166,13 @@ def _fill(points, triangles, owners, depth, paint):  # pragma: no cover - compil
                 z += along
 
 
-def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> MeshedFaces:
+def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> _Faces:
     if mesh is None:
-        return meshed(shape)
-    return MeshedFaces(
-        tuple(faces_of(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64)
-    )
+        return _meshed(shape)
+    return _Faces(tuple(faces_of(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
 
 
-def compound_of(faces: Sequence[Any], frame: Frame | None = None) -> TopoDS_Shape:
-    """Faces as one shape; moved to where they stand."""
+def _compound(faces: Sequence[Any], frame: Frame) -> TopoDS_Shape:
     from OCP.BRep import BRep_Builder
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS_Compound
@@ -198,11 +184,10 @@ def compound_of(faces: Sequence[Any], frame: Frame | None = None) -> TopoDS_Shap
     builder.MakeCompound(compound)
     for face in faces:
         builder.Add(compound, face)
-    return compound if frame is None else compound.Moved(TopLoc_Location(transformation(frame)))
+    return compound.Moved(TopLoc_Location(transformation(frame)))
 
 
-def meshed(shape: TopoDS_Shape) -> MeshedFaces:
-    """The faces of a shape, and triangles made now."""
+def _meshed(shape: TopoDS_Shape) -> _Faces:
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.TopAbs import TopAbs_REVERSED
 
@@ -215,7 +200,7 @@ def meshed(shape: TopoDS_Shape) -> MeshedFaces:
         triangles.append((mesh.corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else mesh.corners) + count)
         owners.append(np.full(len(mesh.corners), index))
         count += len(mesh.places)
-    return MeshedFaces(faces, np.concatenate(corners), np.concatenate(triangles), np.concatenate(owners))
+    return _Faces(faces, np.concatenate(corners), np.concatenate(triangles), np.concatenate(owners))
 
 
 def faces_of(shape: TopoDS_Shape) -> Iterator[Any]:

@@ -6,15 +6,11 @@ import math
 from itertools import pairwise
 
 import cadquery as cq
-import numpy as np
 import pytest
 
-from drawings.cut_piece import cut_piece
 from drawings.detail import clipped
-from drawings.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines
+from drawings.section import HATCH_PITCH, cut_shape, hatch, hatch_lines
 from drawings.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment
-from drawings.visibility import MeshedFaces, Scene
-from stagecad.solids.frame import Frame
 
 FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 
@@ -39,7 +35,7 @@ def test_a_plane_that_misses_is_an_error() -> None:
 @pytest.mark.parametrize("scale", [1.0, 0.2])
 def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
     left = cut_shape(tube().wrapped, FRONT)
-    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], scale)
+    lines = hatch(left, FRONT, PROJECTIONS["front"], scale)
     # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
     length = sum(math.dist(line.start, line.end) for line in lines)
     assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
@@ -58,29 +54,6 @@ def test_hatch_leaves_out_holes_and_may_fall() -> None:
     falling = hatch_lines([square], 3.0, -45.0)
     assert all(line.end[1] < line.start[1] for line in falling)
     assert hatch_lines([], 1.0) == ()
-
-
-def test_a_piece_s_cut_leaves_what_a_solid_s_cut_does() -> None:
-    bored = cq.Workplane().box(60, 40, 30).faces(">Z").workplane().hole(12)
-    bored = bored.faces(">X").workplane().center(0, 4).hole(8, 20).val()
-    assert isinstance(bored, cq.Shape)
-    piece = Scene({"block": bored.wrapped}).faces("block")
-    frame = Frame(shift=(5.0, 2.0, 0.0))
-    cut, caps = cut_piece(piece, frame, FRONT)
-    solid = cut_shape(bored.moved(cq.Location((5.0, 2.0, 0.0))).wrapped, FRONT)
-    area = sum(cq.Shape.cast(face).Area() for face in caps)
-    assert area == pytest.approx(sum(cq.Shape.cast(face).Area() for face in cut_faces(solid, FRONT)))
-    shown = np.unique(cut.triangles)
-    assert cut.corners[shown][:, 1].min() == pytest.approx(0.0, abs=1e-9)
-    # The faces behind the plane, with those in it, are the surface of the cut solid.
-    surface = sum(cq.Shape.cast(face).Area() for number, face in enumerate(cut.faces) if _behind(cut, number))
-    assert surface == pytest.approx(cq.Shape.cast(solid).Area())
-    with pytest.raises(ValueError, match="does not cut"):
-        cut_piece(piece, Frame(shift=(0.0, 50.0, 0.0)), FRONT)
-
-
-def _behind(cut: MeshedFaces, face: int) -> bool:
-    return bool((cut.owners == face).any())
 
 
 def lengths(curves: tuple[Curve, ...]) -> float:
