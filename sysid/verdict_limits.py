@@ -56,7 +56,7 @@ LEAST_PATTERN = 0.15
 MORE_IS_MISSING = 1.5
 """Ranking error, in deviations, beside which two effects that gain the same to a hundredth are not told apart."""
 
-SHARE_ENOUGH = 0.75
+SHARE_ENOUGH = 0.80
 """Share of the ranking loss above the noise from which one effect is the explanation: with another law for the same
 effect a true one reaches 0.85 and more, a false one that leans on it 0.65 at the most (generated records)."""
 
