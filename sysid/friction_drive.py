@@ -30,12 +30,12 @@ from sim.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
 from sysid.curves_of_speed import NO_CURVES, Curves, curves_of, goes_by_speed
+from sysid.driven_stage_motion import ages_at_rest, as_it_moved
 from sysid.effect_terms import Values, axis_force, friction_level, remember, values_of
 from sysid.follow import follow
 from sysid.follow_exactly import follow_exactly
 from sysid.follow_plane import follow_plane
 from sysid.noise_floor import Noise
-from sysid.own_motion import ages_at_rest, as_it_moved
 from sysid.records import Record
 from sysid.sensing import sensed
 from sysid.smoothing import GaussianFilter
