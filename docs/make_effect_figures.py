@@ -47,6 +47,7 @@ SHOWN = {
     "bristle_damping.stretch": 5e-4,
     "maxwell_slip.stretch": 2e-3,
     "presliding.stretch": 2e-3,
+    "free_maxwell_slip.stretch": 2e-3,
     "gain_mismatch.mismatch": 0.2,
     **{f"{name}.stiffness": 2e3 for name in ("dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run")},
     "drive_lag.time_constant": 0.1,
@@ -149,7 +150,8 @@ def figure(effect: Effect) -> str:
         plot.plot(along(axis), _model(base).friction_along(axis), color="0.7", lw=1.0, label="without")
         plot.plot(along(axis), _model(names).friction_along(axis), color="C3", lw=1.0, label=effect.name)
         plot.set(xlabel=label, ylabel="friction, N")
-    plot.legend(fontsize=8, frameon=False)
+    # Above the plot: within it a curve that goes to and fro leaves no place free.
+    drawn.legend(loc="outside upper center", ncols=2, fontsize=8, frameon=False)
     plot.spines[["top", "right"]].set_visible(False)
     text = StringIO()
     drawn.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
