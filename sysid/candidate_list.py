@@ -24,6 +24,9 @@ EVERYONES = (
 )
 """Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
 
+REFINEMENTS = ("presliding:maxwell_slip", "presliding:lugre_causal", "position_dependent_friction:overtone")
+"""Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""
+
 
 def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
     """Effects to try on top of a model whose effects are named `present`, in the order of the interface.
@@ -56,9 +59,7 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
             continue
         found.extend(_on_channels(case, effect, present))
         for variant in effect.variants:
-            if variant.core is not None and variant.name.endswith((":maxwell_slip", ":lugre_causal")):
-                continue
-            if not shows_on(case, variant):
+            if variant.name.endswith(REFINEMENTS) or not shows_on(case, variant):
                 continue
             found.extend(_on_channels(case, find(variant.name, case.custom), present))
     driven = [r for r in case.fit_records if isinstance(r, FrictionDriveRecord)]

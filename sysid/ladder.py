@@ -137,7 +137,7 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     if ":" not in name and "@" not in name:
         family = [c for c in candidates_of(case, present, all_effects=True) if base_name(c.name) == effect.name]
         options = family or options
-    if not options and effect.core is not None and ":" in name and shows_on(case, effect):
+    if not options and ":" in name and shows_on(case, effect):
         # Laws that a diagnosis does not try, since another of the family holds them, can be asked for.
         options = [effect]
     if not options:

@@ -39,11 +39,13 @@ class Pair:
         effects: the two.
         fitted: model with both, and its fit.
         error: ranking error on the held-out records, in deviations.
+        residual: of the held-out records, in deviations, (n,).
     """
 
     effects: tuple[Effect, Effect]
     fitted: Fitted
     error: float
+    residual: np.ndarray
 
     @property
     def names(self) -> tuple[str, str]:
@@ -165,7 +167,7 @@ def _refitted(
     residual = weighted_residual(fitted.model, case.validate_records, base.weights)
     if not np.isfinite(residual).all():
         return None
-    return Pair((two[0].look.effect, two[1].look.effect), fitted, ranking_error(residual))
+    return Pair((two[0].look.effect, two[1].look.effect), fitted, ranking_error(residual), residual)
 
 
 ON_TOP = 3
@@ -187,7 +189,7 @@ def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool 
         fitted = refined(first.fitted, look, case.fit_records, case.scales).fitted
         residual = weighted_residual(fitted.model, case.validate_records, base.weights)
         if np.isfinite(residual).all():
-            pairs.append(Pair((first.effect, look.effect), fitted, ranking_error(residual)))
+            pairs.append(Pair((first.effect, look.effect), fitted, ranking_error(residual), residual))
     return sorted(pairs, key=lambda pair: pair.error)
 
 

@@ -4,12 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from sysid.base_fit import ranking_error
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.misfit import blocks, excess
+from sysid.pairs import Pair
 from sysid.trials import Trial, parameter_count, significance_of
 from sysid.verdict_limits import LATE, MORE_IS_MISSING
+
+
+def tied_beside(case: Case, base: BaseFit, pair: Pair, pairs: Sequence[Pair], partner: str) -> tuple[str, ...]:
+    """Families that, beside a partner, do what the other one of a pair does, but for chance."""
+    numbers = blocks(case.validate_records, base.weights)
+    gained = ranking_error(base.residual) ** 2 - pair.error**2
+    others = [other for other in pairs if other is not pair and partner in other.names]
+    return tuple(other.partner(partner) for other in others if _by_chance(pair, other, gained, numbers))[:2]
+
+
+def _by_chance(
+    first: Trial | Pair, other: Trial | Pair, gained: float, numbers: np.ndarray, alike: bool = False
+) -> bool:
+    """Whether chance alone may have put the one before the other, in samples of the blocks `numbers` (n,)."""
+    behind = other.error**2 - first.error**2
+    # Where something else is missing too, it decides over the last hundredth of the gain.
+    alike |= first.error > MORE_IS_MISSING and behind <= 0.01 * gained
+    return behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5)
 
 
 def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
@@ -24,12 +45,9 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
     gained = before - first.error**2
     group = [first]
     for other in ranked[1:]:
-        behind = other.error**2 - first.error**2
         # Along a filtered motion a lag and a delay differ by less than what the filter costs.
         alike = case.kind == "force-drive" and {first.family, other.family} <= LATE and other.error <= 1.0
-        # Where something else is missing too, it decides over the last hundredth of the gain.
-        alike |= first.error > MORE_IS_MISSING and behind <= 0.01 * gained
-        if behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5):
+        if _by_chance(first, other, gained, numbers, alike):
             group.append(other)
     best = min(group, key=lambda t: (parameter_count(t), t.error))
     least = excess(best.after_fit, best.after_validate)

@@ -7,14 +7,15 @@ The questions stand in the order in which they are asked (`verdict_on`); docs/th
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sysid.evidence import Evidence, is_worthwhile, misfits_of
 from sysid.misfit import excess, misfit
 from sysid.pairs import Pair, best_pairs, pairs_on_top
-from sysid.ties import tied
+from sysid.ties import tied, tied_beside
 from sysid.trials import Trial, explained_share, share_of_error
 from sysid.verdict_limits import (
+    AT_REST,
     AT_STARTS,
     CLEARLY_ABOVE,
     HARDLY_MORE,
@@ -116,13 +117,17 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
     if excess(best.after_fit, best.after_validate) <= NEARLY_NOISE:
         return named.missing(EXPLAINS_ALL)
     bent = named.enough_alone and evidence.bent(best)
-    pair, first = _beside(evidence, best)
+    pairs = best_pairs(evidence.case, evidence.base, evidence.search.looks, evidence.search.target)
+    pair, first = _beside(evidence, best, pairs)
     if first is not best:
         named = _named(evidence, first, ())
     elif named.enough_alone and not bent:
         return named.missing(EXPLAINS_ALL)
     if pair is not None and _explains(evidence, pair, bent):
-        return named.missing(f"explains its share; {pair.partner(first.family)} the rest")
+        partner = pair.partner(first.family)
+        beside = tied_beside(evidence.case, evidence.base, pair, pairs, partner)
+        ties = tuple(dict.fromkeys(name for name in (*beside, *named.ties) if name != partner))[:2]
+        return replace(named, ties=ties).missing(f"explains its share; {partner} the rest")
     return _of_a_part(evidence, named, bent)
 
 
@@ -184,8 +189,9 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
     little_left = excess(*misfits_of(case, best)) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
-    # What an effect that takes little elsewhere takes at the turns is their time.
-    beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART
+    # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
+    at_rest = best.share_at_rest >= AT_REST
+    beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
     apart = _apart_from_patterns(evidence)
@@ -260,13 +266,12 @@ def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:
         yield from pairs_on_top(case, base, best.candidate, evidence.all_effects)[:1]
 
 
-def _beside(evidence: Evidence, best: Trial) -> tuple[Pair | None, Trial]:
+def _beside(evidence: Evidence, best: Trial, pairs: list[Pair]) -> tuple[Pair | None, Trial]:
     """The pair of effects that explains most, and the one of the two to name first.
 
     A pair without the best single effect is taken where it leaves far less than any pair with it: then that effect
     only leans on the two.
     """
-    pairs = best_pairs(evidence.case, evidence.base, evidence.search.looks, evidence.search.target)
     if not pairs:
         return None, best
     with_best = [pair for pair in pairs if best.family in pair.names]

@@ -26,6 +26,21 @@ def _gradient_factor_position(axis: Axis, p: Any) -> Any:
     return p.gradient + 0.0 * axis.position
 
 
+def _wave(axis: Axis, p: Any) -> Any:
+    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
+    return np.sin(angle) + p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
+
+
+def _overtone_factor(axis: Axis, p: Any) -> Any:
+    return 1.0 + p.amplitude * _wave(axis, p)
+
+
+def _overtone_factor_position(axis: Axis, p: Any) -> Any:
+    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
+    slope = np.cos(angle) + 2.0 * p.second_sine * np.cos(2.0 * angle) - 2.0 * p.second_cosine * np.sin(2.0 * angle)
+    return p.amplitude * 2.0 * np.pi / p.pitch * slope
+
+
 _SINE = Effect(
     name="position_dependent_friction",
     meaning="the friction level varies along the travel: lapping marks, waviness, uneven preload",
@@ -65,4 +80,36 @@ _GRADIENT = replace(
     slopes={"factor.position": _gradient_factor_position},
 )
 
-EFFECT = replace(_SINE, variants=(_GRADIENT,))
+_OVERTONE = replace(
+    _SINE,
+    name="position_dependent_friction:overtone",
+    meaning="a wave along the travel that is no pure sine: broad crests and narrow troughs, or a leaning flank",
+    equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
+    parameters=(
+        *(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters),
+        Parameter(
+            "second_sine",
+            "1",
+            0.0,
+            -0.3,
+            0.3,
+            "half the length, of the wave: leaning flanks",
+            "stays one wave",
+            "shape",
+        ),
+        Parameter(
+            "second_cosine",
+            "1",
+            0.0,
+            -0.3,
+            0.3,
+            "half the length, of the wave: broad crests",
+            "stays one wave",
+            "shape",
+        ),
+    ),
+    factor=_overtone_factor,
+    slopes={"factor.position": _overtone_factor_position},
+)
+
+EFFECT = replace(_SINE, variants=(_GRADIENT, _OVERTONE))

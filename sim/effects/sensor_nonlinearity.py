@@ -21,8 +21,8 @@ EFFECT = Effect(
     acts_on="sensor",
     coordinates=("position", "input"),
     parameters=(
-        Parameter("second_order", "1", 0.0, -0.5, 0.5, "quadratic part, of full scale", "either sign"),
-        Parameter("third_order", "1", 0.0, -0.5, 0.5, "cubic part, of full scale", "either sign"),
+        Parameter("second_order", "1", 0.0, -1.5, 1.5, "quadratic part, of full scale", "either sign"),
+        Parameter("third_order", "1", 0.0, -1.5, 1.5, "cubic part, of full scale", "either sign"),
         Parameter(
             "full_scale",
             "channel",

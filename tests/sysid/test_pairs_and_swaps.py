@@ -8,14 +8,16 @@ import numpy as np
 import pytest
 
 from sim.library import find
+from sysid.base_fit import ranking_error
 from sysid.case import load_case
 from sysid.case_fit import fit_case
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.ladder_files import read_ladder
-from sysid.pairs import added_anew, best_pairs
+from sysid.pairs import Pair, added_anew, best_pairs
 from sysid.smoothing import GaussianFilter
 from sysid.swaps import find_swaps
+from sysid.ties import tied_beside
 from sysid.trials import looks_on
 
 NOISE = 0.02
@@ -83,6 +85,42 @@ def test_two_effects_are_found_one_after_the_other_and_nothing_after_them(tmp_pa
     after = diagnose(rig)
     assert after.verdict == "adequate"
     assert after.before_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+
+
+def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    wave = np.sin(2 * np.pi * x / 6e-3 + 0.3)
+    return 1.5 * (1.0 + 0.4 * (wave + 0.2 * wave**2)) * np.sign(v) + 4.0 * v
+
+
+def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
+    rig = _write(tmp_path, _skewed)
+    found = diagnose(rig)
+    assert found.effect == "position_dependent_friction"
+    assert found.best is not None
+    assert found.best.after_validate["friction_force"].over_noise > 2.0
+    step = add_effects(rig, [found.effect])
+    assert step.rung.effects[-1] == "position_dependent_friction:overtone"
+    assert step.after_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+    # sin^2 is half of 1 - cos: the crests are a tenth of the wave broader.
+    values = step.base.fitted.model.values
+    assert abs(values["position_dependent_friction:overtone.second_cosine"]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tmp_path: Path) -> None:
+    case = load_case(_write(tmp_path, _uneven))
+    base = fit_case(case)
+    looks, target = looks_on(case, base, ["coulomb", "viscous"])
+    pair = best_pairs(case, base, looks, target)[0]
+    assert set(pair.names) == {"position_dependent_friction", "cable_spring"}
+    wave = pair.effects[pair.names.index("position_dependent_friction")]
+    rng = np.random.default_rng(0)
+
+    def beside_the_wave(name: str, shift: float) -> Pair:
+        residual = pair.residual + shift * rng.normal(size=pair.residual.size)
+        return Pair((wave, find(name)), pair.fitted, ranking_error(residual), residual)
+
+    alike, worse = beside_the_wave("gravity_torque", 1e-3), beside_the_wave("magnetic_cogging", 3.0)
+    assert tied_beside(case, base, pair, [pair, alike, worse], wave.name) == ("gravity_torque",)
 
 
 def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:

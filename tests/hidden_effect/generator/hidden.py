@@ -194,7 +194,7 @@ _listed(
 _listed(
     "sensor_nonlinearity",
     (TIP, SPRING, VELOCITY),
-    lambda r, b: Draw({"sensor.bend": _uniform(r, 0.02, 0.1)}, {"sensor.lean": _uniform(r, -3, 3)}, limit=2.5),
+    lambda r, b: Draw({"sensor.bend": _uniform(r, 0.02, 0.1)}, {"sensor.lean": _uniform(r, -1.5, 1.5)}, limit=2.5),
 )
 _listed(
     "sensor_drift",
