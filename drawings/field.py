@@ -62,6 +62,12 @@ class Lines:
         near = self._near(box)
         return [] if near is None else [(x0, y0, x1, y1) for x0, y0, x1, y1 in near.T.tolist()]
 
+    def leaving(self, box: Box2) -> list[Line]:
+        """The pieces that are not wholly within a box."""
+        held = self._held[:, : self._count]
+        out = (held[4] < box[0]) | (held[6] > box[2]) | (held[5] < box[1]) | (held[7] > box[3])
+        return [(x0, y0, x1, y1) for x0, y0, x1, y1 in held[:4, out].T.tolist()]
+
     def crossing(self, line: Line) -> int:
         """How many pieces a line crosses, ends that just touch left out."""
         x0, y0, x1, y1 = line

@@ -18,7 +18,7 @@ from ezdxf.tools.text_size import text_size
 from drawings.field import Line, Lines, arc_points, pieces
 from drawings.lettering import prepare
 from drawings.view import Arc, Box2, Point2
-from drawings.windows import Window, drawn, windows
+from drawings.windows import Window, drawn, of_type, windows
 
 Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
 
@@ -94,13 +94,13 @@ class _Ink:
             if entity.dxftype() == "TEXT":
                 self.texts.append(_text(entity, None))
             elif entity.dxftype() != "VIEWPORT":
-                self.sheet_lines += _lines(entity, None)
+                self.sheet_lines += pieces(_points(entity))
         for entity in drawn(document, document.modelspace()):
             self._from_model(entity)
 
     def _from_model(self, entity: Any) -> None:
         points = _points(entity)
-        window = next((w for w in self.windows if points and all(map(w.shows, points))), None)
+        window = next((w for w in self.windows if points and w.shows_all(points)), None)
         if window is None:
             self.lost.append(f"{entity.dxftype()} on layer {entity.dxf.layer}")
         elif entity.dxftype() == "TEXT":
@@ -108,12 +108,13 @@ class _Ink:
             self.texts.append(text)
             self.view_texts.append(text)
         else:
-            lines = _lines(entity, window)
+            points = window.on_paper(points)
+            lines = pieces(points)
             self.view_lines += lines
             if entity.dxf.layer in PART:
                 self.part_lines += lines
             elif entity.dxftype() in ("LWPOLYLINE", "CIRCLE"):
-                box = _box(map(window.to_paper, points))
+                box = _box(points)
                 framed = len(points) == 5 and math.dist(points[0], points[4]) < 1e-9
                 if framed or max(box[2] - box[0], box[3] - box[1]) < SYMBOL:
                     self.symbols.append(box)
@@ -202,16 +203,12 @@ def _off_the_sheet(document: Drawing, ink: _Ink) -> Iterator[Hit]:
     for text in ink.view_texts:
         if any(not (x0 < x < x1 and y0 < y < y1) for x, y in text.corners()):
             yield Hit("frame", f"'{text.words}' is outside the frame", text.middle)
-    outside = [
-        line
-        for line in ink.view_lines
-        if min(line[::2]) < x0 or max(line[::2]) > x1 or min(line[1::2]) < y0 or max(line[1::2]) > y1
-    ]
+    lines = Lines()
+    lines.add(ink.view_lines)
+    outside = lines.leaving((x0, y0, x1, y1))
     if outside:
         yield Hit("frame", f"{len(outside)} lines are outside the frame", outside[0][:2])
     for title in frames[1:]:
-        lines = Lines()
-        lines.add(ink.view_lines)
         if lines.touching(title):
             yield Hit("title block", "lines of a view are over the title block", title[:2])
         for text in ink.view_texts:
@@ -232,7 +229,7 @@ def _frames(document: Drawing) -> Iterator[Box2]:
 def _shared_lines(document: Drawing, ink: _Ink) -> Iterator[Hit]:
     """Dimension lines that run on top of one another."""
     placed: list[tuple[Point2, Point2, str]] = []
-    for dimension in document.modelspace().query("DIMENSION"):
+    for dimension in of_type(document.modelspace(), "DIMENSION"):
         d = dimension.dxf
         if d.dimtype & 7 != 0:
             continue
@@ -263,8 +260,8 @@ def _on_one_line(one: tuple[Point2, Point2], other: tuple[Point2, Point2]) -> bo
 
 def _values(document: Drawing, ink: _Ink) -> Iterator[Hit]:
     """Dimensions whose picture does not say what their points measure."""
-    for dimension in document.modelspace().query("DIMENSION"):
-        measured = dimension.get_measurement()  # type: ignore[attr-defined]
+    for dimension in of_type(document.modelspace(), "DIMENSION"):
+        measured = dimension.get_measurement()
         if not isinstance(measured, float):
             continue
         decimals = document.dimstyles.get(dimension.dxf.dimstyle).dxf.dimdec
@@ -322,11 +319,6 @@ def _points(entity: Any) -> list[Point2]:
             return [(d.insert.x, d.insert.y)]
         case kind:
             raise ValueError(f"a sheet has no {kind}")
-
-
-def _lines(entity: Any, window: Window | None) -> list[Line]:
-    points: Iterable[Point2] = _points(entity)
-    return pieces(list(map(window.to_paper, points)) if window else list(points))
 
 
 def _box(points: Iterable[Point2]) -> Box2:

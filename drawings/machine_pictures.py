@@ -1,25 +1,21 @@
 """The pictures of the whole machine that its sheets show: from above, cut through actuator 1, and taken apart."""
 
-# The kernel's Python bindings are compiled and carry no names that a type checker could see.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from drawings.cut_piece import cut_piece
 from drawings.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, picture
-from drawings.section import cut_shape, hatch
+from drawings.section import hatch
 from drawings.view import PROJECTIONS, Cut, Projection, Segment
-from drawings.visibility import DEFLECTION, Scene
+from drawings.visibility import DEFLECTION, MeshedFaces, Scene
 from stagecad.solids.frame import UNMOVED, Frame
 from stagecad.solids.machine import MOVING
 
 if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
     from stagecad.solids.assembly import Instance
 
 EYE_BELOW = Projection(
@@ -37,7 +33,6 @@ WHOLE = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set
 def machine_picture(
     name: str,
     instances: Sequence[Instance],
-    shapes: Mapping[str, TopoDS_Shape],
     scene: Scene,
     *,
     exact: bool = True,
@@ -47,8 +42,7 @@ def machine_picture(
     Args:
         name: of the picture.
         instances: everything that stands in the machine.
-        shapes: solid of each `Instance.shape`.
-        scene: of the shapes.
+        scene: of the solids, by `Instance.shape`.
         exact: how lines are hidden (`drawings.projection.project`).
     """
     match name:
@@ -56,7 +50,7 @@ def machine_picture(
             standing = [(i.part, i.shape, i.frame) for i in instances]
             return picture(TOP, PROJECTIONS["top"], scene, standing, exact=exact)
         case "section A-A":
-            return _section(instances, shapes, scene, exact=exact)
+            return _section(instances, scene, exact=exact)
         case "exploded":
             apart = [(i.part, i.shape, i.exploded) for i in instances]
             return picture(EXPLODED, PROJECTIONS["iso"], scene, apart, exact=exact)
@@ -69,12 +63,10 @@ def machine_picture(
             raise ValueError(f"there is no picture '{name}' of the machine")
 
 
-def _section(
-    instances: Sequence[Instance], shapes: Mapping[str, TopoDS_Shape], scene: Scene, *, exact: bool
-) -> Picture:
+def _section(instances: Sequence[Instance], scene: Scene, *, exact: bool) -> Picture:
     """The machine cut through the axis of actuator 1 along the travel."""
     cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
-    left: dict[str, TopoDS_Shape] = {}
+    left: dict[str, MeshedFaces] = {}
     hatched: list[Segment] = []
     pieces: list[tuple[str, str, Frame]] = []
     for number, instance in enumerate(instances):
@@ -85,17 +77,9 @@ def _section(
             pieces.append((instance.part, instance.shape, instance.frame))
             continue
         name = f"{instance.name} cut"
-        left[name] = cut_shape(_moved(shapes[instance.shape], instance.frame), cut)
-        hatched.extend(hatch(left[name], cut, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
+        left[name], caps = cut_piece(scene, instance.shape, instance.frame, cut)
+        hatched.extend(hatch(caps, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
         pieces.append((instance.part, name, UNMOVED))
     shown = picture(SECTION, PROJECTIONS["front"], scene.with_more(left), pieces, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
     return replace(shown, view=replace(shown.view, curves=curves, label="A-A", cut=cut))
-
-
-def _moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
-    from OCP.TopLoc import TopLoc_Location
-
-    from stagecad.solids.export import transformation
-
-    return shape.Moved(TopLoc_Location(transformation(frame)))

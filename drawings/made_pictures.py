@@ -56,7 +56,7 @@ def make_picture(
         instances = assemble(dict(parts), reading)
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(instances, parts, reading).items()}
         scene = Scene(shapes, {part: made.mesh for part, made in parts.items()})
-        picture = machine_picture(name, instances, shapes, scene, exact=exact)
+        picture = machine_picture(name, instances, scene, exact=exact)
         (folder / _FILE).write_text(json.dumps(picture and as_json(picture)), "utf-8")
 
     with uncollected():

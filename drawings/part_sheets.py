@@ -16,7 +16,7 @@ from drawings.layout import Arrangement, arrange, detached, dressed
 from drawings.lettering import LINE_PITCH, TEXT
 from drawings.part_views import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
 from drawings.projection import project, with_simple_curves
-from drawings.section import cut_shape, hatch
+from drawings.section import cut_faces, cut_shape, hatch
 from drawings.sheet import Sheet, scale_text, sheet_area
 from drawings.symbols import line_width
 from drawings.title_block import TitleBlock, title_box
@@ -63,7 +63,7 @@ class Views:
         if plan.cut:
             left = cut_shape(self._shape, plan.cut)
             curves = dict(project(left, projection, hidden=False, exact=self._exact))
-            curves["HATCH"] = hatch(left, plan.cut, projection, scale)
+            curves["HATCH"] = hatch(cut_faces(left, plan.cut), projection, scale)
             label = f"{plan.cut.letter}-{plan.cut.letter}"
         else:
             curves = dict(self._outside(plan))

@@ -228,8 +228,9 @@ def as_curve(edge: Any, chord: float = CHORD) -> Curve | None:
             start, end = (_angle(centre, point) for point in (ends if axis > 0 else reversed(ends)))
             return Arc(centre, circle.Radius(), start, end if end > start else end + 360.0)
     points = GCPnts_QuasiUniformDeflection(curve, chord, first, last)
-    places = [(points.Value(i).X(), points.Value(i).Y()) for i in range(1, points.NbPoints() + 1)]
-    return _segment(places) or _polyline(places)
+    found = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
+    places = [(point.X(), point.Y()) for point in found]
+    return (None if _bent(places) else _segment(places)) or _polyline(places)
 
 
 def _at(curve: Any, parameter: float) -> Point2:
@@ -251,6 +252,13 @@ def _segment(points: list[Point2]) -> Segment | None:
     if max(abs((u - x) * (q - y) - (v - y) * (p - x)) / length for u, v in points) > FLAT:
         return None
     return Segment(*ends)
+
+
+def _bent(points: list[Point2]) -> bool:
+    """Whether three of some points already lie on no straight line; a quick look before all of them are compared."""
+    (x, y), (u, v), (p, q) = points[0], points[len(points) // 2], points[-1]
+    longest = max(math.hypot(u - x, v - y), math.hypot(p - u, q - v), math.hypot(p - x, q - y))
+    return abs((u - x) * (q - y) - (v - y) * (p - x)) > 2.0 * FLAT * longest
 
 
 def _polyline(points: list[Point2]) -> Polyline | None:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from drawings.view import Cut, Point2, Projection, Segment
@@ -40,7 +40,7 @@ def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
     corner = [p - size / 2 * (a + b) for p, a, b in zip(cut.point, _numbers(along), _numbers(across), strict=True)]
     air = BRepPrimAPI_MakeBox(gp_Ax2(gp_Pnt(*corner), gp_Dir(*cut.normal), along), size, size, size).Shape()
     result = BRepAlgoAPI_Cut(shape, air)
-    if not result.IsDone() or not any(True for _ in _cut_faces(result.Shape(), cut)):
+    if not result.IsDone() or not any(True for _ in cut_faces(result.Shape(), cut)):
         raise ValueError(f"section {cut.letter}-{cut.letter}: the plane does not cut the part")
     return result.Shape()
 
@@ -49,7 +49,7 @@ def _numbers(direction: Any) -> tuple[float, float, float]:
     return (direction.X(), direction.Y(), direction.Z())
 
 
-def _cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
+def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
     """Plane faces in the cutting plane, towards the eye."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_Plane
@@ -71,18 +71,16 @@ def _cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
         explorer.Next()
 
 
-def hatch(
-    shape: TopoDS_Shape, cut: Cut, projection: Projection, scale: float, *, falling: bool = False
-) -> tuple[Segment, ...]:
-    """Hatch lines on the cut faces, clipped to them; at the pitch that is right on paper.
+def hatch(faces: Iterable[Any], projection: Projection, scale: float, *, falling: bool = False) -> tuple[Segment, ...]:
+    """Hatch lines on cut faces, clipped to them; at the pitch that is right on paper.
 
     Args:
-        shape: what `cut_shape` left.
+        faces: in the cutting plane (`cut_faces`).
         scale: of the view, paper over part.
         falling: whether lines fall to the right, to tell one part from its neighbour.
     """
     loops: list[list[Point2]] = []
-    for face in _cut_faces(shape, cut):
+    for face in faces:
         loops.extend(_loops(face, projection))
     return hatch_lines(loops, HATCH_PITCH / scale, -HATCH_ANGLE if falling else HATCH_ANGLE)
 

@@ -109,7 +109,7 @@ class _Pens:
 
     def draw(self, entity: Any, window: Window | None) -> None:
         """One entity, in the paper space itself or as a viewport shows it."""
-        to, scale = (window.to_paper, window.scale) if window else (_as_it_is, 1.0)
+        to, along, scale = (window.to_paper, window.on_paper, window.scale) if window else (_as_it_is, list, 1.0)
         d, kind = entity.dxf, entity.dxftype()
         if kind == "VIEWPORT" or not self._layers[d.layer].plot:
             return
@@ -117,7 +117,7 @@ class _Pens:
             case "LINE":
                 self._stroke(entity, [to((d.start.x, d.start.y)), to((d.end.x, d.end.y))], scale)
             case "LWPOLYLINE":
-                self._stroke(entity, [to((x, y)) for x, y, *_ in entity.lwpoints], scale)
+                self._stroke(entity, along([(x, y) for x, y, *_ in entity.lwpoints]), scale)
             case "CIRCLE" | "ARC":
                 angles = (d.start_angle, d.end_angle) if kind == "ARC" else (0.0, 360.0)
                 self._arc(entity, Arc(to((d.center.x, d.center.y)), d.radius * scale, *angles), scale)

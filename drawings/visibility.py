@@ -35,8 +35,15 @@ DEFLECTION, TURN = 0.5, 0.6
 
 
 @dataclass(frozen=True)
-class _Faces:
-    """The faces of one shape, and their triangles together."""
+class MeshedFaces:
+    """The faces of one shape, and their triangles together.
+
+    Attributes:
+        faces: of the shape, in its own order.
+        corners: of the triangles, mm, (n, 3).
+        triangles: three corners of each.
+        owners: the face of each.
+    """
 
     faces: tuple[Any, ...]
     corners: np.ndarray
@@ -54,13 +61,23 @@ class Scene:
 
     def __init__(self, shapes: Mapping[str, TopoDS_Shape], meshes: Mapping[str, Mesh] | None = None) -> None:
         there = meshes or {}
+        self._solids = dict(shapes)
         self._meshed = {name: _with_mesh(shape, there.get(name)) for name, shape in shapes.items()}
 
-    def with_more(self, shapes: Mapping[str, TopoDS_Shape]) -> Scene:
-        """A scene with some shapes more; those that are here already are not meshed again."""
-        scene = Scene(shapes)
-        scene._meshed = {**self._meshed, **scene._meshed}
+    def with_more(self, shapes: Mapping[str, MeshedFaces]) -> Scene:
+        """A scene with some shapes more."""
+        scene = Scene({})
+        scene._solids = self._solids
+        scene._meshed = {**self._meshed, **shapes}
         return scene
+
+    def faces(self, name: str) -> MeshedFaces:
+        """A shape's faces with their triangles."""
+        return self._meshed[name]
+
+    def solid(self, name: str) -> TopoDS_Shape:
+        """A shape as it came."""
+        return self._solids[name]
 
     def reach(self, name: str, frame: Frame, along: Vector) -> tuple[float, float]:
         """Least and greatest place of a piece along a direction, mm; short by the triangles' deflection at most."""
@@ -69,7 +86,7 @@ class Scene:
 
     def wire(self, name: str) -> Wire | None:
         """The round wire that a shape is; None where it is anything else."""
-        return wire_of(self._meshed[name].faces)
+        return wire_of([face for part in self._meshed[name].faces for face in faces_of(part)])
 
     def standing(self, pieces: Sequence[tuple[str, Frame]], projection: Projection) -> Standing:
         """Some pieces as one direction of view shows them.
@@ -84,7 +101,7 @@ class Scene:
 class Standing:
     """Pieces as one direction of view shows them."""
 
-    def __init__(self, projection: Projection, pieces: Sequence[tuple[_Faces, Frame]]) -> None:
+    def __init__(self, projection: Projection, pieces: Sequence[tuple[MeshedFaces, Frame]]) -> None:
         self._projection = projection
         self._pieces = pieces
         axes = np.array([projection.right, [-c for c in projection.up], [-c for c in projection.towards_eye]])
@@ -105,7 +122,7 @@ class Standing:
         found: list[TopoDS_Shape | None] = []
         for (meshed, frame), first, end in zip(self._pieces, self._first_faces, self._first_faces[1:], strict=False):
             shown = [meshed.faces[index - first] for index in seen[(seen >= first) & (seen < end)]]
-            found.append(_compound(shown, frame) if shown else None)
+            found.append(moved(compound_of(shown), frame) if shown else None)
         return found
 
     def close_up(self, piece: int, pixel: float) -> CloseUp:
@@ -166,28 +183,38 @@ def _fill(points, triangles, owners, depth, paint):  # pragma: no cover - compil
                 z += along
 
 
-def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> _Faces:
+def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> MeshedFaces:
     if mesh is None:
-        return _meshed(shape)
-    return _Faces(tuple(faces_of(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64))
+        return meshed(shape)
+    return MeshedFaces(
+        tuple(faces_of(shape)), mesh.vertices, mesh.triangles.astype(np.int64), mesh.faces.astype(np.int64)
+    )
 
 
-def _compound(faces: Sequence[Any], frame: Frame) -> TopoDS_Shape:
+def compound_of(faces: Sequence[Any]) -> TopoDS_Shape:
+    """Faces as one shape."""
     from OCP.BRep import BRep_Builder
-    from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS_Compound
-
-    from stagecad.solids.export import transformation
 
     compound = TopoDS_Compound()
     builder = BRep_Builder()
     builder.MakeCompound(compound)
     for face in faces:
         builder.Add(compound, face)
-    return compound.Moved(TopLoc_Location(transformation(frame)))
+    return compound
 
 
-def _meshed(shape: TopoDS_Shape) -> _Faces:
+def moved(shape: TopoDS_Shape, frame: Frame) -> TopoDS_Shape:
+    """A shape where it stands."""
+    from OCP.TopLoc import TopLoc_Location
+
+    from stagecad.solids.export import transformation
+
+    return shape.Moved(TopLoc_Location(transformation(frame)))
+
+
+def meshed(shape: TopoDS_Shape) -> MeshedFaces:
+    """The faces of a shape, and triangles made now."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.TopAbs import TopAbs_REVERSED
 
@@ -200,7 +227,7 @@ def _meshed(shape: TopoDS_Shape) -> _Faces:
         triangles.append((mesh.corners[:, ::-1] if face.Orientation() == TopAbs_REVERSED else mesh.corners) + count)
         owners.append(np.full(len(mesh.corners), index))
         count += len(mesh.places)
-    return _Faces(faces, np.concatenate(corners), np.concatenate(triangles), np.concatenate(owners))
+    return MeshedFaces(faces, np.concatenate(corners), np.concatenate(triangles), np.concatenate(owners))
 
 
 def faces_of(shape: TopoDS_Shape) -> Iterator[Any]:

@@ -45,7 +45,7 @@ def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
     scene = Scene(shapes, meshes)
 
     def make(name: str, *, exact: bool = True) -> Picture:
-        picture = machine_picture(name, instances, shapes, scene, exact=exact)
+        picture = machine_picture(name, instances, scene, exact=exact)
         assert picture is not None
         return picture
 

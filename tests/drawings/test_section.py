@@ -3,14 +3,21 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from itertools import pairwise
+from typing import Any
 
 import cadquery as cq
+import numpy as np
 import pytest
 
+import drawings.cut_piece
+from drawings.cut_piece import cut_piece
 from drawings.detail import clipped
-from drawings.section import HATCH_PITCH, cut_shape, hatch, hatch_lines
+from drawings.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines
 from drawings.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment
+from drawings.visibility import Scene, moved
+from stagecad.solids.frame import Frame
 
 FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 
@@ -35,7 +42,7 @@ def test_a_plane_that_misses_is_an_error() -> None:
 @pytest.mark.parametrize("scale", [1.0, 0.2])
 def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
     left = cut_shape(tube().wrapped, FRONT)
-    lines = hatch(left, FRONT, PROJECTIONS["front"], scale)
+    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], scale)
     # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
     length = sum(math.dist(line.start, line.end) for line in lines)
     assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
@@ -54,6 +61,49 @@ def test_hatch_leaves_out_holes_and_may_fall() -> None:
     falling = hatch_lines([square], 3.0, -45.0)
     assert all(line.end[1] < line.start[1] for line in falling)
     assert hatch_lines([], 1.0) == ()
+
+
+def block() -> cq.Shape:
+    """A block with two bores that the plane cuts along their axes, and a step that lies in the plane."""
+    bored = cq.Workplane().box(60, 40, 30).faces(">Z").workplane().hole(12)
+    bored = bored.faces(">X").workplane().center(0, 4).hole(8, 20)
+    shape = bored.cut(cq.Workplane().box(10, 20, 10).translate((-25, -10, 10))).val()
+    assert isinstance(shape, cq.Shape)
+    return shape
+
+
+def area(faces: Iterable[Any]) -> float:
+    return sum(cq.Shape.cast(face).Area() for face in faces)
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (5.0, 2.0, 0.0), (0.0, -2.0, 1.0)])
+def test_a_piece_s_cut_leaves_what_a_solid_s_cut_does(shift: tuple[float, float, float]) -> None:
+    scene, frame = Scene({"block": block().wrapped}), Frame(shift=shift)
+    cut, caps = cut_piece(scene, "block", frame, FRONT)
+    solid = cut_shape(moved(block().wrapped, frame), FRONT)
+    assert area(caps) == pytest.approx(area(cut_faces(solid, FRONT)))
+    shown = np.unique(cut.triangles)
+    assert cut.corners[shown][:, 1].min() == pytest.approx(0.0, abs=1e-9)
+    # The faces behind the plane, with those in it, are the surface of the cut solid.
+    behind = [face for number, face in enumerate(cut.faces) if (cut.owners == number).any()]
+    assert area(behind) == pytest.approx(cq.Shape.cast(solid).Area())
+
+
+def test_faces_that_do_not_close_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One cut face too few, and the solid is cut instead."""
+    scene = Scene({"block": block().wrapped})
+    frame = Frame(shift=(5.0, 2.0, 0.0))
+    _, caps = cut_piece(scene, "block", frame, FRONT)
+    whole = drawings.cut_piece.bounded
+    monkeypatch.setattr("drawings.cut_piece.bounded", lambda behind, regions: whole(behind, regions)[1:])
+    assert len(caps) > 1
+    _, same = cut_piece(scene, "block", frame, FRONT)
+    assert area(same) == pytest.approx(area(caps))
+
+
+def test_a_piece_beside_the_plane_is_an_error() -> None:
+    with pytest.raises(ValueError, match="does not cut"):
+        cut_piece(Scene({"block": block().wrapped}), "block", Frame(shift=(0.0, 50.0, 0.0)), FRONT)
 
 
 def lengths(curves: tuple[Curve, ...]) -> float:
