@@ -42,8 +42,8 @@ from sysid.trials import looks_on
 case = load_case(sys.argv[1])
 base = fit_case(case)
 clock, processor = perf_counter(), process_time()
-looks, _ = looks_on(case, base, [e.name for e in case.start.effects])
-print("used", process_time() - processor, perf_counter() - clock, len(looks))
+looks = looks_on(case, base, [e.name for e in case.start.effects])
+print("used", process_time() - processor, perf_counter() - clock, len(looks.looks))
 """
 DIAGNOSE = """
 import resource, sys

@@ -193,11 +193,27 @@ class Candidate:
 
 
 @dataclass(frozen=True)
-class Look:
-    """A first look at an effect: its scores over the grid, and a short fit from the best of them."""
+class Scored:
+    """An effect scored over its grid, not fitted yet."""
 
     effect: Effect
     scores: list[Score]
+
+    @property
+    def promise(self) -> float:
+        """Share of the squared residual that its best point promises; without any point only a fit can tell."""
+        return max((score.whole for score in self.scores), default=np.inf)
+
+    @property
+    def linear(self) -> bool:
+        """Whether its scores say what it can do: it has amplitudes that a linear weight stands for."""
+        return bool(self.scores) and any(p.role == "amplitude" for p in self.effect.parameters)
+
+
+@dataclass(frozen=True)
+class Look(Scored):
+    """A first look at an effect: its scores over the grid, and a short fit from the best of them."""
+
     fitted: Fitted
 
     @property
@@ -227,6 +243,13 @@ FROM_AFAR = 8
 """Points of the grid, and steps of the fit from each, in a first look from so far away."""
 
 
+def scored(
+    base: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales, basis: np.ndarray, target: np.ndarray
+) -> Scored:
+    """An effect scored over its grid."""
+    return Scored(effect, linear_scores(base, effect, records, scales, basis, target))
+
+
 def look_at(
     base: Fitted,
     effect: Effect,
@@ -236,7 +259,14 @@ def look_at(
     target: np.ndarray,
 ) -> Look | None:
     """Score an effect over its grid, and fit it shortly from the best point; none where it changes nothing."""
-    scores = linear_scores(base, effect, records, scales, basis, target)
+    return look_from(scored(base, effect, records, scales, basis, target), base, records, scales, basis)
+
+
+def look_from(
+    known: Scored, base: Fitted, records: Sequence[Prepared], scales: Scales, basis: np.ndarray
+) -> Look | None:
+    """The look at an effect whose scores are known; none where it changes nothing."""
+    effect, scores = known.effect, known.scores
     far = any(isinstance(r, FrictionDriveRecord) for r in records) and ranking_error(base.fit.residual) > FAR
     points = [score.start for score in (_spread(scores, STARTS_FROM_AFAR) if far and scores else scores[:1])]
     if scores and effect.core is not None:

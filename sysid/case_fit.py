@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -27,12 +28,14 @@ class BaseFit:
         weights: deviations and samples of the held-out records.
         residual: of the held-out records, in deviations, (n,).
         laws: effects of the model whose law was chosen among variants, as `stribeck:rational`.
+        memo: searches on top of this fit that more than one question needs, by what they are.
     """
 
     fitted: Fitted
     weights: Weighting
     residual: np.ndarray
     laws: tuple[str, ...] = ()
+    memo: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
 
 def fit_case(case: Case, model: Model | None = None) -> BaseFit:

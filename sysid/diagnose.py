@@ -127,7 +127,9 @@ def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> lis
     """The best law of each effect, best first; where none does much, effects of the model are searched for anew too."""
     ranked = one_per_family(search.trials)
     before = ranking_error(base.residual)
-    nothing = not ranked or not is_worthwhile(base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
+    nothing = (
+        not ranked or not is_worthwhile(case, base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
+    )
     if nothing and before > NEARLY_NOISE:
         present = [e.name for e in case.start.effects]
         again = searched_again(case, base, present, all_effects)

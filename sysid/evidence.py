@@ -12,11 +12,11 @@ from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.case import Case
 from sysid.case_fit import BaseFit
-from sysid.misfit import ChannelMisfit, away_from_turns, excess, huber_square, misfit
-from sysid.model import Model
+from sysid.misfit import ChannelMisfit, Weighting, away_from_turns, blocks, excess, huber_square, misfit
+from sysid.model import Model, Prepared
 from sysid.own_patterns import apart_from, own_coordinates
 from sysid.residual_maps import residual_maps
-from sysid.trials import Search, Trial
+from sysid.trials import Search, Trial, significance_of
 from sysid.verdict_limits import (
     ADEQUATE_OVER_NOISE,
     AT_REST,
@@ -32,6 +32,7 @@ from sysid.verdict_limits import (
     LEAST_SIGNIFICANCE,
     LEAST_STEADINESS,
     MOST_OF_IT,
+    SHARE_AWAY,
 )
 
 
@@ -100,13 +101,16 @@ class Evidence:
         return self.pattern_left(trial.candidate.fitted.model, own) >= BENT
 
     def share_away(self, trial: Trial) -> float | None:
-        """Share of the held-out loss above the noise, away from the turns of a driven mass, that an effect takes."""
-        away = away_from_turns(self.case.validate_records, self.base.weights)
-        if np.mean(away) < LEAST_AWAY:
+        """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.
+
+        Of the held-out records; of those fitted, where the held-out ones have too little of it there.
+        """
+        held_out, fitted = away_of(self.case, self.base, trial)
+        if held_out is None:
             return None
-        before, after = (float(np.mean(huber_square(r[away]))) for r in (self.base.residual, trial.residual))
         # Where there is little above the noise a share of it says nothing.
-        return (before - after) / (before - min(1.0, after)) if before > CLEARLY_AWAY else 0.0
+        clear = next((loss for loss in (held_out, fitted) if loss is not None and loss.clear), None)
+        return clear.share if clear is not None else 0.0
 
     def share_apart(self, trial: Trial) -> float:
         """Share of the held-out loss above the noise that an effect takes, apart from the patterns of added effects."""
@@ -125,6 +129,51 @@ class Evidence:
         # On a driven mass a late sensor of its motion is a late drive.
         late = self.case.kind == "force-drive" and trial.family in LATE
         return (late or trial.family in AT_REVERSALS) and trial.share_at_rest < AT_REST
+
+
+@dataclass(frozen=True)
+class LossAway:
+    """Mean squared loss of some records away from the turns of a driven mass, before and after an effect.
+
+    Args:
+        before, after: in noise deviations squared.
+        significance: of the drop, were what the effect leaves all noise, in standard errors.
+    """
+
+    before: float
+    after: float
+    significance: float
+
+    @property
+    def clear(self) -> bool:
+        """Whether there is enough above the noise for a share of it to say something."""
+        return self.before > CLEARLY_AWAY
+
+    @property
+    def share(self) -> float:
+        """Part of the loss above the noise that is gone."""
+        return (self.before - self.after) / max(self.before - min(1.0, self.after), 1e-9)
+
+
+def away_of(case: Case, base: BaseFit, trial: Trial) -> tuple[LossAway | None, LossAway | None]:
+    """What an effect does away from the turns, on the held-out records and on those fitted; none where all is near."""
+    held_out = _away(case.validate_records, base.weights, base.residual, trial.residual)
+    after = trial.candidate.fitted.fit.residual
+    whole = after.size == base.fitted.fit.residual.size
+    fitted = _away(case.fit_records, base.fitted.weights, base.fitted.fit.residual, after) if whole else None
+    return held_out, fitted
+
+
+def _away(records: Sequence[Prepared], weights: Weighting, before: np.ndarray, after: np.ndarray) -> LossAway | None:
+    away = away_from_turns(records, weights)
+    if np.mean(away) < LEAST_AWAY:
+        return None
+    worse, better = before[away], after[away]
+    return LossAway(
+        float(np.mean(huber_square(worse))),
+        float(np.mean(huber_square(better))),
+        significance_of(worse, better, blocks(records, weights)[away]),
+    )
 
 
 def misfits_of(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:
@@ -156,8 +205,26 @@ def persistence(case: Case, base: BaseFit) -> float:
     return best
 
 
-def is_worthwhile(base: BaseFit, trial: Trial) -> bool:
-    """Whether an effect lowers the held-out loss by more than chance, and by enough to matter."""
+def is_worthwhile(case: Case, base: BaseFit, trial: Trial) -> bool:
+    """Whether an effect lowers the held-out loss by more than chance, and by enough to matter.
+
+    On a driven mass what its stops leave may hide that: then it counts away from its turns, where an effect has to take
+    nearly all of a clear loss, on all records.
+    """
+    return _takes_enough(base, trial) or _takes_all_away(case, base, trial)
+
+
+def _takes_all_away(case: Case, base: BaseFit, trial: Trial) -> bool:
+    losses = away_of(case, base, trial)
+    known = [loss for loss in losses if loss is not None]
+    return (
+        len(known) == len(losses)
+        and any(loss.clear for loss in known)
+        and all(loss.share >= SHARE_AWAY and loss.significance >= LEAST_SIGNIFICANCE for loss in known)
+    )
+
+
+def _takes_enough(base: BaseFit, trial: Trial) -> bool:
     before = ranking_error(base.residual) ** 2
     before_fit = ranking_error(base.fitted.fit.residual) ** 2
     certain = trial.significance >= LEAST_SIGNIFICANCE or trial.steadiness >= LEAST_STEADINESS

@@ -16,14 +16,14 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import Candidate, Look, Score, look_at, out_of_bounds, refined, start_for, target_of
+from sysid.candidates import Candidate, Score, Scored, look_at, out_of_bounds, refined, start_for, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect
 from sysid.starts import with_bounds_of, without_family
-from sysid.trials import Trial, looks_on, trial_of
+from sysid.trials import FirstLooks, Trial, looks_on, trial_of
 
 GRID_POINTS = 2
 """Grid points of each effect that enter pairs."""
@@ -68,7 +68,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class _Part:
-    look: Look
+    known: Scored
     score: Score
     columns: slice
 
@@ -76,8 +76,7 @@ class _Part:
 def best_pairs(
     case: Case,
     base: BaseFit,
-    looks: Sequence[Look],
-    target: np.ndarray,
+    first: FirstLooks,
     wanted: str | None = None,
     given: Model | None = None,
 ) -> list[Pair]:
@@ -86,36 +85,34 @@ def best_pairs(
     Args:
         case: records and scales.
         base: the fitted model that the looks were taken on.
-        looks: of every effect.
-        target: residual of the base model as the looks scored it, (n,).
+        first: looks at every effect on top of it.
         wanted: family that must be one of the two.
         given: a model whose bounds, priors and held values stay, where one of the two stood in it before.
     """
     parts, blocks = [], []
     start = 0
     alone = ranking_error(base.fitted.fit.residual)
-    for look in looks:
-        # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
-        if look.error >= alone and not any(p.role == "amplitude" for p in look.effect.parameters):
-            continue
-        for score in look.scores[:GRID_POINTS]:
+    # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
+    able = [look for look in first.looks if look.linear or look.error < alone]
+    for known in [*able, *first.unfitted]:
+        for score in known.scores[:GRID_POINTS]:
             norms = np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
             blocks.append(score.columns / norms)
-            parts.append(_Part(look, score, slice(start, start + norms.size)))
+            parts.append(_Part(known, score, slice(start, start + norms.size)))
             start += norms.size
     if len(parts) < 2:
         return []
     columns = np.hstack(blocks)
-    gram, right = columns.T @ columns, columns.T @ target
+    gram, right = columns.T @ columns, columns.T @ first.target
     together = sorted(_pair_drops(parts, gram, right), key=lambda found: -found[0])
     pairs: list[Pair] = []
     seen: set[frozenset[str]] = set()
-    for _, first, second in together:
-        families = frozenset((base_name(first.look.effect.name), base_name(second.look.effect.name)))
+    for _, one, other in together:
+        families = frozenset((base_name(one.known.effect.name), base_name(other.known.effect.name)))
         if families in seen or (wanted is not None and wanted not in families):
             continue
         seen.add(families)
-        pair = _refitted(case, base, (first, second), gram, right, given)
+        pair = _refitted(case, base, (one, other), gram, right, given)
         if pair is not None:
             pairs.append(pair)
         if len(seen) >= PAIRS_REFITTED:
@@ -127,7 +124,7 @@ def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> 
     """What each two effects of different families take of the squared target together."""
     found = []
     for first, second in combinations(parts, 2):
-        a, b = first.look.effect, second.look.effect
+        a, b = first.known.effect, second.known.effect
         if base_name(a.name) == base_name(b.name) or (a.core is not None and b.core is not None):
             continue
         index = np.r_[first.columns, second.columns]
@@ -142,7 +139,7 @@ def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> 
 def _possible(part: _Part, weights: np.ndarray) -> bool:
     """Whether the weights (k,) of an effect's scaled columns are amplitudes that its bounds allow."""
     norms = np.maximum(np.linalg.norm(part.score.columns, axis=0), 1e-300)
-    return not out_of_bounds(part.look.effect, part.score.moves, weights / norms)
+    return not out_of_bounds(part.known.effect, part.score.moves, weights / norms)
 
 
 def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarray:
@@ -156,8 +153,8 @@ def _refitted(
     weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
     model = base.fitted.model
     # A core replaces the one before it and starts from its level: it comes first.
-    for part in sorted(two, key=lambda part: part.look.effect.core is None):
-        effect, score = part.look.effect, part.score
+    for part in sorted(two, key=lambda part: part.known.effect.core is None):
+        effect, score = part.known.effect, part.score
         own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
         own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
         model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.moves, own))
@@ -167,11 +164,14 @@ def _refitted(
     residual = weighted_residual(fitted.model, case.validate_records, base.weights)
     if not np.isfinite(residual).all():
         return None
-    return Pair((two[0].look.effect, two[1].look.effect), fitted, ranking_error(residual), residual)
+    return Pair((two[0].known.effect, two[1].known.effect), fitted, ranking_error(residual), residual)
 
 
 ON_TOP = 3
 """Effects refitted on top of another."""
+
+PROMISING = 10
+"""Effects fitted shortly to choose those from: the best three were among the first seven by score (17 generated)."""
 
 
 def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool = False) -> list[Pair]:
@@ -183,9 +183,9 @@ def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool 
     below = BaseFit(
         first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
     )
-    looks, _ = looks_on(case, below, [e.name for e in first.fitted.model.effects], all_effects)
+    present = [e.name for e in first.fitted.model.effects]
     pairs = []
-    for look in looks[:ON_TOP]:
+    for look in looks_on(case, below, present, all_effects, promising=PROMISING).looks[:ON_TOP]:
         fitted = refined(first.fitted, look, case.fit_records, case.scales).fitted
         residual = weighted_residual(fitted.model, case.validate_records, base.weights)
         if np.isfinite(residual).all():
@@ -201,10 +201,8 @@ def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effect
     """
     trials = []
     for family in _shaped(base.fitted.model):
-        below = less(case, base, family)
-        others = [name for name in present if base_name(name) != family]
-        looks, target = looks_on(case, below, others, all_effects)
-        for pair in best_pairs(case, below, looks, target, family, base.fitted.model)[:2]:
+        below, first = less_one(case, base, present, family, all_effects)
+        for pair in best_pairs(case, below, first, family, base.fitted.model)[:2]:
             trial = trial_of(case, base, Candidate(pair.other(family), 0.0, pair.fitted))
             if trial is not None:
                 trials.append(trial)
@@ -219,8 +217,8 @@ def added_anew(case: Case, base: BaseFit, options: Sequence[Effect]) -> list[Fit
         basis, target = target_of(below.fitted)
         own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
         found = [look_at(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)]
-        seen = [look for look in found if look is not None]
-        pairs = best_pairs(case, below, seen, target, family, base.fitted.model)
+        seen = FirstLooks([look for look in found if look is not None], [], target)
+        pairs = best_pairs(case, below, seen, family, base.fitted.model)
         fits += [pair.fitted for pair in pairs[:1]]
     return fits
 
@@ -231,8 +229,23 @@ def _shaped(model: Model) -> list[str]:
     return [base_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
 
 
+def less_one(
+    case: Case, base: BaseFit, present: Sequence[str], family: str, all_effects: bool
+) -> tuple[BaseFit, FirstLooks]:
+    """The fit without one family of effects, and the looks on top of it, once for whoever asks."""
+    below = less(case, base, family)
+    key = f"looks, {all_effects}"
+    if key not in below.memo:
+        others = [name for name in present if base_name(name) != family]
+        below.memo[key] = looks_on(case, below, others, all_effects, promising=PROMISING)
+    return below, below.memo[key]
+
+
 def less(case: Case, base: BaseFit, family: str) -> BaseFit:
     """The fit of the model without one family of effects, on the same weights."""
-    rest = fit_model(without_family(base.fitted.model, family), case.fit_records, base.fitted.weights)
-    residual = weighted_residual(rest.model, case.validate_records, base.weights)
-    return BaseFit(rest, base.weights, residual)
+    key = f"less {family}"
+    if key not in base.memo:
+        rest = fit_model(without_family(base.fitted.model, family), case.fit_records, base.fitted.weights)
+        residual = weighted_residual(rest.model, case.validate_records, base.weights)
+        base.memo[key] = BaseFit(rest, base.weights, residual)
+    return base.memo[key]

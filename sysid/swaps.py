@@ -13,8 +13,8 @@ from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.misfit import misfit
 from sysid.model import base_name
-from sysid.pairs import less
-from sysid.trials import looks_on, trial_of
+from sysid.pairs import less, less_one
+from sysid.trials import trial_of
 
 TRIED = 4
 """Effects refitted in the place of an old one: those that looked best."""
@@ -66,10 +66,9 @@ def find_swaps(
             continue
         if not others_too:
             continue
-        others = [e.name for e in case.start.effects if base_name(e.name) != family]
-        looks, _ = looks_on(case, below, others, all_effects)
+        below, first = less_one(case, base, [e.name for e in case.start.effects], family, all_effects)
         best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
-        for look in [look for look in looks if base_name(look.effect.name) != family][:TRIED]:
+        for look in [look for look in first.looks if base_name(look.effect.name) != family][:TRIED]:
             candidate = refined(below.fitted, look, case.fit_records, case.scales)
             trial = trial_of(case, below, candidate)
             if trial is not None and trial.error**2 - 1.0 < least:

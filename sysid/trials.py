@@ -9,7 +9,7 @@ import numpy as np
 
 from sysid.base_fit import fit_model, ranking_error
 from sysid.candidate_list import candidates_of
-from sysid.candidates import Candidate, Look, as_it_looks, look_at, refined, settled, target_of
+from sysid.candidates import Candidate, Look, Scored, as_it_looks, look_from, refined, scored, settled, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.looked_at import looked_at
@@ -69,56 +69,92 @@ IN_FULL = 3
 
 
 @dataclass(frozen=True)
+class FirstLooks:
+    """Every candidate on top of a fitted model at first sight.
+
+    Args:
+        looks: short fits, best first.
+        unfitted: scores of the effects that promised too little for a fit.
+        target: residual of the model as the scores took it, (n,).
+    """
+
+    looks: list[Look]
+    unfitted: list[Scored]
+    target: np.ndarray
+
+
+@dataclass(frozen=True)
 class Search:
     """Every candidate tried on top of a fitted model.
 
     Args:
         trials: best on the held-out records first.
-        looks: the first looks they began with, best first.
-        target: residual of the base model as the looks scored it, (n,).
+        first: the looks they began with.
     """
 
     trials: list[Trial]
-    looks: list[Look]
-    target: np.ndarray
+    first: FirstLooks
 
 
 def looks_on(
-    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
-) -> tuple[list[Look], np.ndarray]:
-    """A first look at every candidate on top of a fitted model, best first, and the residual they were scored on."""
+    case: Case,
+    base: BaseFit,
+    present: Sequence[str],
+    all_effects: bool = False,
+    progress: Progress | None = None,
+    promising: int | None = None,
+) -> FirstLooks:
+    """A first look at every candidate on top of a fitted model.
+
+    Args:
+        case, base: records, and the fitted model.
+        present: names of its effects.
+        all_effects: try whatever else the library has, too.
+        progress: called before each step.
+        promising: effects fitted shortly, those whose scores promise most; all where left out.
+    """
     fitted, records = looked_at(base.fitted, case.fit_records)
     basis, target = target_of(fitted)
     effects = candidates_of(case, present, all_effects)
-    looks = []
+    known = []
     for k, effect in enumerate(effects):
         if progress is not None:
-            progress(effect.name, k, len(effects))
-        look = look_at(fitted, effect, records, case.scales, basis, target)
+            progress(effect.name, k, 2 * len(effects))
+        known.append(scored(fitted, effect, records, case.scales, basis, target))
+    known.sort(key=lambda one: -one.promise)
+    looks, unfitted = [], []
+    for k, one in enumerate(known):
+        # What no linear weight stands for, only a fit can tell.
+        if promising is not None and k >= promising and one.linear:
+            unfitted.append(one)
+            continue
+        if progress is not None:
+            progress(one.effect.name, len(effects) + k, 2 * len(effects))
+        look = look_from(one, fitted, records, case.scales, basis)
         if look is not None and np.isfinite(look.error):
             looks.append(look)
-    return sorted(looks, key=lambda look: look.error), target
+    return FirstLooks(sorted(looks, key=lambda look: look.error), unfitted, target)
 
 
 def try_all(
     case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
 ) -> Search:
     """Try every candidate on top of a fitted model."""
-    scored, steps = 0, 0
+    looked, steps = 0, 0
 
     def scoring(name: str, count: int, total: int) -> None:
-        nonlocal scored, steps
-        scored, steps = total, total + min(REFITTED, total)
+        nonlocal looked, steps
+        looked, steps = total, total + min(REFITTED, total)
         if progress is not None:
             progress(name, count, steps)
 
-    looks, target = looks_on(case, base, present, all_effects, scoring)
+    first = looks_on(case, base, present, all_effects, scoring)
     trials = []
     fitted, records = looked_at(base.fitted, case.fit_records)
-    for k, look in enumerate(looks):
+    for k, look in enumerate(first.looks):
         if k < REFITTED:
             if progress is not None:
-                progress(f"refitting {look.effect.name}", scored + k, steps)
+                progress(f"refitting {look.effect.name}", looked + k, steps)
             candidate = refined(fitted, look, records, case.scales)
         else:
             candidate = as_it_looks(look)
@@ -132,7 +168,7 @@ def try_all(
         whole = [trial_of(case, base, _in_full(base, trial.candidate, case)) for trial in trials[:IN_FULL]]
         trials = sorted([*(t for t in whole if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
     trials = _gone_on(case, base, trials)
-    return Search(trials, looks, target)
+    return Search(trials, first)
 
 
 def _gone_on(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:

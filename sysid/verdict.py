@@ -107,7 +107,7 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
             "missing-effect", quantised, (), left, "the measured values lie on a grid coarser than the noise"
         )
     best = evidence.ranked[0] if evidence.ranked else None
-    if best is None or not is_worthwhile(evidence.base, best):
+    if best is None or not is_worthwhile(evidence.case, evidence.base, best):
         return _nothing_gains(evidence, best)
     ties, best = tied(evidence.case, evidence.base, evidence.ranked)
     named = _named(evidence, best, ties)
@@ -117,7 +117,7 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
     if excess(best.after_fit, best.after_validate) <= NEARLY_NOISE:
         return named.missing(EXPLAINS_ALL)
     bent = named.enough_alone and evidence.bent(best)
-    pairs = best_pairs(evidence.case, evidence.base, evidence.search.looks, evidence.search.target)
+    pairs = best_pairs(evidence.case, evidence.base, evidence.search.first)
     pair, first = _beside(evidence, best, pairs)
     if first is not best:
         named = _named(evidence, first, ())
@@ -225,7 +225,9 @@ def _apart_from_patterns(evidence: Evidence) -> Trial | None:
     """The effect that explains what is left apart from the patterns of the effects that earlier rounds added."""
     if not evidence.added:
         return None
-    able = [t for t in evidence.ranked[:6] if is_worthwhile(evidence.base, t) and not evidence.like_turns(t)]
+    able = [
+        t for t in evidence.ranked[:6] if is_worthwhile(evidence.case, evidence.base, t) and not evidence.like_turns(t)
+    ]
     best = max(able, key=evidence.share_apart, default=None)
     return best if best is not None and evidence.share_apart(best) >= SHARE_ENOUGH else None
 
@@ -261,7 +263,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
 def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:
     """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
     case, base, search = evidence.case, evidence.base, evidence.search
-    yield from best_pairs(case, base, search.looks, search.target)[:1]
+    yield from best_pairs(case, base, search.first)[:1]
     if best is not None:
         yield from pairs_on_top(case, base, best.candidate, evidence.all_effects)[:1]
 

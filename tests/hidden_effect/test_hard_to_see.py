@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from generator import Plan, make_case
 
+from sim.library import find
+from sysid.candidates import target_of, try_effect
+from sysid.case import load_case
+from sysid.case_fit import fit_case
 from sysid.diagnose import diagnose
+from sysid.evidence import is_worthwhile
+from sysid.misfit import away_from_turns
+from sysid.trials import trial_of
 
 
 @pytest.mark.parametrize(
@@ -27,3 +35,25 @@ def test_it_is_named_first(tmp_path: Path, rig: str, effect: str, seed: int) -> 
     found = diagnose(tmp_path)
     assert found.verdict == "missing-effect"
     assert effect in (found.effect, *found.indistinguishable)
+
+
+def test_what_stops_leave_does_not_hide_an_effect_of_the_motion_between(tmp_path: Path) -> None:
+    plan = Plan("force-drive", ("quadratic_drag",), "moderate", rows=5000)
+    make_case(plan, np.random.default_rng(2)).write(tmp_path)
+    case = load_case(tmp_path)
+    base = fit_case(case)
+    basis, target = target_of(base.fitted)
+    trials = {}
+    for name in ("quadratic_drag", "run_in"):
+        tried = try_effect(base.fitted, find(name), case.fit_records, case.scales, basis, target)
+        assert tried is not None
+        trial = trial_of(case, base, tried)
+        assert trial is not None
+        # Shocks at the stops, the same before and after, that no effect takes away.
+        trials[name] = replace(trial, significance=1.0, steadiness=0.5)
+    assert is_worthwhile(case, base, trials["quadratic_drag"])
+    assert not is_worthwhile(case, base, trials["run_in"])
+    near = ~away_from_turns(case.validate_records, base.weights)
+    drag = trials["quadratic_drag"]
+    only_near = np.where(near, drag.residual, base.residual)
+    assert not is_worthwhile(case, base, replace(drag, residual=only_near))

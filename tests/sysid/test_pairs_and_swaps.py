@@ -65,8 +65,8 @@ def test_no_pair_needs_an_amplitude_that_its_bounds_forbid(tmp_path: Path) -> No
     """A Stribeck curve turned over does what a drag does; it once took the places of the pairs that could be."""
     case = load_case(_write(tmp_path, _dragged, '"coulomb"'))
     base = fit_case(case)
-    looks, target = looks_on(case, base, ["coulomb"])
-    pairs = best_pairs(case, base, looks, target)
+    looks = looks_on(case, base, ["coulomb"])
+    pairs = best_pairs(case, base, looks)
     assert set(pairs[0].names) == {"viscous", "magnetic_cogging"}
     amplitudes = [(p.model.values, e) for p in pairs for e in p.model.effects if e.name.startswith("stribeck")]
     assert all(values[f"{effect.name}.force"] > 0.0 for values, effect in amplitudes)
@@ -109,8 +109,8 @@ def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
 def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tmp_path: Path) -> None:
     case = load_case(_write(tmp_path, _uneven))
     base = fit_case(case)
-    looks, target = looks_on(case, base, ["coulomb", "viscous"])
-    pair = best_pairs(case, base, looks, target)[0]
+    looks = looks_on(case, base, ["coulomb", "viscous"])
+    pair = best_pairs(case, base, looks)[0]
     assert set(pair.names) == {"position_dependent_friction", "cable_spring"}
     wave = pair.effects[pair.names.index("position_dependent_friction")]
     rng = np.random.default_rng(0)
