@@ -13,13 +13,14 @@ from sim.stage.ellipse_search import EllipseSearch
 from sim.stage.hunting import HOLDS, HuntingStudy
 from sim.stage.planar import PlanarStudy
 from sim.stage.positioning import LOOPS, PositioningStudy
-from sim.stage.speed import LAWS, SpeedStudy
+from sim.stage.speed import HEIGHTS, LAWS, SpeedStudy
 from sim.stage.steps import StepStudy
 from sim.stage.travel_map import LIFTED, TravelMap
 from workbench.simulation_figures import INK, new_figure, save_figure, styled
 
 GREY = "#888888"
 TRAVEL_INK = ("#1b4f72", "#b03a2e", "#1e8449", "#d68910", "#6c3483", "#17a2b8", "#795548", "#e84393")
+LIFTED_TEXT = "a pad leaves its way"
 LAW_TEXT = {"stopping": "X f: stops each turn", "coasting": "2 X f: coasts", "apex": "π X f: apex only"}
 
 
@@ -53,21 +54,26 @@ def draw_speed(folder: Path, study: SpeedStudy) -> list[Path]:
     figure, axes = new_figure(2, 1, 7.2, 7.0, sharex=True)
     speed, ratio = axes[:, 0]
     f = study.frequencies
-    for ink, (law, factor) in zip((GREY, GREY, GREY), LAWS.items()):
-        speed.plot(f, factor * study.travel * f * 1e3, color=ink, linewidth=0.8, linestyle="--")
-        ratio.axhline(factor, color=ink, linewidth=0.8, linestyle="--")
+    for law, factor in LAWS.items():
+        asked = factor * study.travel * f * 1e3
+        speed.plot(f, asked, color=GREY, linewidth=0.8, linestyle="--")
+        speed.annotate(LAW_TEXT[law].partition(":")[0], (f[-1], asked[-1]), (5, 0), textcoords="offset points",
+                       va="center", color=GREY)  # fmt: skip
+        ratio.axhline(factor, color=GREY, linewidth=0.8, linestyle="--")
         ratio.annotate(LAW_TEXT[law], (1.01, factor), xycoords=("axes fraction", "data"), va="center", color=GREY)
     for ink, height in zip(INK, study.points):
-        speed.plot(f, np.maximum(study.speed(height), 1e-6) * 1e3, "o-", color=ink, markersize=3, label=height)
+        label = f"{height} ({HEIGHTS[height]:+.1f})" if HEIGHTS[height] else f"{height} (0)"
+        speed.plot(f, np.maximum(study.speed(height), 1e-6) * 1e3, "o-", color=ink, markersize=3, label=label)
         ratio.plot(f, study.ratio(height), "o-", color=ink, markersize=3)
         lifts = np.array([point.lifted_share > LIFTED for point in study.points[height]])
         ratio.plot(f[lifts], study.ratio(height)[lifts], "o", color="white", markeredgecolor=ink, markersize=6)
+        changing = ~study.lasts(height)
+        ratio.plot(f[changing], study.ratio(height)[changing], "x", color=ink, markersize=9)
     speed.set(ylabel="speed (mm/s)", xscale="log", yscale="log")
-    speed.legend(title="height of the tip", loc="upper left")
-    ratio.set(
-        ylabel="speed / (X f)", xlabel="frequency (Hz)", ylim=(0.0, 3.5), title="open rings: a pad leaves its way"
-    )
-    figure.suptitle(f"Speed against frequency, X = {study.travel * 1e6:.1f} µm")
+    speed.legend(title="apex at mid-stroke over the sea,\nin half heights of the ellipse", loc="upper left")
+    ratio.set(ylabel="speed / (X f), X as the tip makes it", xlabel="frequency (Hz)", ylim=(0.0, 3.5))
+    ratio.legend(handles=[_ring(), _cross()], loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.0, ncols=2)
+    figure.suptitle(f"Lasting speed against frequency, X = {study.travel * 1e6:.1f} µm asked for")
     return [save_figure(figure, folder / "stage_speed.png")]
 
 
@@ -90,7 +96,7 @@ def draw_travel_map(folder: Path, study: TravelMap) -> list[Path]:
     share.plot(x, study.load_share.max(axis=0), "^", color=INK[1], markersize=4, label="most that a drive carries")
     share.set(xlabel="position of the stage (mm)", ylabel="tip force / (weight + preload)", title="tip-over")
     share.legend(loc="upper right", fontsize=7)
-    share.set_ylim(0.0, 1.25)
+    share.set_ylim(0.0, 1.3 * share.dataLim.ymax)
     figure.suptitle("Lift-off and tip-over over the travel")
     return [save_figure(figure, folder / "stage_travel_map.png")]
 
@@ -98,7 +104,7 @@ def draw_travel_map(folder: Path, study: TravelMap) -> list[Path]:
 @styled
 def draw_ellipse(folder: Path, study: EllipseSearch) -> list[Path]:
     """Ellipses, and speed over phase and height."""
-    figure, axes = new_figure(1, 2, 10.0, 4.2)
+    figure, axes = new_figure(1, 2, 11.2, 4.2)
     paths, speeds = axes[0]
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     for ink, phase, path in zip(TRAVEL_INK, study.phases, study.ellipses):
@@ -106,15 +112,19 @@ def draw_ellipse(folder: Path, study: EllipseSearch) -> list[Path]:
                    label=f"{np.degrees(phase):.0f}°")  # fmt: skip
     paths.set_aspect("equal", "datalim")
     paths.set(xlabel="x (µm)", ylabel="y, up (µm)", title="paths asked for")
-    paths.legend(title="phase", fontsize=7, loc="upper right")
-    for ink, height, speed, lifted in zip(TRAVEL_INK, study.heights, study.speed, study.lifted):
+    paths.legend(title="phase", fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    for ink, height, speed, lifted, lasts in zip(TRAVEL_INK, study.heights, study.speed, study.lifted, study.lasts):
         degrees = np.degrees(study.phases)
         speeds.plot(degrees, speed * 1e3, "o-", color=ink, markersize=3, label=f"{height:+.2f}")
         lifts = lifted > LIFTED
         speeds.plot(degrees[lifts], speed[lifts] * 1e3, "o", color="white", markeredgecolor=ink, markersize=6)
-    speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="lasting speed; open rings: a pad leaves its way")
-    speeds.legend(title="height / amplitude", fontsize=7, loc="upper left")
-    figure.suptitle("Which ellipse drives best")
+        speeds.plot(degrees[~lasts], speed[~lasts] * 1e3, "x", color=ink, markersize=9)
+    speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="lasting speed")
+    # Beside the curves: with another design they may lie anywhere.
+    shown = [*speeds.get_legend_handles_labels()[0], _ring(), _cross()]
+    title = "apex at mid-stroke\nover the sea, in\nhalf heights"
+    speeds.legend(handles=shown, title=title, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    figure.suptitle(f"Which ellipse drives best at {study.frequency:.0f} Hz")
     return [save_figure(figure, folder / "stage_ellipse.png")]
 
 
@@ -125,9 +135,11 @@ def draw_coupling(folder: Path, study: CouplingStudy) -> list[Path]:
     along, across, yaw = axes[0]
     for ink, (name, run) in zip(TRAVEL_INK, study.runs.items()):
         x, y, turn = run.position.T
-        along.plot(run.time * 1e3, x * 1e3, color=ink)
-        across.plot(x * 1e3, y * 1e6, color=ink, label=FAULTS[name].text)
-        yaw.plot(x * 1e3, turn * 1e6, color=ink)
+        # An actuator off the centre line goes along and across as designed: dashed, so that both are seen.
+        line: dict[str, Any] = {"color": ink, "linestyle": (0, (4, 3)) if FAULTS[name].offset else "-"}
+        along.plot(run.time * 1e3, x * 1e3, **line)
+        across.plot(x * 1e3, y * 1e6, label=FAULTS[name].text, **line)
+        yaw.plot(x * 1e3, turn * 1e6, **line)
     along.set(xlabel="time (ms)", ylabel="x (mm)", title="along")
     across.set(xlabel="x (mm)", ylabel="y (µm)", title="across")
     yaw.set(xlabel="x (mm)", ylabel="yaw (µrad)", title="yaw")
@@ -151,12 +163,13 @@ def draw_planar(folder: Path, study: PlanarStudy) -> list[Path]:
         panel.set(xlabel="x (mm)", ylabel="y (mm)", title=f"at {study.frequencies[drive]:.0f} Hz, in step")
     errors = axes[0, 2]
     for ink, drive in zip(INK, study.runs):
-        label = f"{study.frequencies[drive]:.0f} Hz" + (", in thirds" if "thirds" in drive else ", in step")
-        errors.plot(np.degrees(study.directions), np.degrees(study.direction_errors(drive)), "o-", color=ink,
-                    markersize=3, label=label)  # fmt: skip
+        thirds = "thirds" in drive
+        label = f"{study.frequencies[drive]:.0f} Hz" + (", in thirds" if thirds else ", in step")
+        errors.plot(np.degrees(study.directions), np.degrees(study.direction_errors(drive)), color=ink, markersize=4,
+                    marker="x" if thirds else "o", linestyle=":" if thirds else "-", label=label)  # fmt: skip
     errors.set(xlabel="direction asked (°)", ylabel="error (°)", title="error of direction")
-    errors.legend(fontsize=7, loc="upper right")
-    errors.set_ylim(-40.0, 70.0)
+    errors.set_xticks(np.arange(0.0, 361.0, 60.0))
+    figure.legend(loc="outside lower right", ncols=3, fontsize=7)
     figure.suptitle("Three actuators, no guide: starts from rest (grey: as commanded)")
     return [save_figure(figure, folder / "stage_planar.png")]
 
@@ -185,8 +198,11 @@ def draw_positioning(folder: Path, study: PositioningStudy) -> list[Path]:
 
 @styled
 def draw_hunting(folder: Path, study: HuntingStudy) -> list[Path]:
-    """Errors about the target, and what the loop's hand does."""
+    """Errors about the target, and what the loop puts out."""
     figure, axes = new_figure(2, len(study.holds), 3.0 * len(study.holds), 5.4)
+    largest = 1.1e6 * max(
+        float(np.abs(held.error).max()) for name, held in study.holds.items() if HOLDS[name].moves != "lean"
+    )
     for column, (ink, (name, held)) in enumerate(zip(TRAVEL_INK, study.holds.items())):
         t = held.run.time
         fine = HOLDS[name].moves == "lean"
@@ -196,12 +212,27 @@ def draw_hunting(folder: Path, study: HuntingStudy) -> list[Path]:
         axes[0, column].set_title(HOLDS[name].text, fontsize=8)
         axes[0, column].set_ylabel(f"error ({unit})")
         if not fine:
-            axes[0, column].set_ylim(-45.0, 45.0)
+            axes[0, column].set_ylim(-largest, largest)
             axes[1, column].set_ylim(-1.1, 1.1)
-        axes[1, column].plot(t[late], held.hand[late] * (1e6 if fine else 1.0), color=ink, linewidth=0.8)
-        axes[1, column].set(xlabel="time (s)", ylabel="lean (µm)" if fine else "hand (1)")
+        axes[1, column].plot(t[late], held.output[late] * (1e6 if fine else 1.0), color=ink, linewidth=0.8)
+        axes[1, column].set(xlabel="time (s)", ylabel="loop's output: lean (µm)" if fine else "loop's output (1)")
     figure.suptitle("Holding a target: stuck, hunting, and ringing on the contact")
     return [save_figure(figure, folder / "stage_hunting.png")]
+
+
+def _ring() -> Any:
+    """What an open ring says, for a legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], linestyle="", marker="o", markersize=6, color="white", markeredgecolor=GREY,
+                  label=LIFTED_TEXT)  # fmt: skip
+
+
+def _cross() -> Any:
+    """What a cross says, for a legend."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], linestyle="", marker="x", markersize=7, color=GREY, label="still changing, or uneven")
 
 
 _DRAWN = {

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.stage.coupling import CouplingStudy
 from sim.stage.ellipse_search import EllipseSearch
-from sim.stage.hunting import HuntingStudy
+from sim.stage.hunting import HOLDS, HuntingStudy
 from sim.stage.planar import PlanarStudy
 from sim.stage.positioning import PositioningStudy
 from sim.stage.run import StageRun
@@ -57,7 +57,9 @@ def _speed(study: SpeedStudy) -> dict[str, Columns]:
     columns: Columns = {"frequency [Hz]": study.frequencies}
     for height, points in study.points.items():
         columns[f"speed_{height} [m/s]"] = study.speed(height)
+        columns[f"swing_{height} [m]"] = study.swing(height)
         columns[f"ratio_{height} [1]"] = study.ratio(height)
+        columns[f"still_changing_{height} [m/s]"] = np.array([point.changed for point in points])
         columns[f"tip_load_{height} [N]"] = np.array([point.tip_load for point in points])
         columns[f"contact_share_{height} [1]"] = np.array([point.contact_share for point in points])
         columns[f"lifted_share_{height} [1]"] = np.array([point.lifted_share for point in points])
@@ -91,6 +93,7 @@ def _ellipse(study: EllipseSearch) -> dict[str, Columns]:
             "phase [rad]": phases.ravel(),
             "height_over_amplitude [1]": heights.ravel(),
             "speed [m/s]": study.speed.ravel(),
+            "still_changing [m/s]": np.array([point.changed for point in flat]),
             "pad_lifted_share [1]": study.lifted.ravel(),
             "tip_load [N]": np.array([point.tip_load for point in flat]),
             "largest_tip_force [N]": np.array([point.largest_tip_force for point in flat]),
@@ -128,7 +131,7 @@ def _positioning(study: PositioningStudy) -> dict[str, Columns]:
 def _hunting(study: HuntingStudy) -> dict[str, Columns]:
     return {
         f"stage_hunting_{name}": motion_columns(held.run)
-        | {"error [m]": _thinned(held.error), "hand [1 or m]": _thinned(held.hand)}
+        | {"error [m]": _thinned(held.error), f"output [{HOLDS[name].output_unit}]": _thinned(held.output)}
         for name, held in study.holds.items()
     }
 

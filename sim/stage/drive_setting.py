@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from sim.stage.constants import STEP
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
-from sim.stage.simulation import drive_stage
+from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_sea
 from sim.stage.waveforms import Ellipse, ellipse_wave, step_times
 
 RISE_CYCLES = 10
 SHORTEST_RISE, LONGEST_RISE = 2e-3, 20e-3
 """s: the ellipse grows over ten periods within these."""
+GUESS = 1.8
+"""Lasting speed over X f, with which a first run begins."""
+SETTLED = 0.01
+"""A speed lasts when it changes by less than this part of X f in a fifth of the run."""
+PIECES = 10
+"""In the shortest run; before each the stage is set back, so that it stays near mid-travel."""
+LOOKED_AT = (1, 2, 4, 8)
+"""Shortest runs after which it is looked whether the speed lasts: the fifths grow, and what comes and goes averages
+out."""
+STRIDE, STEADY_STRIDE = 20, 10
+"""Steps to a row, and where a swing is read off the rows."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +52,7 @@ class Setting:
 
 
 def run_setting(
-    machine: StageMachine, setting: Setting, duration: float, step: float = STEP, stride: int = 20
+    machine: StageMachine, setting: Setting, duration: float, step: float = STEP, stride: int = STRIDE
 ) -> StageRun:
     """Drive the stage at a setting, its ellipse grown over the first periods.
 
@@ -52,12 +63,16 @@ def run_setting(
         stride: steps to a row.
     """
     time = step_times(round(duration / step / stride) * stride, step)
+    rest = over_sea(machine, setting.position, setting.height)
+    return drive_stage(machine, rest, _wave(machine, setting, time), step, stride, setting.velocity)
+
+
+def _wave(machine: StageMachine, setting: Setting, time: np.ndarray) -> np.ndarray:
+    """Voltages (n, actuators, 3) at times since the start, s, shape (n,): the ellipse grows, then stays."""
     rise = min(max(RISE_CYCLES / setting.frequency, SHORTEST_RISE), LONGEST_RISE)
     phases = None if setting.phases is None else np.array(setting.phases)
     envelope = np.minimum(time / rise, 1.0)
-    wave = ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, 0.0, phases)
-    rest = over_sea(machine, setting.position, setting.height)
-    return drive_stage(machine, rest, wave, step, stride, setting.velocity)
+    return ellipse_wave(machine, setting.ellipse, setting.frequency, time, envelope, 0.0, phases)
 
 
 @dataclass(frozen=True)
@@ -66,7 +81,8 @@ class Steady:
 
     Args:
         velocity: along x, across it (m/s) and of yaw (rad/s), shape (3,).
-        still_changing: change of the velocity along x between the last two windows, over the velocity.
+        changed: velocity along x in the last fifth of the run less that in the fifth before, m/s.
+        swing: of the first tip's apex along x, peak to peak, m.
         tip_load: mean force of the tips on the stage, N.
         contact_share: part of the time that the first tip touches.
         lifted_share: part of the time that the pad most often lifted is off its way.
@@ -74,7 +90,8 @@ class Steady:
     """
 
     velocity: np.ndarray
-    still_changing: float
+    changed: float
+    swing: float
     tip_load: float
     contact_share: float
     lifted_share: float
@@ -82,27 +99,46 @@ class Steady:
 
 
 def steady(machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5) -> Steady:
-    """Lasting speed at a setting: five periods at least, started near it and so that the run passes mid-travel.
+    """Lasting speed at a setting, about mid-travel, begun near it.
+
+    The run goes on until its last fifth is as fast as the fifth before: pads may take a second to bring a stage to rest
+    that its tip drives too weakly, and a speed on the way down is no lasting one.
 
     Args:
         machine, setting: what is driven, and how; its position and velocity are chosen here.
-        shortest, longest: of the run, s.
+        shortest, longest: of the shortest run, s; between them it is five periods.
     """
-    period = 1.0 / setting.frequency
-    duration = min(max(shortest, 5.0 * period), longest)
-    guess = 1.8 * 2.0 * setting.ellipse.along * setting.frequency
-    reach = 0.5 * machine.travel
-    begin = replace(setting, velocity=guess, position=max(-0.8 * guess * duration, -reach))
-    run = run_setting(machine, begin, duration)
-    cycles = max(1, math.floor(0.2 * duration * setting.frequency))
-    window, end = cycles * period, float(run.time[-1])
+    duration = min(max(shortest, 5.0 / setting.frequency), longest) / PIECES
+    steps = round(duration / STEP / STEADY_STRIDE) * STEADY_STRIDE
+    full = 2.0 * setting.ellipse.along * setting.frequency
+    begin = -0.5 * GUESS * full * duration
+    simulation = StageSimulation(machine, over_sea(machine, begin, setting.height), STEP, GUESS * full)
+    piece, changed = 0, math.inf
+    while abs(changed) > SETTLED * full and piece < LOOKED_AT[-1] * PIECES:
+        before = simulation.travel
+        time = step_times(steps, STEP, simulation.time)
+        simulation.advance(_wave(machine, setting, time), STEADY_STRIDE)
+        gone = simulation.travel - before
+        simulation.set_back(begin + 1.5 * gone)
+        begin = -0.5 * gone
+        piece += 1
+        if piece in [runs * PIECES for runs in LOOKED_AT]:
+            changed = _averaged(simulation.record(), setting.frequency).changed
+    return _averaged(simulation.record(), setting.frequency)
+
+
+def _averaged(run: StageRun, frequency: float) -> Steady:
+    """Averages over the last fifth of a run."""
+    end = float(run.time[-1])
+    window = max(1, math.floor(0.2 * end * frequency)) / frequency
     last, before = run.mean_velocity(end - window, end), run.mean_velocity(end - 2 * window, end - window)
     late = run.time >= end - window
     share = float(np.ptp(run.contact_time(0)[late])) / window
-    lifted = max(float(np.ptp(run.lifted_time(k)[late])) for k in range(len(machine.pads.places))) / window
+    lifted = max(float(np.ptp(run.lifted_time(k)[late])) for k in range(len(run.machine.pads.places))) / window
     return Steady(
         velocity=last,
-        still_changing=abs(last[0] - before[0]) / max(abs(last[0]), 1e-12),
+        changed=float(last[0] - before[0]),
+        swing=float(np.ptp(run.apex(0)[late, 0])),
         tip_load=run.mean_tip_load(end - window, end),
         contact_share=share,
         lifted_share=lifted,

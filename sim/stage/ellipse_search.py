@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.stage.drive_setting import Setting, Steady, steady
+from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
 from sim.stage.machine import StageMachine
 from sim.stage.travel_map import LIFTED
 from sim.stage.waveforms import Ellipse, two_piezo_ellipse
@@ -24,12 +24,14 @@ class EllipseSearch:
     """Lasting speeds over phase and height.
 
     Args:
+        frequency: Hz.
         phases: rad, shape (n,).
         heights: in amplitudes of the ellipse's height, shape (m,).
         ellipses: asked for at each phase.
         points: rows by height, columns by phase.
     """
 
+    frequency: float
     phases: np.ndarray
     heights: np.ndarray
     ellipses: list[Ellipse]
@@ -45,9 +47,16 @@ class EllipseSearch:
         """Part of the time that a pad is off its way, shape (m, n)."""
         return np.array([[point.lifted_share for point in row] for row in self.points])
 
+    @property
+    def lasts(self) -> np.ndarray:
+        """Whether the speed lasts, or was still changing after the longest run, shape (m, n)."""
+        changed = np.array([[abs(point.changed) for point in row] for row in self.points])
+        travels = np.array([2.0 * path.along for path in self.ellipses])
+        return changed <= SETTLED * travels * self.frequency
+
     def best(self, clean: bool) -> tuple[int, int] | None:
-        """Row and column of the greatest speed; `clean`: among those that lift no pad."""
-        speed = np.where(self.lifted <= LIFTED, self.speed, -np.inf) if clean else self.speed
+        """Row and column of the greatest speed that lasts; `clean`: among those that lift no pad."""
+        speed = np.where(self.lasts & (self.lifted <= (LIFTED if clean else np.inf)), self.speed, -np.inf)
         row, column = np.unravel_index(int(np.argmax(speed)), speed.shape)
         return (int(row), int(column)) if np.isfinite(speed[row, column]) else None
 
@@ -91,4 +100,4 @@ def ellipse_search(
     found = run_all(_point, cases)
     count = len(PHASES)
     rows = [found[i * count : (i + 1) * count] for i in range(len(HEIGHTS))]
-    return EllipseSearch(np.array(PHASES), np.array(HEIGHTS), ellipses, rows)
+    return EllipseSearch(frequency, np.array(PHASES), np.array(HEIGHTS), ellipses, rows)

@@ -28,9 +28,9 @@ class Hold:
 
     Args:
         text: for people.
-        moves: what the loop's hand does: `ellipse` scales the whole path, so that a small hand does not touch the sea;
+        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one does not touch the sea;
             `travel` scales its travel along only; `lean` leans the pressed tip.
-        proportional: hand per metre, 1/m; integral: 1/(m s). For `lean` the hand is in metres: 1 and 1/s.
+        proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s.
         target: m.
     """
 
@@ -39,6 +39,11 @@ class Hold:
     proportional: float
     integral: float
     target: float = 20e-6
+
+    @property
+    def output_unit(self) -> str:
+        """Of the loop's output."""
+        return "m" if self.moves == "lean" else "1"
 
 
 HOLDS = {
@@ -57,12 +62,12 @@ class Held:
     Args:
         run: the motion, one row a sample.
         target: m.
-        hand: shape (n,).
+        output: of the loop, -1 to 1, or m of lean; shape (n,).
     """
 
     run: StageRun
     target: float
-    hand: np.ndarray
+    output: np.ndarray
 
     @property
     def error(self) -> np.ndarray:
@@ -110,18 +115,18 @@ def held(case: tuple[StageMachine, float, float, float, Hold]) -> Held:
         rest, most = over_sea(machine, 0.0, COARSE_HEIGHT * actuation.path.normal), 1.0
     simulation = StageSimulation(machine, rest, STEP)
     sensor = Interferometer(machine.sensors, period)
-    total, hands = 0.0, []
+    total, outputs = 0.0, []
     for _ in range(round(DURATION / period)):
         error = hold.target - sensor.read(simulation.travel)
         total = min(max(total + hold.integral * period * error, -most), most)
-        hand = min(max(hold.proportional * error + total, -most), most)
-        hands.append(hand)
+        output = min(max(hold.proportional * error + total, -most), most)
+        outputs.append(output)
         if hold.moves == "lean":
-            asked = (0.0, 0.0, 0.0, hand)
+            asked = (0.0, 0.0, 0.0, output)
         else:
-            asked = (hand, abs(hand) if hold.moves == "ellipse" else 1.0, 0.0, 0.0)
+            asked = (output, abs(output) if hold.moves == "ellipse" else 1.0, 0.0, 0.0)
         simulation.advance(actuation.commands(*asked), actuation.steps)
-    return Held(simulation.record(), hold.target, np.array(hands))
+    return Held(simulation.record(), hold.target, np.array(outputs))
 
 
 def hunting_study(

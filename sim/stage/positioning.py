@@ -1,7 +1,7 @@
 """Coarse run and fine settling in a closed loop.
 
-Coarse: the tip runs round its ellipse; how far it goes along is the loop's hand, between full forward and full back. A
-speed is asked for that falls with the square root of the distance left; the hand is proportional to what it lacks.
+Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. A
+speed is asked for that falls with the square root of the distance left; the output is proportional to what it lacks.
 Fine: the tip stands still, pressed on the sea, and leans by the integral of the error; the stage follows through the
 contact within its presliding.
 """
@@ -30,7 +30,7 @@ COARSE_HEIGHT = -0.45
 DECELERATION = 0.15
 """m/s^2, of the speed asked for; a third of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
-"""m/s lacking at which the hand is full."""
+"""m/s lacking at which the output is full."""
 HAND_OVER = 0.5e-6
 STOPPED = 0.2e-3
 """m and m/s: the fine loop takes over within these of the target."""
@@ -132,7 +132,7 @@ def _sensor(name: str, machine: StageMachine, period: float) -> Any:
 
 
 class Actuation:
-    """Voltages of one period of the drive: an ellipse gone along by a hand, a lift and a lean on top.
+    """Voltages of one period of the drive: an ellipse gone along by a part of its travel, a lift and a lean on top.
 
     Args:
         machine: with one actuator.
@@ -149,16 +149,16 @@ class Actuation:
         self.ramp = (np.arange(self.steps) + 0.5) / self.steps
         self.last = np.zeros(4)
 
-    def commands(self, hand: float, rise: float, lift: float, lean: float) -> np.ndarray:
+    def commands(self, along: float, rise: float, lift: float, lean: float) -> np.ndarray:
         """Voltages (steps, 1, 3); each number goes straight from its last value to the new one over the period.
 
         Args:
-            hand: -1 to 1, how far the ellipse goes along.
+            along: -1 to 1, how far the ellipse goes along.
             rise: 0 to 1, how far it goes up.
             lift: of its middle, m.
             lean: of its middle along x, m.
         """
-        new = np.array([hand, rise, lift, lean])
+        new = np.array([along, rise, lift, lean])
         now = self.last + self.ramp[:, None] * (new - self.last)
         self.last = new
         x = now[:, 0] * self.along + now[:, 3]
@@ -191,8 +191,8 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
             taken_over = simulation.time
             break
         asked = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
-        hand = min(max((asked - smooth) / SPEED_SCALE, -1.0), 1.0)
-        simulation.advance(actuation.commands(hand, 1.0, 0.0, 0.0), actuation.steps)
+        output = min(max((asked - smooth) / SPEED_SCALE, -1.0), 1.0)
+        simulation.advance(actuation.commands(output, 1.0, 0.0, 0.0), actuation.steps)
     lean, start = 0.0, simulation.time
     while simulation.time < start + FINE_TIME:
         share = min((simulation.time - start) / PRESS_TIME, 1.0)

@@ -30,6 +30,7 @@ class StageSimulation:
         self.constants, self.state = make_constants(machine, rest, step), make_state(machine, rest)
         self.state.velocity[0] = velocity
         self._rows: list[np.ndarray] = []
+        self._set_back = 0.0
 
     @property
     def time(self) -> float:
@@ -40,7 +41,18 @@ class StageSimulation:
     def travel(self) -> float:
         """Motion of the sea's middle along x since the start, m."""
         q, centre = self.state.position, self.machine.stage.centre
-        return float(q[0] - (q[4] - self.rest.attitude[2]) * centre[2] + q[5] * centre[1])
+        return float(self._set_back + q[0] - (q[4] - self.rest.attitude[2]) * centre[2] + q[5] * centre[1])
+
+    def set_back(self, distance: float) -> None:
+        """Put the stage back along its travel, moving and touching as it does: a run may go on beyond the travel.
+
+        `travel` and the record go on as though it had not been.
+
+        Args:
+            distance: m.
+        """
+        self.state.position[0] -= distance
+        self._set_back += distance
 
     def advance(self, commands: np.ndarray, stride: int = 10) -> np.ndarray:
         """Go on under the voltages asked for.
@@ -61,6 +73,7 @@ class StageSimulation:
         advance(self.constants, self.state, np.ascontiguousarray(commands, dtype=float), rows, stride)
         if not np.isfinite(self.state.position).all():
             raise SimulationError(f"stage: no finite motion at {self.time:.6g} s")
+        rows[:, 1] += self._set_back
         self._rows.append(rows)
         return rows
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.stage.drive_setting import Setting, Steady, steady
+from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
 from sim.stage.machine import StageMachine
 from sim.stage.waveforms import two_piezo_ellipse
 
@@ -41,9 +41,18 @@ class SpeedStudy:
         """m/s, shape (n,)."""
         return np.array([point.velocity[0] for point in self.points[height]])
 
+    def swing(self, height: str) -> np.ndarray:
+        """X that the tip makes, m, shape (n,): near its resonance more than is asked, and less where current lacks."""
+        return np.array([point.swing for point in self.points[height]])
+
     def ratio(self, height: str) -> np.ndarray:
-        """Speed over X f, shape (n,)."""
-        return self.speed(height) / (self.travel * self.frequencies)
+        """Speed over X f, with the X that the tip makes, shape (n,)."""
+        return self.speed(height) / (self.swing(height) * self.frequencies)
+
+    def lasts(self, height: str) -> np.ndarray:
+        """Whether the speed lasts, or was still changing after the longest run, shape (n,)."""
+        changed = np.array([abs(point.changed) for point in self.points[height]])
+        return changed <= SETTLED * self.travel * self.frequencies
 
     def reached(self, law: str) -> np.ndarray:
         """Frequencies at which a tip set level, which touches for half of each turn, is at least as fast as a law."""
@@ -73,6 +82,8 @@ class SpeedStudy:
         for height in self.points:
             at_drive = float(np.interp(self.drive_frequency, self.frequencies, self.speed(height)))
             found[f"speed_at_drive_frequency_{height}"] = (at_drive, "m/s")
+            swing = float(np.interp(self.drive_frequency, self.frequencies, self.swing(height)))
+            found[f"swing_at_drive_frequency_{height}"] = (swing, "m")
         return found
 
 

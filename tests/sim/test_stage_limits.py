@@ -13,7 +13,7 @@ from stage_machines import GRAVITY, RADIUS, example, ideal_piezos, symmetric
 
 from designcalc.friction_drive import acceleration_limit, tip_force_limit
 from sim.stage.drive_setting import Setting, run_setting, steady
-from sim.stage.simulation import drive_stage
+from sim.stage.simulation import StageSimulation, drive_stage
 from sim.stage.statics import over_sea, rest_at, rest_with_load
 from sim.stage.travel_map import pushed_over
 from sim.stage.waveforms import ellipse_wave, knots_wave, step_times, two_piezo_ellipse
@@ -234,6 +234,31 @@ def test_laws_of_speed_at_their_ends():
     assert slow.velocity[0] / (2 * ellipse.along * 20.0) == pytest.approx(1.0, abs=0.15)
     quick = steady(machine, Setting(ellipse, 1000.0, -0.3 * ellipse.normal), shortest=0.2)
     assert 1.9 < quick.velocity[0] / (2 * ellipse.along * 1000.0) < math.pi
+
+
+def test_a_tip_too_weak_for_the_pads_drives_nothing_that_lasts():
+    """Its mean thrust, friction times load, is less than the pads' drag: a stage that moves comes to rest."""
+    machine = example()
+    ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
+    weak = steady(machine, Setting(ellipse, 5000.0, -0.8 * ellipse.normal), shortest=0.2)
+    assert 0.3 * weak.tip_load < 0.05 * (machine.load - weak.tip_load)
+    assert abs(weak.velocity[0]) < 0.01 * 2 * ellipse.along * 5000.0
+
+
+def test_a_stage_set_back_moves_on_alike():
+    machine = symmetric(ideal_piezos(example()))
+    ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
+    wave = ellipse_wave(machine, ellipse, 5000.0, step_times(4000, STEP))
+    runs = []
+    for back in (0.0, 1e-3):
+        simulation = StageSimulation(machine, over_sea(machine, 0.5 * back, -0.3 * ellipse.normal), STEP, 0.1)
+        simulation.advance(wave[:2000])
+        simulation.set_back(back)
+        simulation.advance(wave[2000:])
+        runs.append(simulation.record().position[:, 0])
+        # The last row is within a step of the end.
+        assert simulation.travel == pytest.approx(runs[-1][-1], abs=2 * STEP * 0.1)
+    assert runs[1] == pytest.approx(runs[0], abs=2e-3 * np.ptp(runs[0]))
 
 
 def test_a_step_too_long_for_a_light_tip_is_refused():
