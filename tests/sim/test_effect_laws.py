@@ -18,9 +18,8 @@ from sim.simulation import simulate
 CORES = [name for name, effect in library().items() if effect.core is not None and hasattr(effect.core, "law")]
 BRISTLES = [name for name in CORES if name != "coulomb"]
 PASSIVE = [name for name in CORES if name != "lugre"]
-AT_ONE_INSTANT = [
-    effect for effect in library().values() if any(kernels.takes(effect)) and kernels.unsupported(effect) is None
-]
+EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
+AT_ONE_INSTANT = [law for law in EVERY if any(kernels.takes(law)) and kernels.unsupported(law) is None]
 
 speeds = st.floats(-1.0, 1.0).filter(lambda v: abs(v) > 1e-9)
 levels = st.floats(0.05, 5.0)
@@ -47,6 +46,10 @@ def difference(function, at: float, step: float) -> float:
     coarse = (function(at + step) - function(at - step)) / (2.0 * step)
     fine = (function(at + step / 2) - function(at - step / 2)) / step
     return (4.0 * fine - coarse) / 3.0
+
+
+def test_every_core_of_the_library_is_among_those_held_here():
+    assert {id(law.core) for law in EVERY if law.core is not None} == {id(find(name).core) for name in CORES}
 
 
 @pytest.mark.parametrize("name", CORES)
