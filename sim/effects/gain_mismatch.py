@@ -19,6 +19,10 @@ EFFECT = Effect(
     source="piezo stacks are sold with 10-20 % tolerance of stroke (catalogues)",
     acts_on="piezo",
     coordinates=("input",),
-    parameters=(Parameter("mismatch", "1", 0.0, -0.5, 0.5, "relative excess of piezo 2's gain", "either sign"),),
+    parameters=(
+        Parameter(
+            "mismatch", "1", 0.0, -0.8, 4.0, "relative excess of piezo 2's gain", "a weak or cracked stack at most"
+        ),
+    ),
     signal=_signal,
 )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from sim.effect import Axis, Effect, Parameter, Scan
+from sim.wave import SECOND, wave, wave_position
 
 
 def force(axis: Axis, p: Any) -> Any:
@@ -18,7 +20,15 @@ def force_position(axis: Axis, p: Any) -> Any:
     return p.amplitude * 2.0 * math.pi / p.pitch * np.cos(2.0 * math.pi * axis.position / p.pitch + p.phase)
 
 
-EFFECT = Effect(
+def _overtone_force(axis: Axis, p: Any) -> Any:
+    return p.amplitude * wave(axis, p)
+
+
+def _overtone_force_position(axis: Axis, p: Any) -> Any:
+    return p.amplitude * wave_position(axis, p)
+
+
+_SINE = Effect(
     name="magnetic_cogging",
     meaning="teeth or magnets pull the axis to and fro as they pass each other",
     equation="force = amplitude * sin(2 pi x/pitch + phase)",
@@ -44,3 +54,15 @@ EFFECT = Effect(
     slopes={"force.position": force_position},
     acts_on="axis",
 )
+
+_OVERTONE = replace(
+    _SINE,
+    name="magnetic_cogging:overtone",
+    meaning="teeth or magnets whose pull is no pure sine: square teeth, saturated iron",
+    equation="force = amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a), a = 2 pi x/pitch + phase",
+    parameters=(*_SINE.parameters, *SECOND),
+    force=_overtone_force,
+    slopes={"force.position": _overtone_force_position},
+)
+
+EFFECT = replace(_SINE, variants=(_OVERTONE,))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Axis, Effect, Parameter, Scan
+from sim.wave import SECOND, wave, wave_position
 
 
 def _factor(axis: Axis, p: Any) -> Any:
@@ -26,19 +27,12 @@ def _gradient_factor_position(axis: Axis, p: Any) -> Any:
     return p.gradient + 0.0 * axis.position
 
 
-def _wave(axis: Axis, p: Any) -> Any:
-    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
-    return np.sin(angle) + p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
-
-
 def _overtone_factor(axis: Axis, p: Any) -> Any:
-    return 1.0 + p.amplitude * _wave(axis, p)
+    return 1.0 + p.amplitude * wave(axis, p)
 
 
 def _overtone_factor_position(axis: Axis, p: Any) -> Any:
-    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
-    slope = np.cos(angle) + 2.0 * p.second_sine * np.cos(2.0 * angle) - 2.0 * p.second_cosine * np.sin(2.0 * angle)
-    return p.amplitude * 2.0 * np.pi / p.pitch * slope
+    return p.amplitude * wave_position(axis, p)
 
 
 _SINE = Effect(
@@ -87,26 +81,7 @@ _OVERTONE = replace(
     equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
     parameters=(
         *(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters),
-        Parameter(
-            "second_sine",
-            "1",
-            0.0,
-            -0.3,
-            0.3,
-            "half the length, of the wave: leaning flanks",
-            "stays one wave",
-            "shape",
-        ),
-        Parameter(
-            "second_cosine",
-            "1",
-            0.0,
-            -0.3,
-            0.3,
-            "half the length, of the wave: broad crests",
-            "stays one wave",
-            "shape",
-        ),
+        *SECOND,
     ),
     factor=_overtone_factor,
     slopes={"factor.position": _overtone_factor_position},
