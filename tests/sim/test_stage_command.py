@@ -53,6 +53,26 @@ def test_a_sweep_over_the_tips_height(tmp_path):
     assert header.startswith('"actuator.tip_height [m]"')
 
 
+@pytest.mark.xdist_group("cluster")
+@pytest.mark.parametrize(
+    "asked",
+    [
+        pytest.param(["tip", "--sweep", "actuator.tip_height=18mm:20mm:3"], id="tip"),
+        pytest.param(
+            ["stage", "--study", "steps", "--sweep", "drive.friction=0.2:0.3:2"], id="stage", marks=pytest.mark.slow
+        ),
+    ],
+)
+def test_a_sweep_on_a_cluster_gives_what_the_local_cores_give(asked, tmp_path, cluster):
+    found = []
+    for where in ([], ["--scheduler", cluster]):
+        target = tmp_path / f"sweep_{len(where)}.json"
+        words = [*asked, "--no-figures", "--out", str(tmp_path), "--json", str(target)]
+        assert run(["simulate", *words, *where]) == 0
+        found.append(json.loads(target.read_text())["sweep"])
+    assert found[1] == found[0]
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
