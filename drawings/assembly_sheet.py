@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from drawings.annotation import Annotation, Balloon, Note, SectionMark
 from drawings.annotation_ink import BALLOON
+from drawings.assembly_dimensions import DIMENSIONED, FIRST, SIDE, Extent, overall, reach_of
 from drawings.extent import view_box
 from drawings.frame import Paper
 from drawings.ink import Ink, Stroke, Words
-from drawings.lettering import LINE_PITCH, SMALL, TEXT, text_width
+from drawings.lettering import LARGE, LINE_PITCH, SMALL, TEXT, text_width
 from drawings.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
 from drawings.sheet import Sheet, scale_text, sheet_area
 from drawings.title_block import TitleBlock, title_box
@@ -34,12 +35,14 @@ class Assembled:
 
     Args:
         rows: bill of materials.
+        extent: its room, and that of the stage.
         mass: of the whole, with its unit.
         digest: hash of the parameters.
         revision: of the program.
     """
 
     rows: tuple[Row, ...]
+    extent: Extent
     mass: str
     digest: str
     revision: str
@@ -52,9 +55,12 @@ def assembly_sheet(machine: Assembled, design: Any, pictures: Mapping[str, Pictu
         pictures: of it, by name (`drawings.machine_pictures`).
     """
     taken_apart = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
-    whole = [pictures[TOP].view, pictures[SECTION].view]
-    views = _placed([*whole, *(one.view for one in taken_apart)], len(machine.rows))
-    marks: list[Annotation] = [_mark(views[0])]
+    cut = pictures[SECTION]
+    reach = reach_of([line for part, lines in cut.pieces if part == "stage" for line in lines], machine.extent.travel)
+    front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": reach.lines})
+    notes = (*_NOTES, f"- Travel {machine.extent.travel:.1f} mm; chain lines with two dots show its ends.")
+    views = _placed([pictures[TOP].view, front, *(one.view for one in taken_apart)], len(machine.rows), len(notes))
+    marks: list[Annotation] = [_mark(views[0]), *overall(machine.extent, views[0], views[1], reach)]
     placed = [replace(one, view=view) for one, view in zip(taken_apart, views[2:], strict=True)]
     marks += all_balloons(placed, machine.rows)
     return Sheet(
@@ -65,7 +71,7 @@ def assembly_sheet(machine: Assembled, design: Any, pictures: Mapping[str, Pictu
         title=title_of(machine, design, "assembly"),
         views=tuple(views),
         annotations=tuple(marks),
-        notes=(Note(sheet_area(PAPER).space[:2], _NOTES),),
+        notes=(Note(sheet_area(PAPER).space[:2], notes),),
         tables=tuple(parts_list(machine.rows, PAPER)),
     )
 
@@ -87,23 +93,49 @@ _NOTES = (
 )
 
 
-def _placed(views: Sequence[View], rows: int) -> list[View]:
-    """Views on the paper: top over section on the left, the exploded one in the middle, the one from below at right."""
+def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
+    """Views on the paper: top over section on the left, the exploded one in the middle, the one from below under it.
+
+    Where there is no room for that one under the exploded one, it stands at half the scale above the parts list.
+    """
     x0, y0, x1, y1 = sheet_area(PAPER).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
     upper, lower = boxes[:2]
     room = 24.0
-    column = max(upper[2], lower[2]) - min(upper[0], lower[0]) + 2 * room
-    left = x0 + room - min(upper[0], lower[0])
-    notes = y0 + (len(_NOTES) + 2) * LINE_PITCH * TEXT
-    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + room
-    gap = max(room, (y1 - notes - height) / 3)
-    top_at = (left, y1 - gap - upper[3])
-    places = [top_at, (left, top_at[1] + upper[1] - gap - room - lower[3])]
+    low_x, high_x = min(upper[0] - SIDE, lower[0]), max(upper[2], lower[2] + FIRST)
+    column = high_x - low_x + 2 * room
+    left = x0 + room - low_x
+    floor = y0 + (notes + 2) * LINE_PITCH * TEXT
+    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + room + 2 * DIMENSIONED
+    gap = max(room, (y1 - floor - height) / 3)
+    top_at = (left, y1 - gap - DIMENSIONED - upper[3])
+    places = [top_at, (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])]
     list_left, list_top = title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW
-    areas = [(x0 + column, y0, list_left, y1), (list_left, list_top, x1, y1)]
-    places += [_centred(box, area) for box, area in zip(boxes[2:], areas)]
-    return [replace(view, place=place) for view, place in zip(views, places, strict=True)]
+    middle = (x0 + column, y0, list_left, y1)
+    apart = [replace(view, place=place) for view, place in zip(views, places, strict=False)]
+    if len(views) > 3:
+        stacked = _stacked(boxes[2], boxes[3], middle)
+        if stacked:
+            below = replace(views[3], label=FROM_BELOW.upper())
+            return [*apart, *(replace(v, place=place) for v, place in zip((views[2], below), stacked, strict=True))]
+        half = replace(views[3], scale=SCALE / 2, label=f"{FROM_BELOW.upper()} ({scale_text(SCALE / 2)})")
+        box = view_box(half) or (0.0, 0.0, 0.0, 0.0)
+        views, boxes = [*views[:3], half], [*boxes[:3], box]
+    areas = (middle, (list_left, list_top, x1, y1))
+    beside = zip(views[2:], boxes[2:], areas, strict=False)
+    return [*apart, *(replace(view, place=_centred(box, area)) for view, box, area in beside)]
+
+
+def _stacked(upper: Box2, lower: Box2, area: Box2) -> tuple[Point2, Point2] | None:
+    """Places of two views one above the other in an area, the lower with a label; none where they do not fit."""
+    label = 2 * LARGE
+    gap = (area[3] - area[1] - (upper[3] - upper[1]) - (lower[3] - lower[1]) - label) / 3
+    wide = max(box[2] - box[0] for box in (upper, lower)) + 8 * BALLOON
+    if gap < 2 * BALLOON or wide > area[2] - area[0]:
+        return None
+    x, _ = _centred(upper, area)
+    u, _ = _centred(lower, area)
+    return (x, area[3] - gap - upper[3]), (u, area[1] + gap + label - lower[1])
 
 
 def _centred(box: Box2, area: Box2) -> Point2:

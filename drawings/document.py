@@ -37,6 +37,7 @@ LAYERS: dict[str, tuple[int, int, str]] = {
     "CENTRE": (1, 25, "CHAIN"),
     "SECTION": (6, 25, "CHAIN"),
     "HATCH": (8, 18, "CONTINUOUS"),
+    "PHANTOM": (2, 25, "PHANTOM"),
     "DIMENSION": (3, 25, "CONTINUOUS"),
     "TEXT": (7, 25, "CONTINUOUS"),
     "FRAME": (7, 70, "CONTINUOUS"),
@@ -48,6 +49,7 @@ LAYERS: dict[str, tuple[int, int, str]] = {
 LINE_TYPES = {
     "DASHED": ("hidden edges", [4.0, 3.0, -1.0]),
     "CHAIN": ("centre lines and cutting planes", [9.0, 6.0, -1.0, 1.0, -1.0]),
+    "PHANTOM": ("ends of what moves", [11.0, 6.0, -1.0, 1.0, -1.0, 1.0, -1.0]),
 }
 """Lengths on paper, mm: whole pattern, then dashes and gaps."""
 

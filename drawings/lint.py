@@ -22,7 +22,7 @@ from drawings.windows import Window, drawn, of_type, windows
 
 Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
 
-PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH")
+PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH", "PHANTOM")
 """Layers of the part's own lines."""
 SYMBOL = 6.0
 """Closed or bent lines beside the views that are smaller than this are symbols, mm on paper."""

@@ -1,5 +1,8 @@
 """The pictures of the whole machine that its sheets show: from above, cut through actuator 1, and taken apart."""
 
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
 from __future__ import annotations
 
 import math
@@ -7,15 +10,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from drawings.cut_piece import cut_piece
 from drawings.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, picture
 from drawings.section import hatch
-from drawings.view import PROJECTIONS, Cut, Projection, Segment
+from drawings.view import PROJECTIONS, Cut, Projection
 from drawings.visibility import DEFLECTION, MeshedFaces, Scene
 from stagecad.solids.frame import UNMOVED, Frame
 from stagecad.solids.machine import MOVING
 
 if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
     from stagecad.solids.assembly import Instance
 
 EYE_BELOW = Projection(
@@ -58,7 +65,7 @@ def machine_picture(
             hanging = [(i.part, i.shape, i.exploded) for i in instances if i.part in MOVING]
             if len(hanging) < 2:
                 return None
-            return picture(FROM_BELOW, EYE_BELOW, scene, hanging, SCALE / 2, exact=exact)
+            return picture(FROM_BELOW, EYE_BELOW, scene, hanging, exact=exact)
         case _:
             raise ValueError(f"there is no picture '{name}' of the machine")
 
@@ -66,20 +73,28 @@ def machine_picture(
 def _section(instances: Sequence[Instance], scene: Scene, *, exact: bool) -> Picture:
     """The machine cut through the axis of actuator 1 along the travel."""
     cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+    front = PROJECTIONS["front"]
     left: dict[str, MeshedFaces] = {}
-    hatched: list[Segment] = []
+    cut_faces: dict[int, tuple[TopoDS_Shape, ...]] = {}
+    covers: list[np.ndarray] = []
     pieces: list[tuple[str, str, Frame]] = []
     for number, instance in enumerate(instances):
         low, high = scene.reach(instance.shape, instance.frame, (0.0, 1.0, 0.0))
         if high < DEFLECTION:
             continue
         if low > -DEFLECTION or instance.part in WHOLE:
+            if low < 0.0:
+                covers.append(scene.in_plane(instance.shape, instance.frame, cut, front))
             pieces.append((instance.part, instance.shape, instance.frame))
             continue
         name = f"{instance.name} cut"
-        left[name], caps = cut_piece(scene, instance.shape, instance.frame, cut)
-        hatched.extend(hatch(caps, PROJECTIONS["front"], SCALE, falling=bool(number % 2)))
+        left[name], cut_faces[number] = cut_piece(scene, instance.shape, instance.frame, cut)
         pieces.append((instance.part, name, UNMOVED))
-    shown = picture(SECTION, PROJECTIONS["front"], scene.with_more(left), pieces, exact=exact)
+    hatched = [
+        line
+        for number, faces in cut_faces.items()
+        for line in hatch(faces, front, SCALE, falling=bool(number % 2), covers=covers)
+    ]
+    shown = picture(SECTION, front, scene.with_more(left), pieces, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
     return replace(shown, view=replace(shown.view, curves=curves, label="A-A", cut=cut))

@@ -26,10 +26,12 @@ from stagecad.solids.registry import ASSEMBLY, module_name, module_of, part_name
 from stagecad.solids.source import versions
 
 if TYPE_CHECKING:
+    from drawings.assembly_dimensions import Extent
     from drawings.assembly_sheet import Assembled
     from drawings.picture import Picture
     from drawings.procedure_figures import ProcedureValues
     from drawings.sheet import Sheet
+    from stagecad.solids.assembly import Instance
 
 FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
@@ -182,10 +184,24 @@ def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
     reads = sorted({name for made in parts.values() for name in made.entry.reads})
     return Assembled(
         bill_of_materials(instances, parts, masses, design),
+        extent_of(instances, parts, design),
         _shown_mass(combined(placed(masses[i.part], i.frame) for i in instances).mass),
         digest(design, reads),
         __version__,
     )
+
+
+def extent_of(instances: Sequence[Instance], parts: dict[str, MadePart], design: Any) -> Extent:
+    """The box of all parts at the middle of travel, each part's own box taken to where it stands; and the travel."""
+    from drawings.assembly_dimensions import Extent
+
+    corners = []
+    for piece in instances:
+        (x0, y0, z0), (x1, y1, z1) = parts[piece.part].geometry.bounding_box
+        corners += [piece.frame.point((x, y, z)) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
+    axes = tuple(zip(*corners, strict=True))
+    low, high = ((pick(axes[0]), pick(axes[1]), pick(axes[2])) for pick in (min, max))
+    return Extent(low, high, design.stage.travel)
 
 
 def _procedure_sheet(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from drawings.close_up import CloseUp
 from drawings.line_cleaning import cleaned
 from drawings.projection import hidden_lines
-from drawings.sheet import scale_text
 from drawings.view import Arc, Curve, Cut, Polyline, Projection, Segment, View
 from stagecad.solids.frame import Frame
 
@@ -69,9 +68,8 @@ def picture(
             lines = [tuple(_outside(piece, seen)) for piece in lines]
             lines[number] = tuple(wire.outlines(frame, projection, seen, chord))
     visible, _ = cleaned((curve for piece in lines for curve in piece), chord=chord)
-    label = "" if scale == SCALE else f"{name.upper()} ({scale_text(scale)})"
     parts = tuple((part, piece) for (part, _, _), piece in zip(pieces, lines, strict=True))
-    return Picture(View(name, projection, {"VISIBLE": visible}, scale, label=label), parts)
+    return Picture(View(name, projection, {"VISIBLE": visible}, scale), parts)
 
 
 def _outside(curves: Sequence[Curve], seen: CloseUp) -> Iterator[Curve]:

@@ -6,9 +6,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from drawings.line_cleaning import Span, joined, without
 from drawings.view import Cut, Point2, Projection, Segment
 
 if TYPE_CHECKING:
@@ -71,37 +74,49 @@ def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
         explorer.Next()
 
 
-def hatch(faces: Iterable[Any], projection: Projection, scale: float, *, falling: bool = False) -> tuple[Segment, ...]:
+def hatch(
+    faces: Iterable[Any],
+    projection: Projection,
+    scale: float,
+    *,
+    falling: bool = False,
+    covers: Sequence[np.ndarray] = (),
+) -> tuple[Segment, ...]:
     """Hatch lines on cut faces, clipped to them; at the pitch that is right on paper.
 
     Args:
         faces: in the cutting plane (`cut_faces`).
         scale: of the view, paper over part.
         falling: whether lines fall to the right, to tell one part from its neighbour.
+        covers: outlines in the plane of pieces that are not cut (`in_plane`): a screw in its tap drill (ISO 6410-1).
     """
     loops: list[list[Point2]] = []
     for face in faces:
         loops.extend(_loops(face, projection))
-    return hatch_lines(loops, HATCH_PITCH / scale, -HATCH_ANGLE if falling else HATCH_ANGLE)
+    return hatch_lines(loops, HATCH_PITCH / scale, -HATCH_ANGLE if falling else HATCH_ANGLE, covers)
 
 
-def hatch_lines(loops: list[list[Point2]], pitch: float, angle: float = HATCH_ANGLE) -> tuple[Segment, ...]:
-    """Lines inside an odd number of closed loops; their grid runs through the origin."""
+def hatch_lines(
+    loops: list[list[Point2]],
+    pitch: float,
+    angle: float = HATCH_ANGLE,
+    covers: Sequence[np.ndarray] = (),
+) -> tuple[Segment, ...]:
+    """Lines inside an odd number of closed loops and inside no cover; their grid runs through the origin."""
     turn = math.radians(angle)
     u, v = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
-    edges: list[tuple[float, float, float, float]] = []
-    for loop in loops:
-        turned = [(x * u[0] + y * u[1], x * v[0] + y * v[1]) for x, y in loop]
-        edges.extend((*a, *b) for a, b in zip(turned, [*turned[1:], turned[0]]))
-    if not edges:
+    pieces = [(*a, *b) for loop in loops for a, b in zip(loop, [*loop[1:], loop[0]])]
+    if not pieces:
         return ()
-    low = min(min(b, d) for _, b, _, d in edges)
-    high = max(max(b, d) for _, b, _, d in edges)
+    edges, *covering = (np.reshape(outline, (-1, 2, 2)) @ np.array((u, v)).T for outline in (pieces, *covers))
+    low, high = float(edges[..., 1].min()), float(edges[..., 1].max())
     lines: list[Segment] = []
     for row in range(math.floor(low / pitch) + 1, math.ceil(high / pitch)):
         level = row * pitch
-        hits = sorted(a + (level - b) * (c - a) / (d - b) for a, b, c, d in edges if (b > level) != (d > level))
-        for start, end in zip(hits[::2], hits[1::2]):
+        spans = _inside(edges, level)
+        for outline in covering:
+            spans = without(spans, joined(_inside(outline, level), 0.0), 0.0)
+        for start, end in spans:
             if end - start > 0.02 * pitch:
                 lines.append(
                     Segment(
@@ -110,6 +125,36 @@ def hatch_lines(loops: list[list[Point2]], pitch: float, angle: float = HATCH_AN
                     )
                 )
     return tuple(lines)
+
+
+def _inside(edges: np.ndarray, level: float) -> list[Span]:
+    """Where a level line is inside an odd number of loops, whose pieces (n, 2, 2) run from point to point."""
+    above = edges[..., 1] > level
+    crossed = edges[above[:, 0] != above[:, 1]]
+    (a, b), (c, d) = crossed[:, 0].T, crossed[:, 1].T
+    hits = np.sort(a + (level - b) * (c - a) / (d - b)).tolist()
+    return list(zip(hits[::2], hits[1::2]))
+
+
+def in_plane(corners: np.ndarray, triangles: np.ndarray, cut: Cut, projection: Projection) -> np.ndarray:
+    """Where triangles meet a plane: the pieces (n, 4) of closed outlines, from point to point in view coordinates.
+
+    Args:
+        corners: (n, 3), in place.
+        triangles: three corners of each.
+    """
+    heights = (corners - cut.point) @ np.array(cut.normal)
+    above = heights >= 0.0
+    count = above[triangles].sum(axis=1)
+    crossed = triangles[(count == 1) | (count == 2)]
+    lone = np.argmax(above[crossed] == (above[crossed].sum(axis=1) == 1)[:, None], axis=1)
+    first, *others = np.take_along_axis(crossed, (lone[:, None] + np.arange(3)) % 3, axis=1).T
+    ends = []
+    for other in others:
+        share = heights[first] / (heights[first] - heights[other])
+        places = corners[first] + share[:, None] * (corners[other] - corners[first])
+        ends.append(places @ np.array([projection.right, projection.up]).T)
+    return np.hstack(ends)
 
 
 def _loops(face: Any, projection: Projection) -> Iterator[list[Point2]]:

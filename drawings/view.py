@@ -17,10 +17,11 @@ Point2 = tuple[float, float]
 Box2 = tuple[float, float, float, float]
 """Lower left and upper right corner: u0, v0, u1, v1."""
 
-Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH"]
+Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH", "PHANTOM"]
 """Kinds of line of a view, by the names of their layers in the DXF file (ISO 128-2).
 
 `SECTION` is the cutting line that another view shows where a section is taken; the cut outline itself is `VISIBLE`.
+`PHANTOM` is where a part that moves may go.
 """
 
 

@@ -18,7 +18,8 @@ import numba
 import numpy as np
 
 from drawings.close_up import CloseUp
-from drawings.view import Projection
+from drawings.section import in_plane
+from drawings.view import Cut, Projection
 from drawings.wire import Wire, wire_of
 from stagecad.solids.frame import Frame, Vector
 from stagecad.solids.triangulation import triangulations
@@ -84,6 +85,11 @@ class Scene:
         places = (self._meshed[name].corners @ np.array(frame.rotation).T + frame.shift) @ np.array(along)
         return float(places.min()), float(places.max())
 
+    def in_plane(self, name: str, frame: Frame, cut: Cut, projection: Projection) -> np.ndarray:
+        """The outlines of a piece in a cutting plane, as its triangles have them (`drawings.section.in_plane`)."""
+        piece = self._meshed[name]
+        return in_plane(piece.corners @ np.array(frame.rotation).T + frame.shift, piece.triangles, cut, projection)
+
     def wire(self, name: str) -> Wire | None:
         """The round wire that a shape is; None where it is anything else."""
         return wire_of([face for part in self._meshed[name].faces for face in faces_of(part)])
@@ -118,7 +124,7 @@ class Standing:
         """For each piece, in place, the faces that are in front somewhere; None where there are none."""
         low, high = self._points.min(axis=0), self._points.max(axis=0)
         _, paint = self._painted(low, high, max(high[0] - low[0], high[1] - low[1]) / PIXELS)
-        seen = np.flatnonzero(np.bincount(paint.ravel() + 1, minlength=1)[1:])
+        seen = np.flatnonzero(_found(paint, int(self._first_faces[-1])))
         found: list[TopoDS_Shape | None] = []
         for (meshed, frame), first, end in zip(self._pieces, self._first_faces, self._first_faces[1:], strict=False):
             shown = [meshed.faces[index - first] for index in seen[(seen >= first) & (seen < end)]]
@@ -181,6 +187,17 @@ def _fill(points, triangles, owners, depth, paint):  # pragma: no cover - compil
                     depth[row, column] = z
                     paint[row, column] = owners[t]
                 z += along
+
+
+@numba.njit(cache=True)
+def _found(paint, count):  # pragma: no cover - compiled
+    """Which of so many numbers a picture has."""
+    found = np.zeros(count, dtype=np.bool_)
+    for row in range(paint.shape[0]):
+        for column in range(paint.shape[1]):
+            if paint[row, column] >= 0:
+                found[paint[row, column]] = True
+    return found
 
 
 def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> MeshedFaces:

@@ -9,12 +9,13 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 
-from drawings.annotation import Balloon
+from drawings.annotation import Balloon, Linear
 from drawings.annotation_ink import BALLOON
 from drawings.assembly_sheet import Assembled, assembly_sheet, spread
 from drawings.document import document_of
@@ -25,11 +26,13 @@ from drawings.ink import Words
 from drawings.lint import lint
 from drawings.machine_pictures import machine_picture
 from drawings.made_pictures import PICTURES
+from drawings.made_sheets import extent_of
 from drawings.picture import Picture, as_json, from_json
 from drawings.sheet import Sheet
 from drawings.view import Segment
 from drawings.visibility import Scene
 from stagecad.parameters.design import Design
+from stagecad.solids.assembly import assemble
 from stagecad.solids.machine import Machine
 from stagecad.solids.made_assembly import shapes_of
 
@@ -59,7 +62,8 @@ def pictures(shown: Callable[..., Picture]) -> dict[str, Picture]:
 
 @pytest.fixture(scope="module")
 def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
-    return assembly_sheet(Assembled(machine.bill_of_materials, "1 kg", "0", "0"), design, pictures)
+    extent = extent_of(machine.assembly.instances, machine.parts, design)
+    return assembly_sheet(Assembled(machine.bill_of_materials, extent, "1 kg", "0", "0"), design, pictures)
 
 
 def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
@@ -105,6 +109,49 @@ def test_the_cut_is_hatched_and_the_cutting_line_shown(sheet: Sheet) -> None:
     assert section.label == "A-A"
     assert len(section.curves["HATCH"]) > 50
     assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
+
+
+def test_size_and_travel_are_those_of_the_machine(sheet: Sheet, pictures: dict[str, Picture], design: Design) -> None:
+    """The numbers against parameters, and against what the hidden-line algorithm gives of the machine."""
+    said = {a.names[0]: (a.measured, a.text) for a in sheet.annotations if isinstance(a, Linear)}
+    assert len(said) == sum(isinstance(a, Linear) for a in sheet.annotations) - 1  # half of the travel, on both sides
+    base, stage = design.base, design.stage
+    assert said["overall length"] == (pytest.approx(base.length, abs=1e-6), f"({base.length:.1f})")
+    assert said["overall width"] == (pytest.approx(base.width, abs=1e-6), f"({base.width:.1f})")
+    assert said["half of the travel"] == (pytest.approx(stage.travel / 2, abs=1e-6), f"({stage.travel / 2:.1f})")
+    over = stage.length + stage.travel
+    assert said["length over the ends of travel"] == (pytest.approx(over, abs=1e-6), f"({over:.1f})")
+    _, v0, _, v1 = view_box(replace(pictures["section A-A"].view, scale=1.0)) or (0.0,) * 4
+    assert said["overall height"] == (pytest.approx(v1 - v0, abs=1e-6), f"({v1 - v0:.1f})")
+    u0, v0, u1, v1 = view_box(replace(pictures["top"].view, scale=1.0)) or (0.0,) * 4
+    assert (u1 - u0, v1 - v0) == pytest.approx((base.length, base.width), abs=1e-6)
+
+
+def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Machine, design: Design) -> None:
+    """Against the machine put together there."""
+    drawn = sheet.view("section A-A").curves["PHANTOM"]
+    for travel in (-1.0, 1.0):
+        (stage,) = (piece for piece in assemble(machine.parts, design, travel=travel) if piece.part == "stage")
+        (x0, _, z0), (x1, _, z1) = machine.parts["stage"].geometry.bounding_box
+        end = travel * max(travel * stage.frame.point((x, 0.0, 0.0))[0] for x in (x0, x1))
+        assert any(
+            isinstance(line, Segment)
+            and (line.start[0], line.end[0]) == pytest.approx((end, end), abs=1e-6)
+            and math.dist(line.start, line.end) <= z1 - z0 + 1e-6
+            for line in drawn
+        )
+
+
+def test_what_has_no_room_under_the_exploded_view_stands_smaller_above_the_list(
+    machine: Machine, design: Design, pictures: dict[str, Picture]
+) -> None:
+    below = pictures["from below"]
+    tall = replace(below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 600.0)),)}), pieces=())
+    extent = extent_of(machine.assembly.instances, machine.parts, design)
+    machine_now = Assembled(machine.bill_of_materials, extent, "1 kg", "0", "0")
+    views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
+    assert views["from below"].scale == views["top"].scale / 2
+    assert views["from below"].label == "FROM BELOW (1:4)"
 
 
 def test_the_sheet_is_free_of_hits(sheet: Sheet) -> None:

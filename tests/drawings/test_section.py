@@ -63,6 +63,21 @@ def test_hatch_leaves_out_holes_and_may_fall() -> None:
     assert hatch_lines([], 1.0) == ()
 
 
+def test_hatch_ends_where_a_piece_that_is_not_cut_covers_it() -> None:
+    """A square pin in the tube's bore of 12 mm radius and its wall: from -15 to -1 across, from 5 to 25 up."""
+    pin = cq.Workplane().box(14, 14, 20).translate((-8, 0, 15)).val()
+    assert isinstance(pin, cq.Shape)
+    outline = Scene({"pin": pin.wrapped}).in_plane("pin", Frame(), FRONT, PROJECTIONS["front"])
+    left = cut_shape(tube().wrapped, FRONT)
+    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], 10.0, covers=[outline])
+    length = sum(math.dist(line.start, line.end) for line in lines)
+    # The two walls without the 3 by 20 that the pin covers of one.
+    assert length * HATCH_PITCH / 10.0 == pytest.approx(2 * 8 * 30 - 3 * 20, rel=0.005)
+    for line in lines:
+        for x, z in (line.start, line.end, ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)):
+            assert not (-14.99 < x < -1.0 and 5.01 < z < 24.99)
+
+
 def block() -> cq.Shape:
     """A block with two bores that the plane cuts along their axes, and a step that lies in the plane."""
     bored = cq.Workplane().box(60, 40, 30).faces(">Z").workplane().hole(12)
