@@ -8,7 +8,8 @@ import numpy as np
 
 from sim.effect import Effect
 from sim.library import find
-from sysid.friction_drive import ACROSS, CONTACT, FrictionDriveRecord
+from sysid.driven_stage_friction import CONTACT
+from sysid.friction_drive import ACROSS, FrictionDriveRecord
 
 CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_asymmetry", "load_dependent_friction")
 

@@ -15,9 +15,10 @@ import numpy as np
 from sim.effect import Effect
 from sim.library import find
 from sysid.base_fit import ranking_error
+from sysid.driven_stage_friction import CONTACT
 from sysid.driven_stage_numbers import CONTACT_STIFFNESS, contact_damping
 from sysid.fit import least_squares
-from sysid.friction_drive import CONTACT, FrictionDriveRecord, beginning, predict_friction_drive
+from sysid.friction_drive import FrictionDriveRecord, beginning, predict_friction_drive
 from sysid.model import Model, Prepared, Scales, in_contact, with_effect
 
 QUANTILES = (0.5, 0.75, 0.9)

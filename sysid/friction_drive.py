@@ -22,16 +22,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
 from sim.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.balance import Balance, filled, make_axis
-from sysid.curves_of_speed import NO_CURVES, Curves, curves_of, goes_by_speed
+from sysid.driven_stage_friction import (
+    CONTACT,
+    LIGHT,
+    bristles_of,
+    contact_level,
+    core_of,
+    pads_friction,
+    slipping_contact,
+)
 from sysid.driven_stage_motion import ages_at_rest, as_it_moved
-from sysid.effect_terms import Values, axis_force, friction_level, remember, values_of
+from sysid.effect_terms import Values, axis_force, friction_level, values_of
 from sysid.follow import follow
 from sysid.follow_exactly import follow_exactly
 from sysid.follow_plane import follow_plane
@@ -42,21 +49,16 @@ from sysid.smoothing import GaussianFilter
 from sysid.tip import stretch_of
 from sysid.uniform import uniform
 
-CONTACT = "contact."
 ACROSS = "position_y"
 """The channel across the travel: where it is measured, the stage's motion is predicted in the plane."""
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: where a fit of the pads' level begins."""
 REST_SIGMAS = 5.0
-LIGHT = 4.0
-"""Width in steps of the filter through which the motion is seen that sets the levels."""
 LIGHTEST = 1.0
 """The same of the position itself: its noise is far below any pitch, its turns are not wider than a few rows."""
 TOP = 1.5
 """Over the largest speeds of tip and stage: how far curves of speed go."""
-READ_LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
-"""Contact effects that read nothing of how tip and stage move over each other."""
 
 
 @dataclass
@@ -176,16 +178,16 @@ def _follow_plane(
     load = 1.0 + up / values.get("rig.press", np.inf)
     pads = [e for e in effects if not e.name.startswith(CONTACT)]
     contact = [e for e in effects if e.name.startswith(CONTACT)]
-    for core in (_core(pads), _core(contact)):
+    for core in (core_of(pads), core_of(contact)):
         if core is not None and core.core.name != "coulomb":
             raise InputError(
                 f"model.effects: '{core.name}' cannot be used where position_y is recorded; the core of a plane is "
                 "'coulomb'"
             )
     pad_level = np.zeros(record.size)
-    if _core(pads) is not None:
+    if core_of(pads) is not None:
         pad_level = pad_level + friction_level(record, pads, values)
-    level, extra = _contact(record, contact, values, along, load)
+    level, extra = contact_level(record, contact, values, along, load)
     push = extra - axis_force(record, pads, values)
     stiffness, guide, mass = values["rig.contact_stiffness"], values["rig.guide_stiffness"], values["rig.mass"]
     x, y = follow_plane(
@@ -203,14 +205,14 @@ def _follow(
     """Position of the stage (n,), m, from its rest at the first row, for a tip `along` the axis under a `load`."""
     pads = [e for e in effects if not e.name.startswith(CONTACT)]
     contact = [e for e in effects if e.name.startswith(CONTACT)]
-    pad_core, contact_core = _core(pads), _core(contact)
+    pad_core, contact_core = core_of(pads), core_of(contact)
     stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
     if all(core is None or core.core.name == "coulomb" for core in (pad_core, contact_core)):
         top = TOP * (float(np.max(np.abs(np.diff(along)))) / record.step + float(np.max(np.abs(record.axis.velocity))))
-        level, share, contact_push, contact_curves = _slider(record, contact, values, along, load, top)
+        level, share, contact_push, contact_curves = slipping_contact(record, contact, values, along, load, top)
 
         def followed(seen: FrictionDriveRecord) -> np.ndarray:
-            pad_level, pad_share, pad_push, pad_curves = _pads(seen, pads, values, top)
+            pad_level, pad_share, pad_push, pad_curves = pads_friction(seen, pads, values, top)
             return follow_exactly(
                 along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
                 contact_curves, share, pad_curves, pad_share,
@@ -224,115 +226,14 @@ def _follow(
     pad_level = np.zeros(record.size)
     if pad_core is not None:
         pad_level = pad_level + friction_level(record, pads, values)
-    level, extra = _contact(record, contact, values, along, load)
+    level, extra = contact_level(record, contact, values, along, load)
     push = extra - axis_force(record, pads, values)
-    pad_reach, pad_weights = _bristles(pad_core, values)
-    reach, weights = _bristles(contact_core, values)
+    pad_reach, pad_weights = bristles_of(pad_core, values)
+    reach, weights = bristles_of(contact_core, values)
     return follow(
         along, push, np.where(load > 0.0, level, 0.0), reach, weights, stiffness, damping, pad_level, pad_reach,
         pad_weights, mass, record.step,
     )  # fmt: skip
-
-
-Friction = tuple[np.ndarray, np.ndarray, np.ndarray, Curves]
-"""Level at rest (n,), N; by what its extra levels are multiplied (n,); other forces on the stage (n,), N; curves."""
-
-
-def _pads(record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, top: float) -> Friction:
-    """Friction of the pads, up to the speed `top`, m/s."""
-    swift = [] if any(e.memory is not None for e in effects) else [e for e in effects if goes_by_speed(e)]
-    rest = [e for e in effects if e not in swift]
-    none, one = np.zeros(record.size), np.ones(record.size)
-    level = none + friction_level(record, rest, values) if _core(rest) is not None else none
-    share = one
-    for effect in rest if swift else []:
-        if effect.factor is not None:
-            share = share * effect.factor(record.axis, values_of(effect, values))
-    return level, share, -axis_force(record, rest, values), curves_of(swift, values, record.axis, top)
-
-
-def _slider(
-    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray,
-    top: float,
-) -> Friction:  # fmt: skip
-    """Friction between tip and stage, up to the speed `top`, m/s."""
-    swift = [e for e in effects if goes_by_speed(e)] if _core(effects) is not None else []
-    rest = [e for e in effects if e not in swift]
-    level, push = _contact(record, rest, values, along, load)
-    if not swift:
-        return level, np.ones(record.size), push, NO_CURVES
-    axis = record.axis._replace(load=_carried(record, load))
-    share = np.ones(record.size)
-    for effect in rest:
-        if effect.factor is not None:
-            share = share * effect.factor(axis, values_of(effect, values))
-    return level, share, push, curves_of(swift, values, axis, top)
-
-
-def _core(effects: Sequence[Effect]) -> Effect | None:
-    return next((e for e in effects if e.core is not None), None)
-
-
-def _bristles(core: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches at which the bristles of a core slip, m, and the parts of the level they carry; none for `coulomb`.
-
-    Raises:
-        InputError: a core whose bristles do not yield at a stretch of their own.
-    """
-    if core is None or core.core.name == "coulomb":
-        return np.empty(0), np.empty(0)
-    if core.core.springs is not None:
-        return core.core.springs(values_of(core, values))
-    raise InputError(
-        f"model.effects: '{core.name}' cannot be used on a friction-drive; its cores are 'coulomb' and 'presliding'"
-    )
-
-
-def _contact(
-    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Most that the contact holds while it touches (n,), N, infinite where it never slips, and what its other forces
-    add to the push (n,), N."""
-    push = np.zeros(record.size)
-    if _core(effects) is None:
-        return np.full(record.size, np.inf), push
-    carried = _carried(record, load)
-    moving = any(e.name.removeprefix(CONTACT) not in READ_LOAD_ONLY for e in effects)
-    axis = _sliding(record, along, carried) if moving else record.axis._replace(load=carried)
-    total: Any = 0.0
-    factor: Any = 1.0
-    for effect in effects:
-        p = values_of(effect, values)
-        if effect.level is not None:
-            total = total + effect.level(axis, p)
-        if effect.factor is not None:
-            factor = factor * effect.factor(axis, p)
-        if effect.force is not None:
-            push = push + np.where(load > 0.0, effect.force(axis, p), 0.0)
-    return np.maximum(total * factor, 0.0), push
-
-
-def _carried(record: FrictionDriveRecord, load: np.ndarray) -> np.ndarray:
-    """Load of the contact in units of the pads' recorded one, (n,)."""
-    return float(np.mean(record.axis.load)) * np.maximum(load, 0.0)
-
-
-def _sliding(record: FrictionDriveRecord, along: np.ndarray, load: np.ndarray) -> Axis:
-    """The contact's own axis: the tip's motion over the stage, under its own load, in units of the pads' recorded one.
-
-    The stage's motion is the measured one, lightly filtered; the tip's is filtered as much.
-    """
-
-    def made() -> Axis:
-        light = GaussianFilter(LIGHT * record.step, record.step, record.size)
-        speed = light(along, 1) - record.axis.velocity
-        still = 1e-3 * float(np.max(np.abs(speed))) + 1e-300
-        return make_axis(
-            record.time, along - record.axis.position, speed, np.gradient(speed, record.step), load,
-            record.axis.temperature, still,
-        )  # fmt: skip
-
-    return remember(record.memo, ("sliding", along.tobytes(), load.tobytes()), made)
 
 
 def beginning(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
