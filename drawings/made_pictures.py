@@ -6,10 +6,13 @@ process of its own.
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from drawings.uncollected import uncollected
 from stagecad.solids.assembly import assemble
@@ -27,7 +30,8 @@ PICTURES = {
     PROCEDURE: ("exploded", "from below"),
 }
 """What each sheet of the whole machine shows, the slowest first."""
-_FILE = "picture.json"
+_HEAD, _NUMBERS = "picture.json", "picture.npy"
+"""Files of a picture: what it is, and the numbers of its curves."""
 _MODULES = ("drawings.machine_pictures", "stagecad.solids.assembly", __name__)
 
 
@@ -46,7 +50,7 @@ def make_picture(
         parts: all of the machine's.
         exact: how lines are hidden (`drawings.projection.project`).
     """
-    from drawings.picture import as_json, from_json
+    from drawings.picture import packed, unpacked
 
     def make(reading: Any, folder: Path) -> None:
         from drawings.machine_pictures import machine_picture
@@ -57,11 +61,14 @@ def make_picture(
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(instances, parts, reading).items()}
         scene = Scene(shapes, {part: made.mesh for part, made in parts.items()})
         picture = machine_picture(name, instances, scene, exact=exact)
-        (folder / _FILE).write_text(json.dumps(picture and as_json(picture)), "utf-8")
+        head, numbers = packed(picture) if picture else (None, np.empty(0))
+        (folder / _HEAD).write_text(json.dumps(head), "utf-8")
+        np.save(folder / _NUMBERS, numbers, allow_pickle=False)
 
     with uncollected():
-        document = store.make(_named(name), design, _MODULES, make, _keys(parts)).document(_FILE)
-        return from_json(document) if document else None
+        entry = store.make(_named(name), design, _MODULES, make, _keys(parts))
+        head = entry.document(_HEAD)
+        return unpacked(head, np.load(io.BytesIO(entry.data(_NUMBERS)), allow_pickle=False)) if head else None
 
 
 def _named(picture: str) -> str:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from drawings.close_up import CloseUp
 from drawings.line_cleaning import cleaned
@@ -81,54 +84,72 @@ def _outside(curves: Sequence[Curve], seen: CloseUp) -> Iterator[Curve]:
             yield curve
 
 
-def as_json(shown: Picture) -> dict[str, Any]:
-    """A picture as plain numbers."""
+def packed(shown: Picture) -> tuple[dict[str, Any], np.ndarray]:
+    """A picture as plain values: what it is, and the numbers of all its curves in a row.
+
+    There are so many numbers that they take six times as long as text.
+    """
     view = shown.view
-    return {
+    groups = [*view.curves.values(), *(lines for _, lines in shown.pieces)]
+    head = {
         "name": view.name,
         "projection": [view.projection.name, view.projection.right, view.projection.up],
         "scale": view.scale,
         "label": view.label,
         "cut": [view.cut.point, view.cut.normal, view.cut.letter] if view.cut else None,
-        "lines": {layer: [_numbers(curve) for curve in curves] for layer, curves in view.curves.items()},
-        "pieces": [[part, [_numbers(curve) for curve in lines]] for part, lines in shown.pieces],
+        "layers": list(view.curves),
+        "parts": [part for part, _ in shown.pieces],
+        "counts": [[_count(curve) for curve in group] for group in groups],
     }
+    return head, np.array([number for group in groups for curve in group for number in _numbers(curve)])
 
 
-def from_json(document: Mapping[str, Any]) -> Picture:
-    """What `as_json` gave, back again."""
-    name, right, up = document["projection"]
+def unpacked(head: Mapping[str, Any], numbers: np.ndarray) -> Picture:
+    """What `packed` gave, back again."""
+    name, right, up = head["projection"]
     cut = None
-    if document["cut"]:
-        point, normal, letter = document["cut"]
+    if head["cut"]:
+        point, normal, letter = head["cut"]
         cut = Cut(tuple(point), tuple(normal), letter)
+    left = iter(numbers.tolist())
+    groups = [tuple(_curve(count, left) for count in counts) for counts in head["counts"]]
+    layers = head["layers"]
     view = View(
-        document["name"],
+        head["name"],
         Projection(name, tuple(right), tuple(up)),
-        {layer: tuple(map(_curve, curves)) for layer, curves in document["lines"].items()},
-        document["scale"],
-        label=document["label"],
+        dict(zip(layers, groups)),
+        head["scale"],
+        label=head["label"],
         cut=cut,
     )
-    return Picture(view, tuple((part, tuple(map(_curve, lines))) for part, lines in document["pieces"]))
+    return Picture(view, tuple(zip(head["parts"], groups[len(layers) :], strict=True)))
 
 
-def _numbers(curve: Curve) -> list[Any]:
+def _count(curve: Curve) -> int:
+    """Points of a polyline; 0 stands for a segment, -1 for an arc."""
     match curve:
         case Segment():
-            return ["segment", *curve.start, *curve.end]
+            return 0
         case Arc():
-            return ["arc", *curve.centre, curve.radius, curve.start_angle, curve.end_angle]
+            return -1
         case Polyline():
-            return ["polyline", *(value for point in curve.points for value in point)]
+            return len(curve.points)
 
 
-def _curve(numbers: Sequence[Any]) -> Curve:
-    kind, *values = numbers
-    if kind == "segment":
-        x0, y0, x1, y1 = values
-        return Segment((x0, y0), (x1, y1))
-    if kind == "arc":
-        x, y, radius, start, end = values
-        return Arc((x, y), radius, start, end)
-    return Polyline(tuple(zip(values[::2], values[1::2])))
+def _numbers(curve: Curve) -> Iterable[float]:
+    match curve:
+        case Segment():
+            return (*curve.start, *curve.end)
+        case Arc():
+            return (*curve.centre, curve.radius, curve.start_angle, curve.end_angle)
+        case Polyline():
+            return chain.from_iterable(curve.points)
+
+
+def _curve(count: int, left: Iterator[float]) -> Curve:
+    if count == 0:
+        return Segment((next(left), next(left)), (next(left), next(left)))
+    if count == -1:
+        return Arc((next(left), next(left)), next(left), next(left), next(left))
+    numbers = tuple(islice(left, 2 * count))
+    return Polyline(tuple(zip(numbers[::2], numbers[1::2])))
