@@ -25,7 +25,7 @@ def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
         bristles = effect.core.name in ("maxwell_slip", "free_maxwell_slip")
         return effect.core.name == "coulomb" or (bristles and ACROSS not in record.measured)
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
-    return (effect.acts_on in ("friction", "axis") and has_law) or effect.name == "frictional_lag"
+    return (effect.acts_on in ("friction", "axis") and has_law) or effect.acts_on == "memory"
 
 
 def contact_candidates(records: Sequence[FrictionDriveRecord], present: Sequence[str]) -> list[Effect]:
