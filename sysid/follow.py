@@ -76,7 +76,9 @@ def _steps(
     springs = max(1, contact_weights.size)
     bristles = pad_weights.size
     held = np.zeros(springs)  # force of each contact bristle, N
-    bent = np.zeros(bristles)  # of each pad bristle, part of its share of the level
+    bent = np.zeros(bristles)  # stretch of each pad bristle, m
+    per_reach = pad_weights / pad_reach
+    slipping = np.zeros(springs)  # the way each contact bristle slips, zero while it sticks
     x, v = 0.0, 0.0
     side = 0.0  # the way the stage slides on rigid pads, zero while they hold
     stiff = np.zeros(springs)
@@ -110,28 +112,38 @@ def _steps(
             rigid, after = 0.0, 0.0
             stopping = bristles == 0
             low, high = -1e300, 1e300
+            if bristles > 0:
+                d = h * v
             for _ in range(60):
                 force = inertia * (d - h * v) - pushed + rigid
                 slope = inertia
+                # Displacements between which every pad bristle does as it does at this one.
+                since, until = -1e300, 1e300
                 for e in range(bristles):
-                    cap = pad * pad_weights[e]
-                    u = bent[e] + 0.5 * d / pad_reach[e]
-                    if u > 1.0:
-                        force += cap
-                    elif u < -1.0:
-                        force -= cap
+                    back, ahead = -2.0 * (pad_reach[e] + bent[e]), 2.0 * (pad_reach[e] - bent[e])
+                    if d > ahead:
+                        force += pad * pad_weights[e]
+                        since = max(since, ahead)
+                    elif d < back:
+                        force -= pad * pad_weights[e]
+                        until = min(until, back)
                     else:
-                        force += cap * u
-                        slope += 0.5 * cap / pad_reach[e]
+                        rate = pad * per_reach[e]
+                        force += rate * (bent[e] + 0.5 * d)
+                        slope += 0.5 * rate
+                        since, until = max(since, back), min(until, ahead)
                 for e in range(springs):
                     f = held[e] + (0.5 * stiff[e] + lossy) * (dtip - d)
                     if f > most[e]:
                         force -= most[e]
+                        slipping[e] = 1.0
                     elif f < -most[e]:
                         force += most[e]
+                        slipping[e] = -1.0
                     else:
                         force -= f
                         slope += 0.5 * stiff[e] + lossy
+                        slipping[e] = 0.0
                 if stopping:
                     if abs(force) <= pad:
                         break
@@ -144,9 +156,14 @@ def _steps(
                 else:
                     low = max(low, d)
                 nearer = d - force / slope
-                if nearer <= low or nearer >= high:
+                # The balance is a straight line as long as nothing sticks or slips that did not: its root is the root.
+                near = since <= nearer <= until
+                for e in range(springs):
+                    f = held[e] + (0.5 * stiff[e] + lossy) * (dtip - nearer)
+                    near = near and slipping[e] == (1.0 if f > most[e] else (-1.0 if f < -most[e] else 0.0))
+                if not near and (nearer <= low or nearer >= high):
                     nearer = 0.5 * (low + high) if low > -1e299 and high < 1e299 else nearer
-                near = abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
+                near = near or abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
                 d = nearer
                 if near:
                     break
@@ -156,7 +173,7 @@ def _steps(
                 continue
             side = after
             for e in range(bristles):
-                bent[e] = min(max(bent[e] + d / pad_reach[e], -1.0), 1.0)
+                bent[e] = min(max(bent[e] + d, -pad_reach[e]), pad_reach[e])
             for e in range(springs):
                 held[e] = min(max(held[e] + stiff[e] * (dtip - d), -most[e]), most[e])
             v = 2.0 * d / h - v
