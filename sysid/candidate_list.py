@@ -24,7 +24,7 @@ EVERYONES = (
 )
 """Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
 
-REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone")
+REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
 """Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""
 
 

@@ -169,6 +169,8 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     taken = best.gain / evidence.error**2
     clear = not evidence.balance or evidence.over >= CLEARLY_ABOVE or taken >= MUCH_OF_IT
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
+    # Where the noise is all there is by the ranking, a few samples at turns may still lie above it.
+    to_the_noise &= evidence.error > 1.0 or taken >= MUCH_OF_IT
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     of_starts = evidence.like_turns(best) or best.family in AT_STARTS
     certain = taken >= MUCH_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE

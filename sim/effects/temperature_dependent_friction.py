@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,14 @@ def _factor(axis: Axis, p: Any) -> Any:
 
 def _exponential(axis: Axis, p: Any) -> Any:
     return np.exp(p.coefficient * (axis.temperature - p.reference))
+
+
+def _thinner_drag(axis: Axis, p: Any) -> Any:
+    return p.drag * axis.velocity * np.expm1(p.drag_coefficient * (axis.temperature - p.reference))
+
+
+def _thinner_drag_velocity(axis: Axis, p: Any) -> Any:
+    return p.drag * np.expm1(p.drag_coefficient * (axis.temperature - p.reference)) + 0.0 * axis.velocity
 
 
 _LINEAR = Effect(
@@ -52,4 +61,29 @@ _EXPONENTIAL = replace(
     factor=_exponential,
 )
 
-EFFECT = replace(_LINEAR, variants=(_EXPONENTIAL,))
+_LUBRICATED = replace(
+    _EXPONENTIAL,
+    name="temperature_dependent_friction:lubricated",
+    meaning="level and viscous drag fall with temperature, each at its own rate: an oil thins the faster",
+    equation="level * exp(coefficient * dT) + drag * v * (exp(drag_coefficient * dT) - 1),  dT = T - reference",
+    parameters=(
+        *_EXPONENTIAL.parameters,
+        Parameter(
+            "drag", "N*s/m", 1.0, 0.0, math.inf, "viscous drag that thins, at the reference", "no less than none"
+        ),
+        Parameter(
+            "drag_coefficient",
+            "1/K",
+            -0.05,
+            -0.5,
+            0.5,
+            "relative change of the drag per kelvin",
+            "mineral oils: -0.03 to -0.1",
+            role="shape",
+        ),
+    ),
+    force=_thinner_drag,
+    slopes={"force.velocity": _thinner_drag_velocity},
+)
+
+EFFECT = replace(_LINEAR, variants=(_EXPONENTIAL, _LUBRICATED))

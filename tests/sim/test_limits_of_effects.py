@@ -79,8 +79,14 @@ def load(name: str) -> None:
 def temperature(name: str) -> None:
     assert at(name, "factor", temperature=20.0) == 1.0
     one, two = at(name, "factor", temperature=np.array([30.0, 40.0]))
-    assert two == pytest.approx(one * one if name.endswith("exponential") else 2.0 * one - 1.0, rel=1e-12)
-    assert one == pytest.approx(math.exp(-0.1) if name.endswith("exponential") else 0.9, rel=1e-12)
+    exponential = name.endswith(("exponential", "lubricated"))
+    assert two == pytest.approx(one * one if exponential else 2.0 * one - 1.0, rel=1e-12)
+    assert one == pytest.approx(math.exp(-0.1) if exponential else 0.9, rel=1e-12)
+    if name.endswith("lubricated"):
+        p = find(name).values()
+        # Where it is cold as the reference no drag is gone, in great heat all of it.
+        gone = at(name, "force", velocity=0.3, temperature=np.array([20.0, 20.0 - 50.0 / p.drag_coefficient]))
+        assert gone == pytest.approx([0.0, -0.3 * p.drag], rel=1e-12)
 
 
 def place(name: str) -> None:

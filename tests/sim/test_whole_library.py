@@ -144,6 +144,9 @@ def test_a_force_takes_energy_or_gives_back_what_it_took(law):
     elif law.name.startswith("direction_asymmetry"):
         # By itself a bias at speed; with as much viscous friction under it, a drag that is never negative.
         assert np.all(power + p.viscous * v * v >= 0.0)
+    elif law.name.endswith(":lubricated"):
+        # Takes off the viscous friction what warmth does: with that under it, never negative.
+        assert np.all(power + p.drag * v * v >= 0.0)
     else:
         assert np.all(power >= 0.0)
         assert work[-1] > 0.0
