@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drawings.extent import box_of, outermost
 from drawings.view import Arc, Curve, Point2, Polyline, Projection, Segment
 
 FINE = 1.0
@@ -59,12 +60,11 @@ class CloseUp:
 
     def meets(self, curve: Curve) -> bool:
         """Whether a curve may come into the window."""
-        points = _corners(curve)
-        low, high = points.min(axis=0), points.max(axis=0)
+        x0, y0, x1, y1 = box_of(outermost(curve))
         height, width = self.own.shape
         left, top = self.low[0], -self.low[1]
         right, bottom = left + width * self.pixel, top - height * self.pixel
-        return bool(low[0] < right and high[0] > left and low[1] < top and high[1] > bottom)
+        return x0 < right and x1 > left and y0 < top and y1 > bottom
 
     def _within(self, flat: np.ndarray) -> np.ndarray:
         """Which places have nothing but the window's own piece around them."""

@@ -196,13 +196,27 @@ def _closed(spans: list[Span], gap: float) -> list[Span]:
 
 def _polylines(visible: list[Polyline], hidden: list[Polyline], near: float) -> tuple[list[Polyline], list[Polyline]]:
     """Each polyline without the runs that lie on one before it, those that are visible first."""
-    lines = [*sorted(visible, key=_order), *sorted(hidden, key=_order)]
+    lines = [*_in_order(visible), *_in_order(hidden)]
     kept: list[list[Polyline]] = []
     for line, before in zip(lines, _touching([np.array(line.points) for line in lines], near), strict=True):
         others = [np.array(piece.points) for number in before for piece in kept[number]]
         kept.append(_uncovered(line, np.array(line.points), others, near) if others else [line])
     count = len(visible)
     return list(chain.from_iterable(kept[:count])), list(chain.from_iterable(kept[count:]))
+
+
+def _in_order(lines: list[Polyline]) -> list[Polyline]:
+    """Polylines sorted by where they are; those that begin at one place by all of their points, which few need."""
+
+    def begin(line: Polyline) -> tuple[float, float]:
+        (x, y), *_ = line.points
+        return (round(x, 4), round(y, 4))
+
+    return [line for _, same in groupby(sorted(lines, key=begin), key=begin) for line in _sorted_all(list(same))]
+
+
+def _sorted_all(lines: list[Polyline]) -> list[Polyline]:
+    return sorted(lines, key=_order) if len(lines) > 1 else lines
 
 
 AT_ONCE = 20000

@@ -95,6 +95,7 @@ class _Ink:
                 self.texts.append(_text(entity, None))
             elif entity.dxftype() != "VIEWPORT":
                 self.sheet_lines += pieces(_points(entity))
+        self.dimensions = list(of_type(document.modelspace(), "DIMENSION"))
         for entity in drawn(document, document.modelspace()):
             self._from_model(entity)
 
@@ -129,7 +130,7 @@ def lint(document: Drawing) -> list[Hit]:
         *_texts_on_lines(ink),
         *_symbols_on_parts(ink),
         *_off_the_sheet(document, ink),
-        *_shared_lines(document, ink),
+        *_shared_lines(ink),
         *_values(document, ink),
         *_unsound(document),
     ]
@@ -141,16 +142,14 @@ def _lost(ink: _Ink) -> Iterator[Hit]:
 
 
 def _texts_on_texts(ink: _Ink) -> Iterator[Hit]:
-    texts = sorted(ink.texts, key=lambda text: min(x for x, _ in text.corners()))
-    lows = [min(x for x, _ in text.corners()) for text in texts]
-    highs = [max(x for x, _ in text.corners()) for text in texts]
-    for i, one in enumerate(texts):
-        for j in range(i + 1, len(texts)):
-            if lows[j] >= highs[i]:
+    placed = sorted(((_box(text.corners()), text) for text in ink.texts), key=lambda pair: pair[0][0])
+    for i, (box, one) in enumerate(placed):
+        for below, other in placed[i + 1 :]:
+            if below[0] >= box[2]:
                 break
-            if _apart(one, texts[j]) or _apart(texts[j], one):
+            if below[1] >= box[3] or below[3] <= box[1] or _apart(one, other) or _apart(other, one):
                 continue
-            yield Hit("text", f"'{one.words}' is over '{texts[j].words}'", one.middle)
+            yield Hit("text", f"'{one.words}' is over '{other.words}'", one.middle)
 
 
 def _apart(one: _Text, other: _Text) -> bool:
@@ -226,10 +225,10 @@ def _frames(document: Drawing) -> Iterator[Box2]:
                 yield _box(points)
 
 
-def _shared_lines(document: Drawing, ink: _Ink) -> Iterator[Hit]:
+def _shared_lines(ink: _Ink) -> Iterator[Hit]:
     """Dimension lines that run on top of one another."""
     placed: list[tuple[Point2, Point2, str]] = []
-    for dimension in of_type(document.modelspace(), "DIMENSION"):
+    for dimension in ink.dimensions:
         d = dimension.dxf
         if d.dimtype & 7 != 0:
             continue
@@ -260,7 +259,7 @@ def _on_one_line(one: tuple[Point2, Point2], other: tuple[Point2, Point2]) -> bo
 
 def _values(document: Drawing, ink: _Ink) -> Iterator[Hit]:
     """Dimensions whose picture does not say what their points measure."""
-    for dimension in of_type(document.modelspace(), "DIMENSION"):
+    for dimension in ink.dimensions:
         measured = dimension.get_measurement()
         if not isinstance(measured, float):
             continue

@@ -23,13 +23,15 @@ def written(
         begins: index of the point with which each outline begins.
         before, after: what stands before and after each outline.
     """
-    pattern: list[str] = []
-    of_curve = 0
-    last = 0
-    for code in codes.tolist():
-        of_curve = of_curve + 1 if code == last and (code, of_curve + 1) in words else 0
-        pattern.append(words[code, of_curve])
-        last = code
+    # Of a curve's points the first comes after one of another code, or after a whole curve.
+    sizes = np.bincount([code for code, _ in words])
+    numbers = np.arange(len(codes))
+    changed = np.diff(codes, prepend=0) != 0
+    of_curve = (numbers - np.maximum.accumulate(np.where(changed, numbers, 0))) % sizes[codes]
+    table = np.empty((len(sizes), sizes.max()), dtype=object)
+    for place, word in words.items():
+        table[place] = word
+    pattern: list[str] = table[codes, of_curve].tolist()
     for begin in begins:
         pattern[begin] = before + pattern[begin]
     for end in (*begins[1:], len(pattern)):

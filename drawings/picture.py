@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +12,11 @@ import numpy as np
 from drawings.close_up import CloseUp
 from drawings.line_cleaning import cleaned
 from drawings.projection import hidden_lines
-from drawings.view import Arc, Curve, Cut, Polyline, Projection, Segment, View
-from stagecad.solids.frame import Frame
+from drawings.view import Arc, Curve, Cut, Point2, Polyline, Projection, Segment, View
+from stagecad.solids.frame import Frame, Matrix
 
 if TYPE_CHECKING:
-    from drawings.visibility import Scene
+    from drawings.visibility import Scene, Standing
 
 TOP, SECTION, EXPLODED, FROM_BELOW = "top", "section A-A", "exploded", "from below"
 """Names of the machine's pictures, and of their views."""
@@ -60,10 +60,14 @@ def picture(
     """
     chord = CHORD / scale
     standing = scene.standing([(shape, frame) for _, shape, frame in pieces], projection)
-    shown = standing.visible()
     wires = {kind: scene.wire(kind) for kind in {shape for _, shape, _ in pieces}}
+    twins = _twins(pieces, standing, [number for number, (_, kind, _) in enumerate(pieces) if not wires[kind]])
+    shown = standing.visible(twins)
     rest = [None if wires[kind] else shape for shape, (_, kind, _) in zip(shown, pieces, strict=True)]
-    lines = hidden_lines(rest, projection, chord=chord, exact=exact)
+    lines = hidden_lines(rest, projection, unasked=twins, chord=chord, exact=exact)
+    for number, first in twins.items():
+        here, there = (projection.to_view(pieces[which][2].shift) for which in (number, first))
+        lines[number] = tuple(_moved(curve, (here[0] - there[0], here[1] - there[1])) for curve in lines[first])
     for number, (_, kind, frame) in enumerate(pieces):
         wire = wires[kind]
         if wire is not None and shown[number] is not None:
@@ -73,6 +77,37 @@ def picture(
     visible, _ = cleaned((curve for piece in lines for curve in piece), chord=chord)
     parts = tuple((part, piece) for (part, _, _), piece in zip(pieces, lines, strict=True))
     return Picture(View(name, projection, {"VISIBLE": visible}, scale), parts)
+
+
+def _twins(pieces: Sequence[tuple[str, str, Frame]], standing: Standing, numbers: Sequence[int]) -> dict[int, int]:
+    """Pieces that nothing hides, each with the first of its shape that stands as it does and is hidden by nothing.
+
+    In parallel projection both look the same, but for the place.
+    """
+    alike: dict[tuple[str, Matrix], list[int]] = {}
+    for number in numbers:
+        _, shape, frame = pieces[number]
+        alike.setdefault((shape, frame.rotation), []).append(number)
+    found: dict[int, int] = {}
+    for several in alike.values():
+        free = [number for number in several if standing.foremost(number)] if len(several) > 1 else []
+        found |= dict.fromkeys(free[1:], *free[:1])
+    return found
+
+
+def _moved(curve: Curve, by: Point2) -> Curve:
+    """A curve in another place of its view."""
+
+    def at(point: Point2) -> Point2:
+        return (point[0] + by[0], point[1] + by[1])
+
+    match curve:
+        case Segment():
+            return Segment(at(curve.start), at(curve.end))
+        case Arc():
+            return replace(curve, centre=at(curve.centre))
+        case Polyline():
+            return Polyline(tuple(map(at, curve.points)))
 
 
 def _outside(curves: Sequence[Curve], seen: CloseUp) -> Iterator[Curve]:

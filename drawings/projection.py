@@ -11,7 +11,7 @@ Edges across which the surface is smooth are left out, as a draughtsman does wit
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drawings.line_cleaning import CHORD, cleaned
@@ -45,52 +45,69 @@ def project(
         same for the same shape.
     """
     drawn = shape if simple or not exact else with_simple_curves(shape)
-    result = (_exactly if exact else _by_mesh)([drawn], projection)
+    result = (_exactly if exact else _by_mesh)([(drawn, True)], projection)
     unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []
     visible, behind = cleaned(_curves([result.VCompound(), result.OutLineVCompound()]), _curves(unseen))
     return {"VISIBLE": visible, "HIDDEN": behind}
 
 
 def hidden_lines(
-    shapes: Sequence[TopoDS_Shape | None], projection: Projection, *, chord: float = CHORD, exact: bool = True
+    shapes: Sequence[TopoDS_Shape | None],
+    projection: Projection,
+    *,
+    unasked: Collection[int] = (),
+    chord: float = CHORD,
+    exact: bool = True,
 ) -> list[tuple[Curve, ...]]:
     """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None.
 
     Args:
         shapes: placed; parts of shapes that are never seen should have been left out (`drawings.visibility`).
         projection: direction of view.
+        unasked: numbers of shapes that hide others, but whose own lines are not wanted.
         chord: greatest distance of a polyline from its curve, mm.
         exact: as for `project`.
     """
     drawn = [shape and with_simple_curves(shape) for shape in shapes] if exact else list(shapes)
-    there = [shape for shape in drawn if shape is not None]
+    there = [(shape, number not in unasked) for number, shape in enumerate(drawn) if shape is not None]
     result = (_exactly if exact else _by_mesh)(there, projection)
     return [
-        () if shape is None else tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)], chord))
-        for shape in drawn
+        ()
+        if shape is None or number in unasked
+        else tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)], chord))
+        for number, shape in enumerate(drawn)
     ]
 
 
-def _exactly(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
-    """Answers of the exact algorithm."""
+def _exactly(shapes: Sequence[tuple[TopoDS_Shape, bool]], projection: Projection) -> Any:
+    """Answers of the exact algorithm; of each shape it is said whether its own lines are wanted."""
     from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
 
     algorithm = HLRBRep_Algo()
-    for shape in shapes:
+    for shape, _ in shapes:
         algorithm.Add(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
-    algorithm.Hide()
+    numbers = range(1, len(shapes) + 1)
+    wanted = [number for number, (_, own) in zip(numbers, shapes, strict=True) if own]
+    # As `Hide()` goes about it: each by itself, then each by each of the others.
+    for number in wanted:
+        algorithm.Hide(number)
+    for number in wanted:
+        for other in numbers:
+            if other != number:
+                algorithm.Hide(number, other)
+    algorithm.Select()
     return HLRBRep_HLRToShape(algorithm)
 
 
-def _by_mesh(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+def _by_mesh(shapes: Sequence[tuple[TopoDS_Shape, bool]], projection: Projection) -> Any:
     """Answers of the algorithm that works on triangles."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.HLRBRep import HLRBRep_PolyAlgo, HLRBRep_PolyHLRToShape
 
     algorithm = HLRBRep_PolyAlgo()
-    for shape in shapes:
+    for shape, _ in shapes:
         BRepMesh_IncrementalMesh(shape, 0.02, False, 0.1, False)
         algorithm.Load(shape)
     algorithm.Projector(_projector(projection))
@@ -118,23 +135,24 @@ def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
     """
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 
-    if not any(_poles(edge) for edge in _edges(shape)):
+    if not any(_splines(shape)):
         return shape
     copy = BRepBuilderAPI_Copy(shape).Shape()
-    for edge in _edges(copy):
-        poles = _poles(edge)
-        if poles and not _made_arc(edge) and poles > FEW:
+    for edge, poles in list(_splines(copy)):
+        if not _made_arc(edge) and poles > FEW:
             _make_simple(edge)
     return copy
 
 
-def _poles(edge: Any) -> int:
-    """Of an edge that is a spline; 0 of any other."""
+def _splines(shape: Any) -> Iterator[tuple[Any, int]]:
+    """Edges that are splines, with the number of their poles."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_BSplineCurve
 
-    curve = BRepAdaptor_Curve(edge)
-    return curve.NbPoles() if curve.GetType() == GeomAbs_BSplineCurve else 0
+    for edge in _edges(shape):
+        curve = BRepAdaptor_Curve(edge)
+        if curve.GetType() == GeomAbs_BSplineCurve:
+            yield edge, curve.NbPoles()
 
 
 def _made_arc(edge: Any) -> bool:
@@ -195,28 +213,33 @@ def _edges(shape: Any) -> Iterator[Any]:
 
 
 def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.BRepLib import BRepLib
+    from OCP.GeomAbs import GeomAbs_Line
 
     for compound in compounds:
         if compound is None or compound.IsNull():
             continue
         BRepLib.BuildCurves3d_s(compound)
         for edge in _edges(compound):
-            curve = as_curve(edge, chord)
-            if curve is not None:
-                yield curve
+            curve = BRepAdaptor_Curve(edge)
+            drawn = _straight(curve) if curve.GetType() == GeomAbs_Line else _round(curve, chord)
+            if drawn is not None:
+                yield drawn
 
 
-def as_curve(edge: Any, chord: float = CHORD) -> Curve | None:
-    """An edge in the plane z = 0 as a curve of a view; None when it has no length there."""
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
+def _straight(curve: Any) -> Curve | None:
+    """A line in the plane z = 0; None when it has no length there."""
+    start, end = _at(curve, curve.FirstParameter()), _at(curve, curve.LastParameter())
+    return Segment(start, end) if math.dist(start, end) >= FLAT else None
+
+
+def _round(curve: Any, chord: float) -> Curve | None:
+    """Any other curve in the plane z = 0; None when it has no length there."""
     from OCP.GCPnts import GCPnts_QuasiUniformDeflection
-    from OCP.GeomAbs import GeomAbs_Circle, GeomAbs_Line
+    from OCP.GeomAbs import GeomAbs_Circle
 
-    curve = BRepAdaptor_Curve(edge)
     first, last = curve.FirstParameter(), curve.LastParameter()
-    if curve.GetType() == GeomAbs_Line:
-        return _segment([_at(curve, first), _at(curve, last)])
     if curve.GetType() == GeomAbs_Circle:
         circle = curve.Circle()
         axis = circle.Axis().Direction().Z()

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numba
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 PIXELS = 1400
 """Of the depth buffer along its longer side: of the machine, a third of a millimetre each."""
+BESIDE = 3
+"""How far round a piece it is looked for what may be before it, pixels."""
 DEFLECTION, TURN = 0.5, 0.6
 """Of the triangles from the faces of a shape that comes without: mm, and rad between neighbours."""
 
@@ -92,7 +95,7 @@ class Scene:
 
     def wire(self, name: str) -> Wire | None:
         """The round wire that a shape is; None where it is anything else."""
-        return wire_of([face for part in self._meshed[name].faces for face in faces_of(part)])
+        return wire_of(face for part in self._meshed[name].faces for face in faces_of(part))
 
     def standing(self, pieces: Sequence[tuple[str, Frame]], projection: Projection) -> Standing:
         """Some pieces as one direction of view shows them.
@@ -117,19 +120,54 @@ class Standing:
         self._begins = corners
         self._first_faces = faces
         self._points = np.concatenate(points)
+        self._low, self._high = self._points.min(axis=0), self._points.max(axis=0)
+        self._pixel = float((self._high - self._low)[:2].max()) / PIXELS
+        self._tiles = np.cumsum([0, *(len(meshed.triangles) for meshed, _ in pieces)])
         self._triangles = np.concatenate([m.triangles + first for (m, _), first in zip(pieces, corners, strict=False)])
         self._owners = np.concatenate([m.owners + first for (m, _), first in zip(pieces, faces, strict=False)])
 
-    def visible(self) -> list[TopoDS_Shape | None]:
-        """For each piece, in place, the faces that are in front somewhere; None where there are none."""
-        low, high = self._points.min(axis=0), self._points.max(axis=0)
-        _, paint = self._painted(low, high, max(high[0] - low[0], high[1] - low[1]) / PIXELS)
-        seen = np.flatnonzero(_found(paint, int(self._first_faces[-1])))
+    def visible(self, twins: Mapping[int, int] | None = None) -> list[TopoDS_Shape | None]:
+        """For each piece, in place, the faces that are in front somewhere; None where there are none.
+
+        Args:
+            twins: pieces that look like others of their shape: what is seen of one is seen of both, though where the
+                pixels lie may let a sliver slip through.
+        """
+        _, paint = self._whole
+        there = _found(paint, int(self._first_faces[-1]))
+        for number, first in (twins or {}).items():
+            own, like = (slice(*self._first_faces[which : which + 2]) for which in (number, first))
+            there[like] |= there[own]
+        seen = np.flatnonzero(there)
         found: list[TopoDS_Shape | None] = []
         for (meshed, frame), first, end in zip(self._pieces, self._first_faces, self._first_faces[1:], strict=False):
             shown = [meshed.faces[index - first] for index in seen[(seen >= first) & (seen < end)]]
             found.append(moved(compound_of(shown), frame) if shown else None)
         return found
+
+    def foremost(self, piece: int) -> bool:
+        """Whether nothing stands before a piece, nor beside it so near that some of it might.
+
+        What would escape is a thing before the piece that is thinner than a pixel throughout.
+        """
+        begin, end = self._begins[piece], self._begins[piece + 1]
+        places = (self._points[begin:end] - self._low) / self._pixel
+        low, high = places.min(axis=0), places.max(axis=0)
+        left, top = (max(int(value) - BESIDE, 0) for value in low[:2])
+        right, bottom = (int(value) + 1 + BESIDE for value in high[:2])
+        depth, paint = (buffer[top:bottom, left:right] for buffer in self._whole)
+        mine = (paint >= self._first_faces[piece]) & (paint < self._first_faces[piece + 1])
+        if _beset(mine, depth, high[2]):
+            return False
+        alone, free = np.full(paint.shape, -1, dtype=np.int32), np.full(paint.shape, np.inf, dtype=np.float32)
+        tiles = slice(self._tiles[piece], self._tiles[piece + 1])
+        _fill(places - (left, top, 0.0), self._triangles[tiles] - begin, self._owners[tiles], free, alone)
+        return bool((mine == (alone >= 0)).all())
+
+    @cached_property
+    def _whole(self) -> tuple[np.ndarray, np.ndarray]:
+        """Depth and faces of the whole picture."""
+        return self._painted(self._low, self._high, self._pixel)
 
     def close_up(self, piece: int, pixel: float) -> CloseUp:
         """What is in front around one piece, at a pixel of so many mm."""
@@ -198,6 +236,21 @@ def _found(paint, count):  # pragma: no cover - compiled
             if paint[row, column] >= 0:
                 found[paint[row, column]] = True
     return found
+
+
+@numba.njit(cache=True)
+def _beset(mine, depth, reach):  # pragma: no cover - compiled
+    """Whether something no deeper than that stands `BESIDE` pixels or less from where a mask is true."""
+    height, width = mine.shape
+    for row in range(height):
+        for column in range(width):
+            if mine[row, column] or depth[row, column] > reach:
+                continue
+            for other in range(max(0, row - BESIDE), min(height, row + BESIDE + 1)):
+                for place in range(max(0, column - BESIDE), min(width, column + BESIDE + 1)):
+                    if mine[other, place]:
+                        return True
+    return False
 
 
 def _with_mesh(shape: TopoDS_Shape, mesh: Mesh | None) -> MeshedFaces:

@@ -12,7 +12,7 @@ quarter of the time of the whole machine.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -130,7 +130,7 @@ class Wire:
                 yield place, out, radial / np.linalg.norm(radial)
 
 
-def wire_of(faces: Sequence[Any]) -> Wire | None:
+def wire_of(faces: Iterable[Any]) -> Wire | None:
     """The wire that a shape's faces make up: parts of tori of one thickness, and plane ends; None for anything else."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_Plane, GeomAbs_Torus
