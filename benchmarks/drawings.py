@@ -19,8 +19,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
 TARGETS = {
@@ -32,7 +33,7 @@ TARGETS = {
 }
 
 SHEET = 1.5
-"""Target of a sheet by itself, s of processor time."""
+"""Target of a sheet by itself, s."""
 
 
 def seconds(arguments: list[str], cache: Path) -> tuple[float, float]:
@@ -57,8 +58,7 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     """Processor time of each sheet, from solids to its files, in one process that has all modules loaded.
 
     Of a part, with its STEP AP242 file, shared evenly among its sheets. Of the whole machine, with the pictures it
-    shows, one after the other and, as the command works them out, side by side on two processors; and with the
-    pictures there.
+    shows, one after the other, and with the pictures there.
     """
     from drawings.made_pictures import PICTURES, make_picture
     from drawings.made_sheets import draw_part, draw_whole
@@ -95,20 +95,67 @@ def sheet_seconds(runs: int) -> dict[str, float]:
                             note(f"picture: {name}", partial(make_picture, store, name, parts, design))
                     note(f"{whole}, its pictures there", partial(draw_whole, store, whole, design, procedure_values))
                     shown = sum(times[f"picture: {name}"] for name in pictures)
-                    alone = times[f"{whole}, its pictures there"]
-                    times[f"{whole}, with its pictures"] = alone + shown
-                    times[f"{whole}, on two processors"] = alone + side_by_side(
-                        [times[f"picture: {name}"] for name in pictures]
-                    )
+                    times[f"{whole}, with its pictures"] = times[f"{whole}, its pictures there"] + shown
     return times
 
 
-def side_by_side(times: Iterable[float]) -> float:
-    """How long tasks take on two processors, each begun as soon as one is free, the longest first."""
-    ends = [0.0, 0.0]
-    for time_of_one in sorted(times, reverse=True):
-        ends = [min(ends) + time_of_one, max(ends)]
-    return max(ends)
+def clocked(runs: int) -> dict[str, float]:
+    """Time of day from nothing but the parts to the files of each sheet of the whole machine, on two processors.
+
+    Two processes work as those of the command do, the pictures first, then the sheet.
+    In their first round they load what is loaded late; the best of the others counts.
+    """
+    from drawings.made_pictures import PICTURES
+    from drawings.workers import run_tasks
+    from stagecad.parameters.design import load_design
+    from stagecad.solids.cache import Store
+    from stagecad.solids.made_part import make_part
+    from stagecad.solids.registry import part_names
+    from workbench.commands.drawings import procedure_values
+
+    times: dict[str, float] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        design, made = load_design(), Path(folder) / "made"
+        for name in part_names(design):
+            make_part(Store(made), name, design)
+        procedure_values(Store(made), design)
+        for whole, pictures in PICTURES.items():
+            names: list[str] = []
+            needs: dict[str, list[str]] = {}
+            for number in range(runs + 1):
+                shutil.copytree(made, Path(folder) / f"{whole} {number}")
+                before = names[-1:]
+                own = [f"{whole} {number}/{picture}" for picture in pictures]
+                last = f"{whole} {number}/"
+                needs |= dict.fromkeys(own, before) | {last: own}
+                names += [*own, last]
+            ends: dict[str, float] = {}
+            run_tasks(
+                names, partial(one_of, folder), lambda name, ends=ends: ends.update({name: time.perf_counter()}),
+                workers=2, needs=needs,
+            )  # fmt: skip
+            sheets = [ends[f"{whole} {number}/"] for number in range(runs + 1)]
+            times[whole] = min(end - begin for begin, end in pairwise(sheets))
+    return times
+
+
+def one_of(folder: str, name: str, late: bool) -> None:
+    """A picture of the machine, or its sheet, as `clocked` names it."""
+    from drawings.made_pictures import make_picture
+    from drawings.made_sheets import draw_whole
+    from stagecad.parameters.design import load_design
+    from stagecad.solids.cache import Store
+    from stagecad.solids.made_part import make_part
+    from stagecad.solids.registry import part_names
+    from workbench.commands.drawings import procedure_values
+
+    place, _, picture = name.partition("/")
+    store, design = Store(Path(folder) / place), load_design()
+    if picture:
+        parts = {part: make_part(store, part, design) for part in part_names(design)}
+        make_picture(store, picture, parts, design, exact=not late)
+    else:
+        draw_whole(store, place.split()[0], design, procedure_values, exact=not late)
 
 
 def rendering_seconds(runs: int) -> tuple[float, float]:
@@ -178,6 +225,9 @@ def main(runs: int) -> None:
             print(f"  {name:30} {alone:14.2f}")
         else:
             print(f"{name:32} {alone:14.2f} {SHEET:11.2f}   {'' if alone < SHEET else 'missed'}")
+    print(f"\n{'from parts to files, with pictures':32} {'time [s]':>11} {'target [s]':>11}   (two processes)")
+    for name, whole in clocked(runs).items():
+        print(f"{name:32} {whole:13.2f} {SHEET:11.2f}   {'' if whole < SHEET else 'missed'}")
     ours, theirs = rendering_seconds(runs)
     print(f"\n{'SVG, PDF and PNG from DXF (stage)':34} {ours:12.2f}   ezdxf's drawing add-on, SVG alone: {theirs:.2f}")
 
