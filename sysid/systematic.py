@@ -5,7 +5,8 @@ Two things that a record of an axis is not told to better:
 - which part of the motion's filter a law should see. The motion is filtered before a law is evaluated along it, and a
   law is not linear: a narrow Stribeck curve or a short pitch comes out a little blunter. The prediction from a motion
   filtered half as much shows by how much.
-- when each channel was sampled. The channels of a row are taken to be simultaneous; to a few hundredths of a step they are not.
+- when each channel was sampled. The channels of a row are taken to be simultaneous; to a few hundredths of a step they
+  are not.
 
 Each is a change of the prediction (n,), and moves the fitted values by what the fit makes of it.
 """
