@@ -16,12 +16,13 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import Candidate, Score, Scored, look_at, out_of_bounds, refined, start_for, target_of
+from sysid.candidates import Candidate, Look, Score, Scored, look_at, out_of_bounds, refined, start_for, target_of
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect
+from sysid.side_by_side import side_by_side
 from sysid.starts import with_bounds_of, without_family
 from sysid.trials import FirstLooks, Trial, looks_on, trial_of
 
@@ -105,19 +106,18 @@ def best_pairs(
     columns = np.hstack(blocks)
     gram, right = columns.T @ columns, columns.T @ first.target
     together = sorted(_pair_drops(parts, gram, right), key=lambda found: -found[0])
-    pairs: list[Pair] = []
-    seen: set[frozenset[str]] = set()
+    chosen: dict[frozenset[str], tuple[_Part, _Part]] = {}
     for _, one, other in together:
         families = frozenset((base_name(one.known.effect.name), base_name(other.known.effect.name)))
-        if families in seen or (wanted is not None and wanted not in families):
-            continue
-        seen.add(families)
-        pair = _refitted(case, base, (one, other), gram, right, given)
-        if pair is not None:
-            pairs.append(pair)
-        if len(seen) >= PAIRS_REFITTED:
+        if wanted is None or wanted in families:
+            chosen.setdefault(families, (one, other))
+        if len(chosen) >= PAIRS_REFITTED:
             break
-    return sorted(pairs, key=lambda pair: pair.error)
+    shared = (*(part.known.effect for part in parts), *base.fitted.model.effects, base.fitted.weights)
+    found = side_by_side(
+        lambda two: _refitted(case, base, two, gram, right, given), list(chosen.values()), shared
+    )  # fmt: skip
+    return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 
 def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> list[tuple[float, _Part, _Part]]:
@@ -184,13 +184,18 @@ def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool 
         first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
     )
     present = [e.name for e in first.fitted.model.effects]
-    pairs = []
-    for look in looks_on(case, below, present, all_effects, promising=PROMISING).looks[:ON_TOP]:
+
+    def refitted(look: Look) -> Pair | None:
         fitted = refined(first.fitted, look, case.fit_records, case.scales).fitted
         residual = weighted_residual(fitted.model, case.validate_records, base.weights)
-        if np.isfinite(residual).all():
-            pairs.append(Pair((first.effect, look.effect), fitted, ranking_error(residual), residual))
-    return sorted(pairs, key=lambda pair: pair.error)
+        if not np.isfinite(residual).all():
+            return None
+        return Pair((first.effect, look.effect), fitted, ranking_error(residual), residual)
+
+    looks = looks_on(case, below, present, all_effects, promising=PROMISING).looks[:ON_TOP]
+    shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
+    found = side_by_side(refitted, looks, shared)
+    return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 
 def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False) -> list[Trial]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sim.effect import Effect
 from sysid.base_fit import fit_model, ranking_error
 from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, Scored, as_it_looks, look_from, refined, scored, settled, target_of
@@ -15,6 +16,7 @@ from sysid.case_fit import BaseFit
 from sysid.looked_at import looked_at
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name, in_contact
+from sysid.side_by_side import elsewhere, side_by_side
 
 Progress = Callable[[str, int, int], None]
 """Called with what comes next, how many steps are done, and of how many; once more when all are."""
@@ -116,23 +118,31 @@ def looks_on(
     fitted, records = looked_at(base.fitted, case.fit_records)
     basis, target = target_of(fitted)
     effects = candidates_of(case, present, all_effects)
-    known = []
-    for k, effect in enumerate(effects):
-        if progress is not None:
-            progress(effect.name, k, 2 * len(effects))
-        known.append(scored(fitted, effect, records, case.scales, basis, target))
+    shared = (*effects, *fitted.model.effects, fitted.weights)
+
+    def tell(name: str, step: int) -> None:
+        if progress is not None and not elsewhere():
+            progress(name, step, 2 * len(effects))
+
+    def score(numbered: tuple[int, Effect]) -> Scored:
+        k, effect = numbered
+        tell(effect.name, k)
+        return scored(fitted, effect, records, case.scales, basis, target)
+
+    def look(numbered: tuple[int, Scored]) -> Look | None:
+        k, one = numbered
+        tell(one.effect.name, len(effects) + k)
+        return look_from(one, fitted, records, case.scales, basis)
+
+    known = side_by_side(score, list(enumerate(effects)), shared)
     known.sort(key=lambda one: -one.promise)
-    looks, unfitted = [], []
-    for k, one in enumerate(known):
-        # What no linear weight stands for, only a fit can tell.
-        if promising is not None and k >= promising and one.linear:
-            unfitted.append(one)
-            continue
-        if progress is not None:
-            progress(one.effect.name, len(effects) + k, 2 * len(effects))
-        look = look_from(one, fitted, records, case.scales, basis)
-        if look is not None and np.isfinite(look.error):
-            looks.append(look)
+    # What no linear weight stands for, only a fit can tell.
+    fits = [promising is None or k < promising or not one.linear for k, one in enumerate(known)]
+    seen = [one for one, fit in zip(known, fits, strict=True) if fit]
+    unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
+    shared = (*shared, *seen, *(score for one in seen for score in one.scores))
+    found = side_by_side(look, list(enumerate(seen)), shared)
+    looks = [one for one in found if one is not None and np.isfinite(one.error)]
     return FirstLooks(sorted(looks, key=lambda look: look.error), unfitted, target)
 
 
@@ -149,18 +159,19 @@ def try_all(
             progress(name, count, steps)
 
     first = looks_on(case, base, present, all_effects, scoring)
-    trials = []
     fitted, records = looked_at(base.fitted, case.fit_records)
-    for k, look in enumerate(first.looks):
-        if k < REFITTED:
-            if progress is not None:
-                progress(f"refitting {look.effect.name}", looked + k, steps)
-            candidate = refined(fitted, look, records, case.scales)
-        else:
-            candidate = as_it_looks(look)
-        trial = trial_of(case, base, candidate)
-        if trial is not None:
-            trials.append(trial)
+
+    def tried(numbered: tuple[int, Look]) -> Trial | None:
+        k, look = numbered
+        if k >= REFITTED:
+            return trial_of(case, base, as_it_looks(look))
+        if progress is not None and not elsewhere():
+            progress(f"refitting {look.effect.name}", looked + k, steps)
+        return trial_of(case, base, refined(fitted, look, records, case.scales))
+
+    shared = (*(look.effect for look in first.looks), *fitted.model.effects, fitted.weights)
+    found = side_by_side(tried, list(enumerate(first.looks)), shared)
+    trials = [trial for trial in found if trial is not None]
     if progress is not None:
         progress("", steps, steps)
     trials.sort(key=lambda t: t.error)
