@@ -36,19 +36,30 @@ def elsewhere() -> bool:
     return _inside
 
 
-def side_by_side(work: Callable[[Item], Answer], items: Sequence[Item], shared: Sequence[object] = ()) -> list[Answer]:
+def side_by_side(
+    work: Callable[[Item], Answer],
+    items: Sequence[Item],
+    shared: Sequence[object] = (),
+    begun: Callable[[Item], None] | None = None,
+) -> list[Answer]:
     """What `work` gives for each item, in their order.
 
     Args:
         work: gives something that pickles, but for what is shared; it may not change anything that the caller needs.
         items: pieces of about the same size, or the largest first.
         shared: objects of the caller's that come back as themselves where an answer holds them, as effects do.
+        begun: called here with each item, in their order, about when its work begins.
     """
     count = min(processors(), len(items))
     known = {id(thing): thing for thing in shared}
     children = [_begun(work, items[k::count], known) for k in range(1, count)]
     try:
-        answers: dict[int, Answer] = dict(zip(range(0, len(items), max(count, 1)), map(work, items[:: max(count, 1)])))
+        answers: dict[int, Answer] = {}
+        for i in range(0, len(items), max(count, 1)):
+            if begun is not None:
+                for item in items[i : i + count]:
+                    begun(item)
+            answers[i] = work(items[i])
         for k, child in enumerate(children, start=1):
             found = _finished(*child, known) if child is not None else None
             own = range(k, len(items), count)

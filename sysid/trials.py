@@ -16,7 +16,7 @@ from sysid.case_fit import BaseFit
 from sysid.looked_at import looked_at
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name, in_contact
-from sysid.side_by_side import elsewhere, side_by_side
+from sysid.side_by_side import side_by_side
 
 Progress = Callable[[str, int, int], None]
 """Called with what comes next, how many steps are done, and of how many; once more when all are."""
@@ -120,28 +120,25 @@ def looks_on(
     effects = candidates_of(case, present, all_effects)
     shared = (*effects, *fitted.model.effects, fitted.weights)
 
-    def tell(name: str, step: int) -> None:
-        if progress is not None and not elsewhere():
+    def tell(step: int, name: str) -> None:
+        if progress is not None:
             progress(name, step, 2 * len(effects))
 
     def score(numbered: tuple[int, Effect]) -> Scored:
-        k, effect = numbered
-        tell(effect.name, k)
-        return scored(fitted, effect, records, case.scales, basis, target)
+        return scored(fitted, numbered[1], records, case.scales, basis, target)
 
     def look(numbered: tuple[int, Scored]) -> Look | None:
-        k, one = numbered
-        tell(one.effect.name, len(effects) + k)
-        return look_from(one, fitted, records, case.scales, basis)
+        return look_from(numbered[1], fitted, records, case.scales, basis)
 
-    known = side_by_side(score, list(enumerate(effects)), shared)
+    known = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
     known.sort(key=lambda one: -one.promise)
     # What no linear weight stands for, only a fit can tell.
     fits = [promising is None or k < promising or not one.linear for k, one in enumerate(known)]
     seen = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
     shared = (*shared, *seen, *(score for one in seen for score in one.scores))
-    found = side_by_side(look, list(enumerate(seen)), shared)
+    fitting = list(enumerate(seen, start=len(effects)))
+    found = side_by_side(look, fitting, shared, lambda one: tell(one[0], one[1].effect.name))
     looks = [one for one in found if one is not None and np.isfinite(one.error)]
     return FirstLooks(sorted(looks, key=lambda look: look.error), unfitted, target)
 
@@ -165,12 +162,15 @@ def try_all(
         k, look = numbered
         if k >= REFITTED:
             return trial_of(case, base, as_it_looks(look))
-        if progress is not None and not elsewhere():
-            progress(f"refitting {look.effect.name}", looked + k, steps)
         return trial_of(case, base, refined(fitted, look, records, case.scales))
 
+    def tell(numbered: tuple[int, Look]) -> None:
+        k, look = numbered
+        if progress is not None and k < REFITTED:
+            progress(f"refitting {look.effect.name}", looked + k, steps)
+
     shared = (*(look.effect for look in first.looks), *fitted.model.effects, fitted.weights)
-    found = side_by_side(tried, list(enumerate(first.looks)), shared)
+    found = side_by_side(tried, list(enumerate(first.looks)), shared, tell)
     trials = [trial for trial in found if trial is not None]
     if progress is not None:
         progress("", steps, steps)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Axis, Effect, Parameter, Scan
-from sim.wave import SECOND, wave, wave_position
+from sim.overtone import SECOND
 
 
 def force(axis: Axis, p: Any) -> Any:
@@ -21,11 +21,15 @@ def force_position(axis: Axis, p: Any) -> Any:
 
 
 def _overtone_force(axis: Axis, p: Any) -> Any:
-    return p.amplitude * wave(axis, p)
+    angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
+    overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
+    return p.amplitude * (np.sin(angle) + overtone)
 
 
 def _overtone_force_position(axis: Axis, p: Any) -> Any:
-    return p.amplitude * wave_position(axis, p)
+    angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
+    overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
+    return p.amplitude * 2.0 * math.pi / p.pitch * (np.cos(angle) + overtone)
 
 
 _SINE = Effect(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.effect import Axis, Effect, Parameter, Scan
-from sim.wave import SECOND, wave, wave_position
+from sim.overtone import SECOND
 
 
 def _factor(axis: Axis, p: Any) -> Any:
@@ -28,11 +28,15 @@ def _gradient_factor_position(axis: Axis, p: Any) -> Any:
 
 
 def _overtone_factor(axis: Axis, p: Any) -> Any:
-    return 1.0 + p.amplitude * wave(axis, p)
+    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
+    overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
+    return 1.0 + p.amplitude * (np.sin(angle) + overtone)
 
 
 def _overtone_factor_position(axis: Axis, p: Any) -> Any:
-    return p.amplitude * wave_position(axis, p)
+    angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
+    overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
+    return p.amplitude * 2.0 * np.pi / p.pitch * (np.cos(angle) + overtone)
 
 
 _SINE = Effect(

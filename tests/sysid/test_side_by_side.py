@@ -18,6 +18,12 @@ def test_answers_come_in_the_order_of_the_items() -> None:
     assert side_by_side(lambda n: n, []) == []
 
 
+def test_what_begins_is_told_here_once_and_in_order() -> None:
+    told: list[int] = []
+    side_by_side(lambda n: n, list(range(7)), begun=told.append)
+    assert told == list(range(7))
+
+
 @pytest.mark.skipif(processors() == 1, reason="nothing to share with")
 def test_half_of_the_work_is_done_in_another_process() -> None:
     here = os.getpid()
@@ -55,8 +61,6 @@ def test_an_error_is_the_callers(capfd: pytest.CaptureFixture[str]) -> None:
         side_by_side(work, [find("coulomb"), find("viscous")])
     with pytest.raises(KeyboardInterrupt):
         side_by_side(lambda n: (_ for _ in ()).throw(KeyboardInterrupt) if n == 0 else n, [0, 1])
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
     assert capfd.readouterr() == ("", "")
 
 
