@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any, TypeVar
 
 Item = TypeVar("Item")
@@ -52,26 +52,36 @@ def side_by_side(
     """
     count = min(processors(), len(items))
     known = {id(thing): thing for thing in shared}
-    children = [_begun(work, items[k::count], known) for k in range(1, count)]
+    answers: dict[int, Answer] = {}
+    waited_for: dict[int, _Child] = {}
     try:
-        answers: dict[int, Answer] = {}
+        for k in range(1, count):
+            child = _begun(work, items[k::count], known)
+            if child is not None:
+                waited_for[k] = child
         for i in range(0, len(items), max(count, 1)):
             if begun is not None:
                 for item in items[i : i + count]:
                     begun(item)
             answers[i] = work(items[i])
-        for k, child in enumerate(children, start=1):
-            found = _finished(*child, known) if child is not None else None
+        for k in range(1, count):
+            found = _finished(waited_for.pop(k), known) if k in waited_for else None
             own = range(k, len(items), count)
             answers |= dict(zip(own, found if found is not None else [work(items[i]) for i in own], strict=True))
     except BaseException:
-        for child in children:
-            if child is not None:
-                with suppress(ProcessLookupError):
-                    os.kill(child[0], signal.SIGKILL)
-                _reaped(*child)
+        for child in waited_for.values():
+            os.kill(child.number, signal.SIGKILL)
+            _reaped(child)
         raise
     return [answers[i] for i in range(len(items))]
+
+
+@dataclass(frozen=True)
+class _Child:
+    """A process at work: its number, and the end of the pipe where its answers come out."""
+
+    number: int
+    out: int
 
 
 class _Pickler(pickle.Pickler):
@@ -97,8 +107,9 @@ class _Unpickler(pickle.Unpickler):
         return self._known[pid]
 
 
-def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[int, object]) -> tuple[int, int] | None:
-    """A process at work on some items: its number, and where its answers come out; none where there can be none."""
+def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[int, object]) -> _Child | None:
+    """A process at work on some items; none where there can be none."""
+    global _inside
     out, into = os.pipe()
     try:
         number = os.fork()
@@ -108,12 +119,13 @@ def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[in
         return None
     if number:
         os.close(into)
-        return number, out
+        return _Child(number, out)
     status = 1
     try:
-        global _inside
         _inside = True
         os.close(out)
+        # A thread of the caller's that shows progress may have held the lock of what it writes to, and is not here.
+        sys.stdout = sys.stderr = io.StringIO()
         answers = io.BytesIO()
         _Pickler(answers, known).dump([work(item) for item in items])
         with os.fdopen(into, "wb") as pipe:
@@ -124,18 +136,23 @@ def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[in
         os._exit(status)
 
 
-def _finished(number: int, out: int, known: dict[int, object]) -> list[Any] | None:
+def _finished(child: _Child, known: dict[int, object]) -> list[Any] | None:
     """The answers of a process, once it has ended; none where something went wrong."""
-    with os.fdopen(out, "rb", closefd=False) as pipe:
-        answers = pipe.read()
-    status = _reaped(number, out)
-    return _Unpickler(io.BytesIO(answers), known).load() if status == 0 else None
-
-
-def _reaped(number: int, out: int) -> int:
-    with suppress(OSError):
-        os.close(out)
     try:
-        return os.waitstatus_to_exitcode(os.waitpid(number, 0)[1])
+        with os.fdopen(child.out, "rb", closefd=False) as pipe:
+            answers = pipe.read()
+    except BaseException:
+        os.kill(child.number, signal.SIGKILL)
+        _reaped(child)
+        raise
+    return _Unpickler(io.BytesIO(answers), known).load() if _reaped(child) == 0 else None
+
+
+def _reaped(child: _Child) -> int:
+    """How a process ended, once it has."""
+    os.close(child.out)
+    try:
+        return os.waitstatus_to_exitcode(os.waitpid(child.number, 0)[1])
     except ChildProcessError:
+        # Someone else has waited for it.
         return 1
