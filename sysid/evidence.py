@@ -91,7 +91,7 @@ class Evidence:
         """Largest share of a model's residual that one coordinate explains, of all or of some."""
         case, base = self.case, self.base
         maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
-        return max((m.share for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
+        return max((m.coarse for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
 
     def bent(self, trial: Trial) -> bool:
         """Whether an effect of the position, or of time, leaves a residual that still follows it: another law."""

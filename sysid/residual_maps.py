@@ -1,15 +1,16 @@
 """Where a model fails: its residual against every coordinate, with how much of it each explains, and by what chance.
 
 A coordinate's map is the mean residual in bins of the coordinate, apart for the two directions of motion, over all
-records together: what depends on the coordinate looks the same whenever the axis comes by again. Time and distance
-travelled have a map for each record, since they mean nothing in another. Every coordinate has the same few bins, and is
-learned on every other sample and judged on the rest.
+records together: what depends on the coordinate looks the same whenever the axis comes by again, and is foretold by
+other moments. Time and distance travelled have a map for each record, since they mean nothing in another. Every
+coordinate has the same few bins, and is learned on every other sample and judged on the rest; the position is looked
+at in fine ones too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +22,17 @@ from sysid.tip import TipRecord
 
 BINS = 12
 """Bins on which a coordinate's share is judged, the same for all: with many, anything is a function of time."""
+
+FINE_BINS = 96
+"""Bins in which the position is looked at once more: a texture of the way repeats within a fraction of the travel.
+There each block of time is foretold by the others, since neighbours in time would be neighbours in so fine a bin."""
+
+OF_ONE_RECORD = ("time", "distance_travelled")
+"""Coordinates that mean nothing in another record, and never come by again in their own."""
+
+SEEN_AGAIN = 2.0
+"""Most that a share may be of what the map foretells in blocks of time it has not seen: what happened once, while the
+axis was at some place or speed, does not follow the place or the speed."""
 
 DRAWN_BINS = 24
 KEPT_BELOW = 0.995
@@ -37,6 +49,7 @@ class ResidualMap:
     Args:
         coordinate: its name.
         share: of the residual's variance that the map explains where it was not learned, in [0, 1].
+        coarse: the same on `BINS` bins and from every other sample, whatever the coordinate; what a verdict compares.
         p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
             unrelated.
         centres: of the bins, (k,), in the coordinate's SI unit.
@@ -45,6 +58,7 @@ class ResidualMap:
 
     coordinate: str
     share: float
+    coarse: float
     p_value: float
     centres: np.ndarray
     forward: np.ndarray
@@ -138,8 +152,9 @@ def residual_maps(
         maps.append(_spectrum(model, held_out or fit_records, channel, rng))
     best: dict[str, ResidualMap] = {}
     for m in maps:
-        if m.coordinate not in best or m.share > best[m.coordinate].share:
-            best[m.coordinate] = m
+        other = best.get(m.coordinate, m)
+        kept = m if m.share > other.share else other
+        best[m.coordinate] = replace(kept, coarse=max(m.coarse, other.coarse))
     return order_maps(list(best.values()))
 
 
@@ -148,8 +163,8 @@ def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
     return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
 
 
-_TRUST = {"time": 0.85, "distance_travelled": 0.7}
-"""Weight of a share that has a map of its own for each record."""
+_TRUST = {"time": 0.85, "distance_travelled": 0.6}
+"""Weight of a share that has a map of its own for each record. Distance runs with time; few things follow it alone."""
 
 ALIAS = 0.9
 """Rank correlation with time from which a coordinate says no more than time does."""
@@ -205,20 +220,27 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     edges = edges_of(values, name, BINS)
     cells = cells_of(values, direction, edges)
     count = 2 * (edges.size - 1)
-    if name in ("time", "distance_travelled"):
+    if name in OF_ONE_RECORD:
         cells = cells + count * record
     half = np.arange(residual.size) % 2 == 0
     table = means_of(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
-    share = _share(r, predicted)
-    p_value = _p_value(residual, _foretold(cells, residual, block), block, rng)
-    if name not in ("time", "distance_travelled") and all(_runs_with_time(s[0], name) for s in together):
-        share *= 0.5
+    coarse = share = _share(r, predicted)
+    foretold, drawn = _foretold(cells, residual, block), DRAWN_BINS
+    if name not in OF_ONE_RECORD:
+        share = min(share, SEEN_AGAIN * _share(residual, foretold))
+    if name == "position":
+        close = _foretold(cells_of(values, direction, edges_of(values, name, FINE_BINS)), residual, block)
+        if _share(residual, close) > share:
+            foretold, share, drawn = close, _share(residual, close), FINE_BINS
+    p_value = _p_value(residual, foretold, block, rng)
+    if name not in OF_ONE_RECORD and all(_runs_with_time(s[0], name) for s in together):
+        share, coarse = 0.5 * share, 0.5 * coarse
     # Drawn finer than it is judged, from every sample.
-    fine = edges_of(values, name, DRAWN_BINS)
+    fine = edges_of(values, name, drawn)
     means = means_of(cells_of(values, direction, fine), residual, 2 * (fine.size - 1))
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], values)
-    return ResidualMap(name, share, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
+    return ResidualMap(name, share, coarse, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
 
 
 def _runs_with_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:
@@ -267,7 +289,7 @@ def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng
 
 def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.random.Generator) -> ResidualMap:
     """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
-    best = ResidualMap("frequency", 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
+    best = ResidualMap("frequency", 0.0, 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
     for record in records:
         if channel not in record.measured or record.size < 2 * (8 + 1):
             continue
@@ -291,5 +313,5 @@ def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.r
             edges = np.linspace(0, frequency.size, rough + 1).astype(int)
             mean = np.array([power[a:b].max() for a, b in pairwise(edges)])
             centre = 0.5 * (frequency[edges[:-1]] + frequency[np.minimum(edges[1:], frequency.size - 1)])
-            best = ResidualMap("frequency", share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
+            best = ResidualMap("frequency", share, share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
     return best

@@ -62,6 +62,26 @@ def test_a_warming_up_says_no_more_than_time(tmp_path: Path) -> None:
     assert found["temperature"].share < 0.6 * found["time"].share
 
 
+def test_a_texture_finer_than_the_bins_is_told_by_the_position(tmp_path: Path) -> None:
+    waves = np.sin(2 * np.pi * POSITION / 3.1e-4) + np.sin(2 * np.pi * POSITION / 4.7e-4)
+    found = made(tmp_path, 0.05 * SIGN * waves)
+    position = next(iter(found.values()))
+    assert position.coordinate == "position"
+    assert position.share > 0.4 > 0.1 > position.coarse
+    assert position.p_value < 0.01
+
+
+def test_what_happened_at_some_moments_follows_no_place_or_speed(tmp_path: Path) -> None:
+    stuck = sum(((begin < TIME) & (begin + 0.12 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
+    found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, '"coulomb"'))
+    first = next(iter(found.values()))
+    assert first.coordinate == "time"
+    # On every other sample, some bins of place and distance happen to hold those moments.
+    others = [m for m in found.values() if m.coordinate not in ("time", "distance_travelled", "frequency")]
+    assert max(m.coarse for m in others) > 0.15
+    assert max(m.share for m in others) < 0.1
+
+
 def test_noise_follows_nothing(tmp_path: Path) -> None:
     found = made(tmp_path, np.zeros(TIME.size))
     assert max(m.share for m in found.values()) < 0.05
@@ -93,9 +113,9 @@ def test_one_wild_sample_makes_no_map(tmp_path: Path) -> None:
 
 def test_time_gives_way_where_a_coordinate_explains_nearly_as_much() -> None:
     empty = np.empty(0)
-    time, place = (ResidualMap(n, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
+    time, place = (ResidualMap(n, s, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
     assert [m.coordinate for m in order_maps([time, place])] == ["position", "time"]
-    much = ResidualMap("time", 0.65, 0.0, empty, empty, empty)
+    much = ResidualMap("time", 0.65, 0.65, 0.0, empty, empty, empty)
     assert [m.coordinate for m in order_maps([place, much])] == ["time", "position"]
 
 
