@@ -140,7 +140,7 @@ def residual_maps(
     Residuals are in noise deviations, winsorised so that no few samples decide.
     """
     rng = np.random.default_rng(seed)
-    maps = []
+    maps: list[ResidualMap] = []
     for channel in _worst_channels(model, [*fit_records, *held_out]):
         learn = _samples(model, fit_records, fit_weights, channel)
         judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
