@@ -20,6 +20,7 @@ CONSTANTS = (
     (verdict_limits, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
     (verdict_limits, "NOTHING_ABOVE", "error over noise of a force balance up to which a gain is of noise"),
     (verdict_limits, "NOISE_ALONE", "ranking error, in deviations, from which an effect leaves nothing but noise"),
+    (verdict_limits, "SPELLS", "ranking error of a residual that persists from which a model is not adequate"),
     (verdict_limits, "CLEARLY_ABOVE", "error over noise of a force balance from which that is believed"),
     (verdict_limits, "MUCH_OF_IT", "or: part of the loss that the effect takes"),
     (verdict_limits, "MOST_OF_IT", "the same where more than noise is left"),

@@ -109,7 +109,7 @@ def judge(
     for trial in ranked[:6]:
         misfits_of(case, trial)
     maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
-    pattern = max((m.coarse for m in maps), default=0.0)
+    pattern = max((m.pattern for m in maps), default=0.0)
     added = [e for e in base.fitted.model.effects if e.name in _added(case)]
     over = excess(before_fit, before_validate)
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added)

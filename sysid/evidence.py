@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -11,9 +12,9 @@ from sim.effect import Effect
 from sysid.balance import Balance
 from sysid.base_fit import ranking_error
 from sysid.case import Case
-from sysid.case_fit import BaseFit
+from sysid.case_fit import BaseFit, best_laws, holds_better
 from sysid.misfit import ChannelMisfit, Weighting, away_from_turns, blocks, excess, huber_square, misfit
-from sysid.model import Model, Prepared
+from sysid.model import Model, Prepared, law_family
 from sysid.own_patterns import apart_from, own_coordinates
 from sysid.residual_maps import residual_maps
 from sysid.trials import Search, Trial, significance_of
@@ -33,6 +34,7 @@ from sysid.verdict_limits import (
     LEAST_STEADINESS,
     MOST_OF_IT,
     SHARE_AWAY,
+    SPELLS,
 )
 
 
@@ -87,18 +89,28 @@ class Evidence:
         """Whether the base model's residual follows some coordinate, known or not."""
         return self.pattern >= LEAST_PATTERN or persistence(self.case, self.base) >= LEAST_PERSISTENCE
 
+    @property
+    def in_spells(self) -> bool:
+        """Whether some stretches lie far above the noise, though the robust error does not say so."""
+        return self.error >= SPELLS and persistence(self.case, self.base) >= LEAST_PERSISTENCE
+
     def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
         """Largest share of a model's residual that one coordinate explains, of all or of some."""
         case, base = self.case, self.base
         maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
-        return max((m.coarse for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
+        return max((m.pattern for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
 
     def bent(self, trial: Trial) -> bool:
-        """Whether an effect of the position, or of time, leaves a residual that still follows it: another law."""
+        """Whether an effect of the position, or of time, leaves a residual that still follows it, whichever law of its
+        family is taken: the true law is another."""
         own = trial.candidate.effect.coordinates
-        if own not in (("position",), ("time",)):
+        if len(own) != 1 or own[0] not in BENT:
             return False
-        return self.pattern_left(trial.candidate.fitted.model, own) >= BENT
+        fitted = trial.candidate.fitted
+        if self.pattern_left(fitted.model, own) < BENT[own[0]]:
+            return False
+        best, _ = best_laws(self.case, fitted, [law_family(trial.name)], partial(holds_better, self.case))
+        return best is fitted or self.pattern_left(best.model, own) >= BENT[own[0]]
 
     def share_away(self, trial: Trial) -> float | None:
         """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.

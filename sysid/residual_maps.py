@@ -49,7 +49,7 @@ class ResidualMap:
     Args:
         coordinate: its name.
         share: of the residual's variance that the map explains where it was not learned, in [0, 1].
-        coarse: the same on `BINS` bins and from every other sample, whatever the coordinate; what a verdict compares.
+        pattern: what a verdict goes by: the same before what happened once is taken off.
         p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
             unrelated.
         centres: of the bins, (k,), in the coordinate's SI unit.
@@ -58,7 +58,7 @@ class ResidualMap:
 
     coordinate: str
     share: float
-    coarse: float
+    pattern: float
     p_value: float
     centres: np.ndarray
     forward: np.ndarray
@@ -154,7 +154,7 @@ def residual_maps(
     for m in maps:
         other = best.get(m.coordinate, m)
         kept = m if m.share > other.share else other
-        best[m.coordinate] = replace(kept, coarse=max(m.coarse, other.coarse))
+        best[m.coordinate] = replace(kept, pattern=max(m.pattern, other.pattern))
     return order_maps(list(best.values()))
 
 
@@ -225,7 +225,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     half = np.arange(residual.size) % 2 == 0
     table = means_of(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
-    coarse = share = _share(r, predicted)
+    pattern = share = _share(r, predicted)
     foretold, drawn = _foretold(cells, residual, block), DRAWN_BINS
     if name not in OF_ONE_RECORD:
         share = min(share, SEEN_AGAIN * _share(residual, foretold))
@@ -233,14 +233,15 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
         close = _foretold(cells_of(values, direction, edges_of(values, name, FINE_BINS)), residual, block)
         if _share(residual, close) > share:
             foretold, share, drawn = close, _share(residual, close), FINE_BINS
+        pattern = max(pattern, share)
     p_value = _p_value(residual, foretold, block, rng)
     if name not in OF_ONE_RECORD and all(_runs_with_time(s[0], name) for s in together):
-        share, coarse = 0.5 * share, 0.5 * coarse
+        share, pattern = 0.5 * share, 0.5 * pattern
     # Drawn finer than it is judged, from every sample.
     fine = edges_of(values, name, drawn)
     means = means_of(cells_of(values, direction, fine), residual, 2 * (fine.size - 1))
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], values)
-    return ResidualMap(name, share, coarse, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
+    return ResidualMap(name, share, pattern, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
 
 
 def _runs_with_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:

@@ -147,7 +147,7 @@ def _unexplained(left: float, reason: str) -> Verdict:
 
 def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
     """Where no single effect lowers the held-out loss by more than chance."""
-    if evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE:
+    if (evidence.over <= evidence.allowance and not evidence.in_spells) or evidence.error <= NOISE_ALONE:
         return _adequate("what is left is noise; no effect lowers it by more than chance")
     if evidence.over <= UNDERRATED and not evidence.patterned:
         return _adequate(
@@ -158,9 +158,8 @@ def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
         if first is not None and _explains(evidence, pair):
             reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
-    return _unexplained(
-        1.0, "the misfit is above the noise, and no effect lowers it on held-out records by more than chance"
-    )
+    where = "above the noise in stretches" if evidence.over <= evidence.allowance else "above the noise"
+    return _unexplained(1.0, f"the misfit is {where}, and no effect lowers it on held-out records by more than chance")
 
 
 def _only_noise(evidence: Evidence, named: _Named) -> str | None:
@@ -191,10 +190,11 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
     little_left = excess(*misfits_of(case, best)) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
+    quiet = remaining < LEAST_PATTERN_LEFT and not bent
     # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
     at_rest = best.share_at_rest >= AT_REST
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest
-    if took_the_pattern or (named.part >= SHARE_OF_A_PART and remaining < LEAST_PATTERN_LEFT and beside_turns):
+    if took_the_pattern or (named.part >= SHARE_OF_A_PART and quiet and beside_turns):
         return named.missing("explains its share; what it leaves follows no coordinate closely")
     apart = _apart_from_patterns(evidence)
     if apart is not None:
