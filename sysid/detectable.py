@@ -21,8 +21,8 @@ import numpy as np
 from sim.effect import Effect, Parameter
 from sysid.base_fit import Fitted
 from sysid.candidate_list import candidates_of
-from sysid.candidates import orthonormal
 from sysid.diagnose import Diagnosis
+from sysid.linear_scores import orthonormal
 from sysid.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.model import Model, Prepared, Scales, base_name, shape_grid, size_of, with_effect
 from sysid.verdict_limits import LEAST_GAIN, LEAST_SIGNIFICANCE

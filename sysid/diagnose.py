@@ -87,7 +87,7 @@ def diagnose(
     swaps = (
         []
         if found.effect is not None
-        else find_swaps(case, base, _added(case), found.verdict == "unexplained", all_effects)
+        else find_swaps(case, base, _added(case), found.verdict == "unexplained", all_effects, search.first.seen)
     )
     return replace(found, swaps=tuple(swaps), seconds=perf_counter() - began)
 
@@ -132,6 +132,6 @@ def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> lis
     )
     if nothing and before > NEARLY_NOISE:
         present = [e.name for e in case.start.effects]
-        again = searched_again(case, base, present, all_effects)
+        again = searched_again(case, base, present, all_effects, search.first.seen)
         return one_per_family([*again, *search.trials])
     return ranked

@@ -16,6 +16,7 @@ from sysid.case_fit import BaseFit, best_laws, holds_better
 from sysid.misfit import ChannelMisfit, Weighting, away_from_turns, blocks, excess, huber_square, misfit
 from sysid.model import Model, Prepared, law_family
 from sysid.own_patterns import apart_from, own_coordinates
+from sysid.pairs import Pair, pairs_on_top
 from sysid.residual_maps import residual_maps
 from sysid.trials import Search, Trial, significance_of
 from sysid.verdict_limits import (
@@ -111,6 +112,10 @@ class Evidence:
             return False
         best, _ = best_laws(self.case, fitted, [law_family(trial.name)], partial(holds_better, self.case))
         return best is fitted or self.pattern_left(best.model, own) >= BENT[own[0]]
+
+    def on_top(self, trial: Trial) -> list[Pair]:
+        """An effect with each of the most promising others on top of it, best first."""
+        return pairs_on_top(self.case, self.base, trial.candidate, self.all_effects, self.search.first.seen)
 
     def share_away(self, trial: Trial) -> float | None:
         """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.

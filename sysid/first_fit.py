@@ -12,9 +12,10 @@ from dataclasses import replace
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import target_of, try_effect
+from sysid.candidates import try_effect
 from sysid.driven_stage_starts import rough_starts
 from sysid.driven_stage_valleys import lowest_valley
+from sysid.linear_scores import target_of
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales
 

@@ -13,7 +13,7 @@ from sim.library import find
 from stagecad.parameters.errors import InputError, nearest
 from sysid.base_fit import Fitted, fit_model
 from sysid.candidate_list import candidates_of, shows_on
-from sysid.candidates import target_of, try_effect
+from sysid.candidates import try_effect
 from sysid.case import Case, load_case, make_case
 from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, holds_better, open_laws
 from sysid.document import both_json, noise_json, parameter_unit, parameters_json
@@ -21,6 +21,7 @@ from sysid.driven_stage_valleys import lowest_valley
 from sysid.experiment import DesignValues, Experiment
 from sysid.intervals import intervals
 from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
+from sysid.linear_scores import target_of
 from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
 from sysid.model import Model, base_name
 from sysid.pairs import added_anew

@@ -16,20 +16,24 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import Candidate, Look, Score, Scored, look_at, out_of_bounds, refined, start_for, target_of
+from sysid.candidates import Candidate, Look, Scored, look_at, refined
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
+from sysid.linear_scores import Score, out_of_bounds, start_for, target_of
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect
 from sysid.side_by_side import side_by_side
 from sysid.starts import with_bounds_of, without_family
-from sysid.trials import FirstLooks, Trial, looks_on, trial_of
+from sysid.trials import FirstLooks, Seen, Trial, looks_on, trial_of
 
 GRID_POINTS = 2
 """Grid points of each effect that enter pairs."""
 
 PAIRS_REFITTED = 6
+
+BESIDE_IT = 0.05
+"""Part of the squared residual beside an effect searched for anew that another must promise to take."""
 
 
 @dataclass(frozen=True)
@@ -106,18 +110,26 @@ def best_pairs(
     columns = np.hstack(blocks)
     gram, right = columns.T @ columns, columns.T @ first.target
     together = sorted(_pair_drops(parts, gram, right), key=lambda found: -found[0])
+    least = 0.0 if wanted is None else _least_with(wanted, parts, first.target)
     chosen: dict[frozenset[str], tuple[_Part, _Part]] = {}
-    for _, one, other in together:
+    for drop, one, other in together:
         families = frozenset((base_name(one.known.effect.name), base_name(other.known.effect.name)))
+        if len(chosen) >= PAIRS_REFITTED or drop < least:
+            break
         if wanted is None or wanted in families:
             chosen.setdefault(families, (one, other))
-        if len(chosen) >= PAIRS_REFITTED:
-            break
     shared = (*(part.known.effect for part in parts), *base.fitted.model.effects, base.fitted.weights)
     found = side_by_side(
         lambda two: _refitted(case, base, two, gram, right, given), list(chosen.values()), shared
     )  # fmt: skip
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
+
+
+def _least_with(wanted: str, parts: Sequence[_Part], target: np.ndarray) -> float:
+    """What a pair must take of the squared target for the other to be worth a fit beside an effect that is wanted."""
+    total = float(target @ target)
+    alone = total * max((p.score.drop for p in parts if base_name(p.known.effect.name) == wanted), default=0.0)
+    return alone + BESIDE_IT * (total - alone)
 
 
 def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> list[tuple[float, _Part, _Part]]:
@@ -170,15 +182,26 @@ def _refitted(
 ON_TOP = 3
 """Effects refitted on top of another."""
 
+COULD_EXPLAIN = 0.3
+"""Share of the loss above the noise that two effects must take at first sight: a fit in full may find as much again."""
+
 PROMISING = 10
 """Effects fitted shortly to choose those from: the best three were among the first seven by score (17 generated)."""
 
 
-def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool = False) -> list[Pair]:
+def pairs_on_top(
+    case: Case, base: BaseFit, first: Candidate, all_effects: bool = False, seen: Seen | None = None
+) -> list[Pair]:
     """Pairs with the second effect looked for on top of the first one's fit, best on the held-out records first.
 
     What the scores of two together, taken on the base model alone, rank too low: the shape of the one is clear only
     where the other is there.
+
+    Args:
+        case, base: records, and the fitted base model.
+        first: effect on top of it.
+        all_effects: try whatever else the library has, too.
+        seen: what effects do to the residual of the base model.
     """
     below = BaseFit(
         first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
@@ -192,21 +215,32 @@ def pairs_on_top(case: Case, base: BaseFit, first: Candidate, all_effects: bool 
             return None
         return Pair((first.effect, look.effect), fitted, ranking_error(residual), residual)
 
-    looks = looks_on(case, below, present, all_effects, promising=PROMISING).looks[:ON_TOP]
+    before = ranking_error(base.fitted.fit.residual) ** 2
+    enough = before - COULD_EXPLAIN * max(before - 1.0, 0.0)
+    seen_on_top = looks_on(case, below, present, all_effects, promising=PROMISING, seen=seen).looks
+    looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
     shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
     found = side_by_side(refitted, looks, shared)
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 
-def searched_again(case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False) -> list[Trial]:
+def searched_again(
+    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, seen: Seen | None = None
+) -> list[Trial]:
     """Effects tried while one that the model has is searched for anew, best first.
 
     A pitch fitted while another effect was missing may sit in a wrong place that no step leads out of; every effect
     tried on top of it then seems to do little.
+
+    Args:
+        case, base: records, and the fitted model.
+        present: names of its effects.
+        all_effects: try whatever else the library has, too.
+        seen: what effects do to the residual of the model.
     """
     trials = []
     for family in _shaped(base.fitted.model):
-        below, first = less_one(case, base, present, family, all_effects)
+        below, first = less_one(case, base, present, family, all_effects, seen)
         for pair in best_pairs(case, below, first, family, base.fitted.model)[:2]:
             trial = trial_of(case, base, Candidate(pair.other(family), 0.0, pair.fitted))
             if trial is not None:
@@ -235,14 +269,14 @@ def _shaped(model: Model) -> list[str]:
 
 
 def less_one(
-    case: Case, base: BaseFit, present: Sequence[str], family: str, all_effects: bool
+    case: Case, base: BaseFit, present: Sequence[str], family: str, all_effects: bool, seen: Seen | None = None
 ) -> tuple[BaseFit, FirstLooks]:
     """The fit without one family of effects, and the looks on top of it, once for whoever asks."""
     below = less(case, base, family)
     key = f"looks, {all_effects}"
     if key not in below.memo:
         others = [name for name in present if base_name(name) != family]
-        below.memo[key] = looks_on(case, below, others, all_effects, promising=PROMISING)
+        below.memo[key] = looks_on(case, below, others, all_effects, promising=PROMISING, seen=seen)
     return below, below.memo[key]
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from sysid.base_fit import Fitted
-from sysid.candidates import orthonormal
+from sysid.linear_scores import orthonormal
 
 LEAST_OWN = 1e-4
 """Part of a sensitivity that the base model does not make itself, below which it is no direction of its own."""

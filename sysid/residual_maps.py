@@ -163,7 +163,7 @@ def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
     return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
 
 
-_TRUST = {"time": 0.85, "distance_travelled": 0.6}
+_TRUST = {"time": 0.85, "distance_travelled": 0.5}
 """Weight of a share that has a map of its own for each record. Distance runs with time; few things follow it alone."""
 
 ALIAS = 0.9

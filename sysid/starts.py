@@ -10,8 +10,8 @@ from collections.abc import Sequence
 
 from sim.effect import Effect
 from sysid.base_fit import Fitted, fit_model, ranking_error
-from sysid.candidates import linear_scores, target_of
 from sysid.held_fits import led
+from sysid.linear_scores import grid_of, linear_scores, target_of
 from sysid.misfit import weighted_residual
 from sysid.model import Model, Prepared, Scales, base_name, law_family, with_effect
 
@@ -47,7 +47,7 @@ def searched(
     """
     rest = fit_model(without_law(fitted.model, place or effect.name), records, fitted.weights)
     basis, target = target_of(rest)
-    scores = linear_scores(rest, effect, records, scales, basis, target)
+    scores = linear_scores(effect, grid_of(rest, effect, records, scales), basis, target)
     start = with_bounds_of(with_effect(rest.model, effect, scales, scores[0].start if scores else None), fitted.model)
     direct = fit_model(start, records)
     fits = [fit_model(other, records) for other in led([start, direct.model], records, direct.weights, HELD)]

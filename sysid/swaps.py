@@ -14,7 +14,7 @@ from sysid.case_fit import BaseFit
 from sysid.misfit import misfit
 from sysid.model import base_name
 from sysid.pairs import less, less_one
-from sysid.trials import trial_of
+from sysid.trials import Seen, trial_of
 
 TRIED = 4
 """Effects refitted in the place of an old one: those that looked best."""
@@ -43,7 +43,12 @@ class Swap:
 
 
 def find_swaps(
-    case: Case, base: BaseFit, added: Sequence[str], others_too: bool = True, all_effects: bool = False
+    case: Case,
+    base: BaseFit,
+    added: Sequence[str],
+    others_too: bool = True,
+    all_effects: bool = False,
+    seen: Seen | None = None,
 ) -> list[Swap]:
     """Effects added earlier that should go, each with what should come in its place.
 
@@ -52,6 +57,7 @@ def find_swaps(
         added: names of the effects that were added to it.
         others_too: look for effects to put in their place, not only for those that nothing needs.
         all_effects: try whatever else the library has, too.
+        seen: what effects do to the residual of the model.
     """
     now = ranking_error(base.residual)
     found = []
@@ -66,7 +72,7 @@ def find_swaps(
             continue
         if not others_too:
             continue
-        below, first = less_one(case, base, [e.name for e in case.start.effects], family, all_effects)
+        below, first = less_one(case, base, [e.name for e in case.start.effects], family, all_effects, seen)
         best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
         for look in [look for look in first.looks if base_name(look.effect.name) != family][:TRIED]:
             candidate = refined(below.fitted, look, case.fit_records, case.scales)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,9 +10,11 @@ import numpy as np
 from sim.effect import Effect
 from sysid.base_fit import fit_model, ranking_error
 from sysid.candidate_list import candidates_of
-from sysid.candidates import Candidate, Look, Scored, as_it_looks, look_from, refined, scored, settled, target_of
+from sysid.candidates import Candidate, Look, Scored, as_it_looks, look_from, refined, settled
 from sysid.case import Case
 from sysid.case_fit import BaseFit
+from sysid.friction_drive import FrictionDriveRecord
+from sysid.linear_scores import EVERY_ROW, GridPoint, grid_of, linear_scores, target_of
 from sysid.looked_at import looked_at
 from sysid.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
 from sysid.model import base_name, in_contact
@@ -70,6 +72,30 @@ IN_FULL = 3
 """Of those, effects refitted to the whole of long records; the others keep what their beginnings showed."""
 
 
+LEAST_PROMISE = 0.02
+OF_THE_BEST = 0.1
+"""Share of the squared residual, and of the best effect's, below which a score promises too little for a short fit: a
+second effect that was there promised 0.05 and more, and 0.4 of the best (generated records)."""
+
+ROWS_SEEN = 5000
+"""Rows of the residual, at the least if there are so many, at which it is kept what every effect does."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What effects do to the residual of a model: much the same on top of one that has another effect more or less.
+
+    Args:
+        size: of the residual.
+        rows: of it that are kept.
+        grids: points of the shape grid, by effect.
+    """
+
+    size: int
+    rows: slice
+    grids: Mapping[str, list[GridPoint]]
+
+
 @dataclass(frozen=True)
 class FirstLooks:
     """Every candidate on top of a fitted model at first sight.
@@ -78,11 +104,13 @@ class FirstLooks:
         looks: short fits, best first.
         unfitted: scores of the effects that promised too little for a fit.
         target: residual of the model as the scores took it, (n,).
+        seen: what each effect does to the residual, for looks on top of this model.
     """
 
     looks: list[Look]
     unfitted: list[Scored]
     target: np.ndarray
+    seen: Seen | None = None
 
 
 @dataclass(frozen=True)
@@ -105,6 +133,7 @@ def looks_on(
     all_effects: bool = False,
     progress: Progress | None = None,
     promising: int | None = None,
+    seen: Seen | None = None,
 ) -> FirstLooks:
     """A first look at every candidate on top of a fitted model.
 
@@ -113,10 +142,18 @@ def looks_on(
         present: names of its effects.
         all_effects: try whatever else the library has, too.
         progress: called before each step.
-        promising: effects fitted shortly, those whose scores promise most; all where left out.
+        promising: effects fitted shortly, at the most: those whose scores promise most; all where left out.
+        seen: what effects do to the residual of a model much like it, for their scores; only what is not there is
+            looked at anew.
     """
     fitted, records = looked_at(base.fitted, case.fit_records)
-    basis, target = target_of(fitted)
+    size = fitted.fit.residual.size
+    if seen is not None and (seen.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
+        # One effect more, and a driven stage slips at other times.
+        seen = None
+    rows = EVERY_ROW if seen is None else seen.rows
+    kept = slice(None, None, max(1, size // ROWS_SEEN))
+    basis, target = target_of(fitted, rows)
     effects = candidates_of(case, present, all_effects)
     shared = (*effects, *fitted.model.effects, fitted.weights)
 
@@ -124,23 +161,33 @@ def looks_on(
         if progress is not None:
             progress(name, step, 2 * len(effects))
 
-    def score(numbered: tuple[int, Effect]) -> Scored:
-        return scored(fitted, numbered[1], records, case.scales, basis, target)
+    def score(numbered: tuple[int, Effect]) -> tuple[Scored, list[GridPoint]]:
+        effect = numbered[1]
+        if seen is not None and effect.name in seen.grids:
+            return Scored(effect, linear_scores(effect, seen.grids[effect.name], basis, target)), []
+        grid = grid_of(fitted, effect, records, case.scales, rows)
+        thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if seen is None else []
+        return Scored(effect, linear_scores(effect, grid, basis, target)), thinned
 
     def look(numbered: tuple[int, Scored]) -> Look | None:
-        return look_from(numbered[1], fitted, records, case.scales, basis)
+        return look_from(numbered[1], fitted, records, case.scales, basis, rows)
 
-    known = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
-    known.sort(key=lambda one: -one.promise)
+    scored = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
+    grids = {one.effect.name: grid for one, grid in scored}
+    known = sorted((one for one, _ in scored), key=lambda one: -one.promise)
     # What no linear weight stands for, only a fit can tell.
-    fits = [promising is None or k < promising or not one.linear for k, one in enumerate(known)]
-    seen = [one for one, fit in zip(known, fits, strict=True) if fit]
+    least = max(LEAST_PROMISE, OF_THE_BEST * max((one.promise for one in known if one.linear), default=0.0))
+    fits = [
+        promising is None or not one.linear or (k < promising and one.promise >= least) for k, one in enumerate(known)
+    ]
+    fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
-    shared = (*shared, *seen, *(score for one in seen for score in one.scores))
-    fitting = list(enumerate(seen, start=len(effects)))
-    found = side_by_side(look, fitting, shared, lambda one: tell(one[0], one[1].effect.name))
+    shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
+    numbered = list(enumerate(fitting, start=len(effects)))
+    found = side_by_side(look, numbered, shared, lambda one: tell(one[0], one[1].effect.name))
     looks = [one for one in found if one is not None and np.isfinite(one.error)]
-    return FirstLooks(sorted(looks, key=lambda look: look.error), unfitted, target)
+    looks.sort(key=lambda look: look.error)
+    return FirstLooks(looks, unfitted, target, Seen(size, kept, grids) if seen is None else seen)
 
 
 def try_all(

@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 
 from sysid.evidence import Evidence, is_worthwhile, misfits_of
 from sysid.misfit import excess, misfit
-from sysid.pairs import Pair, best_pairs, pairs_on_top
+from sysid.pairs import Pair, best_pairs
 from sysid.ties import tied, tied_beside
 from sysid.trials import Trial, explained_share, share_of_error
 from sysid.verdict_limits import (
     AT_REST,
     AT_STARTS,
+    BENT,
     CLEARLY_ABOVE,
     HARDLY_MORE,
     LEANS,
@@ -202,7 +203,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
         return Verdict("missing-effect", apart, (), evidence.left_by(apart), reason)
     patterned = evidence.patterned
     for first in _as_good(evidence, best, bent) if patterned else []:
-        above = pairs_on_top(case, evidence.base, first.candidate, evidence.all_effects)[:1]
+        above = evidence.on_top(first)[:1]
         if above and _explains(evidence, above[0], bent):
             reason = f"explains its share; {above[0].partner(first.family)} the rest"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
@@ -256,7 +257,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     rest_left = evidence.left_at(after)
     rest = share_of_error(evidence.base, pair.error)
     pattern_left = evidence.pattern_left(pair.model)
-    quiet = rest >= SHARE_ENOUGH and pattern_left < LEAST_PATTERN_LEFT
+    quiet = rest >= SHARE_ENOUGH and pattern_left < (min(BENT.values()) if bent else LEAST_PATTERN_LEFT)
     silent = rest >= SHARE_OF_A_PART and evidence.pattern >= LEAST_PATTERN > pattern_left
     much = not bent and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)
     return quiet or silent or much
@@ -267,7 +268,7 @@ def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:
     case, base, search = evidence.case, evidence.base, evidence.search
     yield from best_pairs(case, base, search.first)[:1]
     if best is not None:
-        yield from pairs_on_top(case, base, best.candidate, evidence.all_effects)[:1]
+        yield from evidence.on_top(best)[:1]
 
 
 def _beside(evidence: Evidence, best: Trial, pairs: list[Pair]) -> tuple[Pair | None, Trial]:

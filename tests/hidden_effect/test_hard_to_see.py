@@ -10,11 +10,12 @@ import pytest
 from generator import Plan, make_case
 
 from sim.library import find
-from sysid.candidates import target_of, try_effect
+from sysid.candidates import try_effect
 from sysid.case import load_case
 from sysid.case_fit import fit_case
 from sysid.diagnose import diagnose
 from sysid.evidence import is_worthwhile
+from sysid.linear_scores import target_of
 from sysid.misfit import away_from_turns
 from sysid.trials import trial_of
 

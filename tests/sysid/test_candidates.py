@@ -10,8 +10,9 @@ from slide import POSITION, SIGN, STEP, VELOCITY, slide
 
 from sim.library import find
 from sysid.base_fit import Fitted, fit_model
-from sysid.candidates import linear_scores, orthonormal, target_of, try_effect
+from sysid.candidates import try_effect
 from sysid.case import Case
+from sysid.linear_scores import grid_of, linear_scores, orthonormal, target_of
 
 PITCH = 1.1e-3
 RNG = np.random.default_rng(0)
@@ -23,7 +24,8 @@ def fitted(case: Case) -> Fitted:
 
 def scores(case: Case, effect: str) -> list:
     base = fitted(case)
-    return linear_scores(base, find(effect), case.fit_records, case.scales, *target_of(base))
+    grid = grid_of(base, find(effect), case.fit_records, case.scales)
+    return linear_scores(find(effect), grid, *target_of(base))
 
 
 def test_a_basis_spans_its_columns_and_leaves_out_the_dead_and_the_dependent() -> None:

@@ -13,10 +13,11 @@ from friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experi
 from sim.library import find
 from stagecad.parameters.errors import InputError
 from sysid.candidate_list import candidates_of
-from sysid.candidates import target_of, try_effect
+from sysid.candidates import try_effect
 from sysid.case import load_case
 from sysid.case_fit import fit_case
 from sysid.follow import follow
+from sysid.linear_scores import target_of
 from sysid.misfit import misfit
 from workbench.cli import run
 
