@@ -163,8 +163,9 @@ def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
     return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
 
 
-_TRUST = {"time": 0.85, "distance_travelled": 0.5}
-"""Weight of a share that has a map of its own for each record. Distance runs with time; few things follow it alone."""
+_TRUST = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
+"""Weight of a share that has a map of its own for each record, or is that of the strongest of very many lines. Distance
+runs with time; few things follow it alone."""
 
 ALIAS = 0.9
 """Rank correlation with time from which a coordinate says no more than time does."""
