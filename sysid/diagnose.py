@@ -16,11 +16,11 @@ from sysid.ladder_files import read_ladder
 from sysid.misfit import ChannelMisfit, excess, misfit
 from sysid.model import base_name
 from sysid.pairs import searched_again
-from sysid.residual_maps import ResidualMap, residual_maps
+from sysid.residual_maps import ResidualMap, order_maps, residual_maps
 from sysid.swaps import Swap, find_swaps
 from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, try_all
 from sysid.verdict import verdict_on
-from sysid.verdict_limits import ADEQUATE_OVER_NOISE, NEARLY_NOISE, SHARE_OF_A_PART
+from sysid.verdict_limits import ADEQUATE_OVER_NOISE, LEAST_PATTERN, LEAST_TEXTURE, NEARLY_NOISE, SHARE_OF_A_PART
 
 
 @dataclass(frozen=True)
@@ -110,10 +110,13 @@ def judge(
         misfits_of(case, trial)
     maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
     pattern = max((m.pattern for m in maps), default=0.0)
+    if any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps):
+        pattern = max(pattern, LEAST_PATTERN)
     added = [e for e in base.fitted.model.effects if e.name in _added(case)]
     over = excess(before_fit, before_validate)
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added)
     found = verdict_on(evidence, quantised)
+    maps = order_maps(maps, nameless=found.verdict == "unexplained")
     if found.best is not None and found.best not in ranked:
         # Another law of an effect than the one that does most alone.
         ranked = [found.best, *(trial for trial in ranked if trial.family != found.best.family)]

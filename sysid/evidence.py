@@ -95,11 +95,16 @@ class Evidence:
         """Whether some stretches lie far above the noise, though the robust error does not say so."""
         return self.error >= SPELLS and persistence(self.case, self.base) >= LEAST_PERSISTENCE
 
-    def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
-        """Largest share of a model's residual that one coordinate explains, of all or of some."""
+    def patterns_left(self, model: Model) -> dict[str, float]:
+        """Share of a model's residual that each coordinate explains."""
         case, base = self.case, self.base
         maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
-        return max((m.pattern for m in maps if not coordinates or m.coordinate in coordinates), default=0.0)
+        return {m.coordinate: m.pattern for m in maps}
+
+    def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
+        """Largest share of a model's residual that one coordinate explains, of all or of some."""
+        shares = self.patterns_left(model)
+        return max((share for name, share in shares.items() if not coordinates or name in coordinates), default=0.0)
 
     def bent(self, trial: Trial) -> bool:
         """Whether an effect of the position, or of time, leaves a residual that still follows it, whichever law of its

@@ -30,7 +30,7 @@ There each block of time is foretold by the others, since neighbours in time wou
 OF_ONE_RECORD = ("time", "distance_travelled")
 """Coordinates that mean nothing in another record, and never come by again in their own."""
 
-SEEN_AGAIN = 2.0
+SEEN_AGAIN = 1.5
 """Most that a share may be of what the map foretells in blocks of time it has not seen: what happened once, while the
 axis was at some place or speed, does not follow the place or the speed."""
 
@@ -50,6 +50,7 @@ class ResidualMap:
         coordinate: its name.
         share: of the residual's variance that the map explains where it was not learned, in [0, 1].
         pattern: what a verdict goes by: the same before what happened once is taken off.
+        beside_time: share that the coordinate explains of what time leaves, less that of time of what it leaves.
         p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
             unrelated.
         centres: of the bins, (k,), in the coordinate's SI unit.
@@ -63,6 +64,7 @@ class ResidualMap:
     centres: np.ndarray
     forward: np.ndarray
     backward: np.ndarray
+    beside_time: float = 0.0
 
 
 def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
@@ -158,9 +160,29 @@ def residual_maps(
     return order_maps(list(best.values()))
 
 
-def order_maps(maps: list[ResidualMap]) -> list[ResidualMap]:
-    """Strongest first; a coordinate comes before time where it explains nearly as much."""
-    return sorted(maps, key=lambda m: -m.share * _TRUST.get(m.coordinate, 1.0))
+def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[ResidualMap]:
+    """Strongest first; a coordinate comes before time where it explains nearly as much.
+
+    Args:
+        maps: of one residual.
+        nameless: what is missing is no effect of the library. Then a coordinate of the motion, of which the library has
+            every kind of law, comes after time where time explains more beside it than it does beside time.
+    """
+
+    def weight(m: ResidualMap) -> float:
+        return m.share * _TRUST.get(m.coordinate, 1.0)
+
+    time = max((weight(m) for m in maps if m.coordinate == "time"), default=0.0)
+
+    def place(m: ResidualMap) -> tuple[float, bool]:
+        yields = nameless and m.coordinate in OF_MOTION and m.beside_time < 0.0 and time > 0.0
+        return (-min(weight(m), time), True) if yields else (-weight(m), False)
+
+    return sorted(maps, key=place)
+
+
+OF_MOTION = ("velocity", "direction", "acceleration", "distance_since_reversal", "contact_age", "input")
+"""Coordinates that are of the motion, or drive it."""
 
 
 _TRUST = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
@@ -236,13 +258,44 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
             foretold, share, drawn = close, _share(residual, close), FINE_BINS
         pattern = max(pattern, share)
     p_value = _p_value(residual, foretold, block, rng)
+    beside_time = 0.0
+    if name in OF_MOTION:
+        times = np.concatenate([s[0]["time"] for s in together])
+        in_time = cells_of(times, direction, edges_of(times, "time", BINS)) + 2 * BINS * record
+        beside_time = _beside_time(cells, in_time, residual, block)
     if name not in OF_ONE_RECORD and all(_runs_with_time(s[0], name) for s in together):
         share, pattern = 0.5 * share, 0.5 * pattern
     # Drawn finer than it is judged, from every sample.
     fine = edges_of(values, name, drawn)
     means = means_of(cells_of(values, direction, fine), residual, 2 * (fine.size - 1))
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], values)
-    return ResidualMap(name, share, pattern, p_value, centres, means[: fine.size - 1], means[fine.size - 1 :])
+    forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
+    return ResidualMap(name, share, pattern, p_value, centres, forward, backward, beside_time)
+
+
+def _beside_time(cells: np.ndarray, in_time: np.ndarray, residual: np.ndarray, block: np.ndarray) -> float:
+    """What a coordinate explains of what time leaves, less what time explains of what the coordinate leaves; shares of
+    the residual's square."""
+
+    def by_place(r: np.ndarray) -> np.ndarray:
+        return _less(r, _foretold(cells, r, block))
+
+    def by_time(r: np.ndarray) -> np.ndarray:
+        odd = np.arange(r.size) % 2 == 1
+        count = int(in_time.max()) + 1
+        learned = [means_of(in_time[half], r[half], count) for half in (odd, ~odd)]
+        return _less(r, np.where(odd, learned[1][in_time], learned[0][in_time]))
+
+    place, time = by_place(residual), by_time(residual)
+    both = [float(r @ r) for r in (time, by_place(time), place, by_time(place))]
+    return ((both[0] - both[1]) - (both[2] - both[3])) / max(float(residual @ residual), 1e-300)
+
+
+def _less(residual: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """A residual (n,) less what is predicted of it, that no larger and no smaller than it helps."""
+    own = float(predicted @ predicted)
+    size = max(0.0, float(residual @ predicted)) / own if own > 0.0 else 0.0
+    return residual - size * predicted
 
 
 def _runs_with_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:

@@ -18,6 +18,7 @@ from sysid.verdict_limits import (
     AT_REST,
     AT_STARTS,
     BENT,
+    BENT_TOGETHER,
     CLEARLY_ABOVE,
     HARDLY_MORE,
     LEANS,
@@ -249,17 +250,21 @@ def _as_good(evidence: Evidence, best: Trial, bent: bool) -> list[Trial]:
 
 
 def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
-    """Whether two effects together explain the misfit; after a `bent` one, only if they leave no pattern."""
+    """Whether two effects together explain the misfit; after a `bent` one, or where both bend, only if they leave no
+    pattern."""
     if set(pair.names) <= RESTORING:
         return False
     case = evidence.case
     after = excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
     rest_left = evidence.left_at(after)
     rest = share_of_error(evidence.base, pair.error)
-    pattern_left = evidence.pattern_left(pair.model)
+    patterns = evidence.patterns_left(pair.model)
+    pattern_left = max(patterns.values(), default=0.0)
+    own = {name for effect in pair.effects for name in effect.coordinates if len(effect.coordinates) == 1}
+    bent_together = any(patterns.get(name, 0.0) >= BENT_TOGETHER for name in own & set(BENT))
     quiet = rest >= SHARE_ENOUGH and pattern_left < (min(BENT.values()) if bent else LEAST_PATTERN_LEFT)
     silent = rest >= SHARE_OF_A_PART and evidence.pattern >= LEAST_PATTERN > pattern_left
-    much = not bent and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)
+    much = not bent and not bent_together and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)
     return quiet or silent or much
 
 

@@ -54,6 +54,9 @@ UNDERRATED = 5.0
 LEAST_PERSISTENCE = 0.25
 """Correlation of the residual with itself four scored samples on, above the noise's own, that counts as a pattern."""
 
+LEAST_TEXTURE = 0.08
+"""Share that the position must foretell of blocks of time it has not seen, to count as a pattern: noise has 0.03."""
+
 LEAST_PATTERN = 0.15
 """Share of the residual's variance that some coordinate must explain before it counts as a pattern."""
 
@@ -78,6 +81,9 @@ BENT = {"position": 0.2, "time": 0.4}
 """Share of what an effect of the position or of time leaves from which that coordinate tells that the law is another.
 Over the position the true law leaves 0.1 at the most, a spring that is not straight 0.45 and more, a texture of several
 pitches 0.2 and more, nearly always (generated records)."""
+
+BENT_TOGETHER = 0.4
+"""The same of what two effects leave, over a coordinate of one of them."""
 
 SHARE_OF_A_PART = 0.55
 LEAST_PATTERN_LEFT = 0.3

@@ -120,6 +120,26 @@ def test_time_gives_way_where_a_coordinate_explains_nearly_as_much() -> None:
     assert [m.coordinate for m in order_maps([place, much])] == ["time", "position"]
 
 
+def test_without_a_name_a_coordinate_of_the_motion_yields_to_time_that_explains_more_beside_it() -> None:
+    empty = np.empty(0)
+
+    def one(name: str, share: float, beside_time: float = 0.0) -> ResidualMap:
+        return ResidualMap(name, share, share, 0.0, empty, empty, empty, beside_time)
+
+    time, less, more = one("time", 0.6), one("velocity", 0.7, -0.1), one("velocity", 0.7, 0.1)
+    place = one("position", 0.7, -0.1)
+    for others, first in ((less, "time"), (more, "velocity"), (place, "position")):
+        assert order_maps([time, others], nameless=True)[0].coordinate == first
+        assert order_maps([time, others])[0].coordinate == others.coordinate
+
+
+def test_what_time_and_velocity_explain_beside_each_other(tmp_path: Path) -> None:
+    held = made(tmp_path / "once", 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY))["velocity"]
+    curve = made(tmp_path / "curve", 0.05 * np.cos(120.0 * VELOCITY))["velocity"]
+    assert held.beside_time < -0.3
+    assert curve.beside_time > 0.3
+
+
 def test_a_channel_that_does_not_vary_is_no_coordinate(tmp_path: Path) -> None:
     case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
     assert "normal_load" not in coordinates_of(case.fit_records[0])
