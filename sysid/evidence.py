@@ -88,12 +88,21 @@ class Evidence:
     @property
     def patterned(self) -> bool:
         """Whether the base model's residual follows some coordinate, known or not."""
-        return self.pattern >= LEAST_PATTERN or persistence(self.case, self.base) >= LEAST_PERSISTENCE
+        return self.pattern >= LEAST_PATTERN or self._persistence() >= LEAST_PERSISTENCE
 
     @property
     def in_spells(self) -> bool:
-        """Whether some stretches lie far above the noise, though the robust error does not say so."""
-        return self.error >= SPELLS and persistence(self.case, self.base) >= LEAST_PERSISTENCE
+        """Whether some stretches lie far above the noise, though the robust error, or that of the held-out records, does
+        not say so: what happens once may be in one record alone."""
+        fitted = self.base.fitted
+        in_fit = ranking_error(fitted.fit.residual) >= SPELLS
+        return (self.error >= SPELLS and self._persistence() >= LEAST_PERSISTENCE) or (
+            in_fit
+            and persistence(self.case, self.case.fit_records, fitted.weights, fitted.fit.residual) >= LEAST_PERSISTENCE
+        )
+
+    def _persistence(self) -> float:
+        return persistence(self.case, self.case.validate_records, self.base.weights, self.base.residual)
 
     def patterns_left(self, model: Model) -> dict[str, float]:
         """Share of a model's residual that each coordinate explains."""
@@ -206,14 +215,14 @@ def misfits_of(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict
     return trial.after_fit, trial.after_validate
 
 
-def persistence(case: Case, base: BaseFit) -> float:
-    """Correlation of the held-out residual with itself four scored samples on, less that of the sensors' noise: what is
+def persistence(case: Case, records: Sequence[Prepared], weights: Weighting, residual: np.ndarray) -> float:
+    """Correlation of a residual (n,) with itself four scored samples on, less that of the sensors' noise: what is
     left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
     lag, best = 4, 0.0
     start = 0
-    for record, picks in zip(case.validate_records, base.weights.picks, strict=True):
+    for record, picks in zip(records, weights.picks, strict=True):
         for channel, pick in picks.items():
-            r = np.clip(base.residual[start : start + pick.size], -8.0, 8.0)
+            r = np.clip(residual[start : start + pick.size], -8.0, 8.0)
             start += pick.size
             if r.size < 50:
                 continue

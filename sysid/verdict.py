@@ -149,7 +149,8 @@ def _unexplained(left: float, reason: str) -> Verdict:
 
 def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
     """Where no single effect lowers the held-out loss by more than chance."""
-    if (evidence.over <= evidence.allowance and not evidence.in_spells) or evidence.error <= NOISE_ALONE:
+    at_the_noise = evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE
+    if at_the_noise and not evidence.in_spells:
         return _adequate("what is left is noise; no effect lowers it by more than chance")
     if evidence.over <= UNDERRATED and not evidence.patterned:
         return _adequate(
@@ -160,7 +161,7 @@ def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
         if first is not None and _explains(evidence, pair):
             reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
-    where = "above the noise in stretches" if evidence.over <= evidence.allowance else "above the noise"
+    where = "above the noise in stretches" if at_the_noise else "above the noise"
     return _unexplained(1.0, f"the misfit is {where}, and no effect lowers it on held-out records by more than chance")
 
 
@@ -187,12 +188,14 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
 def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     """Where neither one effect nor two of the best-scored ones explain the misfit."""
     case, best = evidence.case, named.trial
-    remaining = evidence.pattern_left(best.candidate.fitted.model)
+    patterns, own = evidence.patterns_left(best.candidate.fitted.model), best.candidate.effect.coordinates
+    remaining = max(patterns.values(), default=0.0)
+    bends = len(own) == 1 and own[0] in BENT and patterns.get(own[0], 0.0) >= BENT[own[0]]
     turn_like = evidence.balance and evidence.like_turns(best)
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
     little_left = excess(*misfits_of(case, best)) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
-    quiet = remaining < LEAST_PATTERN_LEFT and not bent
+    quiet = remaining < LEAST_PATTERN_LEFT and not bent and not bends
     # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
     at_rest = best.share_at_rest >= AT_REST
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest

@@ -18,7 +18,7 @@ MOST_OF_IT = 0.5
 NOISE_ALONE = 1.1
 """Ranking error, in deviations, from which an effect has left nothing but noise: no accident of timing does that."""
 
-SPELLS = 1.7
+SPELLS = 1.5
 """Ranking error, in deviations, from which a residual that persists lies above the noise in stretches, though its
 robust error is within the noise: with nothing hidden 1.35 at the most, outliers included."""
 
