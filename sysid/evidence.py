@@ -92,8 +92,8 @@ class Evidence:
 
     @property
     def in_spells(self) -> bool:
-        """Whether some stretches lie far above the noise, though the robust error, or that of the held-out records, does
-        not say so: what happens once may be in one record alone."""
+        """Whether some stretches lie far above the noise, though the robust error, or that of the held-out records,
+        does not say so: what happens once may be in one record alone."""
         fitted = self.base.fitted
         in_fit = ranking_error(fitted.fit.residual) >= SPELLS
         return (self.error >= SPELLS and self._persistence() >= LEAST_PERSISTENCE) or (
