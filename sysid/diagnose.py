@@ -20,7 +20,7 @@ from sysid.residual_maps import ResidualMap, order_maps, residual_maps
 from sysid.swaps import Swap, find_swaps
 from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, try_all
 from sysid.verdict import verdict_on
-from sysid.verdict_limits import ADEQUATE_OVER_NOISE, LEAST_PATTERN, LEAST_TEXTURE, NEARLY_NOISE, SHARE_OF_A_PART
+from sysid.verdict_limits import ADEQUATE_OVER_NOISE, LEAST_TEXTURE, NEARLY_NOISE, SHARE_OF_A_PART
 
 
 @dataclass(frozen=True)
@@ -110,11 +110,10 @@ def judge(
         misfits_of(case, trial)
     maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
     pattern = max((m.pattern for m in maps), default=0.0)
-    if any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps):
-        pattern = max(pattern, LEAST_PATTERN)
+    textured = any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps)
     added = [e for e in base.fitted.model.effects if e.name in _added(case)]
     over = excess(before_fit, before_validate)
-    evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added)
+    evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
     maps = order_maps(maps, nameless=found.verdict == "unexplained")
     if found.best is not None and found.best not in ranked:

@@ -51,6 +51,7 @@ class Evidence:
         pattern: share of its residual that the best coordinate explains.
         all_effects: second effects too are looked for in the whole library.
         added: effects of the model that earlier rounds added.
+        textured: whether the position foretells the residual of moments it has not seen, be it little of it.
     """
 
     case: Case
@@ -61,6 +62,7 @@ class Evidence:
     pattern: float
     all_effects: bool
     added: Sequence[Effect] = ()
+    textured: bool = False
 
     @property
     def allowance(self) -> float:
@@ -88,7 +90,7 @@ class Evidence:
     @property
     def patterned(self) -> bool:
         """Whether the base model's residual follows some coordinate, known or not."""
-        return self.pattern >= LEAST_PATTERN or self._persistence() >= LEAST_PERSISTENCE
+        return self.pattern >= LEAST_PATTERN or self.textured or self._persistence() >= LEAST_PERSISTENCE
 
     @property
     def in_spells(self) -> bool:

@@ -188,14 +188,12 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
 def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     """Where neither one effect nor two of the best-scored ones explain the misfit."""
     case, best = evidence.case, named.trial
-    patterns, own = evidence.patterns_left(best.candidate.fitted.model), best.candidate.effect.coordinates
-    remaining = max(patterns.values(), default=0.0)
-    bends = len(own) == 1 and own[0] in BENT and patterns.get(own[0], 0.0) >= BENT[own[0]]
+    remaining = evidence.pattern_left(best.candidate.fitted.model)
     turn_like = evidence.balance and evidence.like_turns(best)
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
     little_left = excess(*misfits_of(case, best)) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
-    quiet = remaining < LEAST_PATTERN_LEFT and not bent and not bends
+    quiet = remaining < LEAST_PATTERN_LEFT and not bent and not evidence.bent(best)
     # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
     at_rest = best.share_at_rest >= AT_REST
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest

@@ -14,11 +14,11 @@ from sysid.case_fit import fit_case
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.ladder_files import read_ladder
-from sysid.pairs import Pair, added_anew, best_pairs
+from sysid.pairs import Pair, added_anew, best_pairs, pairs_on_top
 from sysid.smoothing import GaussianFilter
 from sysid.swaps import find_swaps
 from sysid.ties import tied_beside
-from sysid.trials import looks_on
+from sysid.trials import looks_on, try_all
 
 NOISE = 0.02
 ROWS = 4000
@@ -104,6 +104,17 @@ def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
     # sin^2 is half of 1 - cos: the crests are a tenth of the wave broader.
     values = step.base.fitted.model.values
     assert abs(values["position_dependent_friction:overtone.second_cosine"]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_second_looks_find_the_same_from_what_the_first_ones_saw(tmp_path: Path) -> None:
+    case = load_case(_write(tmp_path, _uneven))
+    base = fit_case(case)
+    search = try_all(case, base, ["coulomb", "viscous"])
+    first = next(trial.candidate for trial in search.trials if trial.name == "cable_spring")
+    kept, anew = (pairs_on_top(case, base, first, seen=seen)[0] for seen in (search.first.seen, None))
+    assert set(kept.names) == set(anew.names) == {"cable_spring", "position_dependent_friction"}
+    assert kept.error == pytest.approx(anew.error, rel=1e-3)
+    assert kept.error == pytest.approx(1.0, abs=0.1)
 
 
 def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tmp_path: Path) -> None:
