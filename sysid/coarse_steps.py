@@ -12,11 +12,15 @@ from sysid.case_fit import BaseFit, fit_case
 from sysid.misfit import excess, misfit
 from sysid.trials import Trial
 
+NOISE_IS_GONE = 0.2
+"""Error over the noise that the user gave, below which that noise cannot be in the values: they were rounded."""
+
 
 def coarse_steps(case: Case, base: BaseFit, enough: float) -> Trial | None:
     """The coarse grid of a channel's values as a trial, where it is coarser than the noise the user gave.
 
-    None where there is none, where the base model's error over noise is `enough` as it is, or where little falls.
+    None where there is none, where the base model's error over noise is `enough` as it is, or where little falls. A
+    channel that shows few values may be met exactly, by levels that are a little off: its noise, gone, tells of steps.
     """
     if any(name.partition("@")[0] == "sensor_quantisation" for name in case.experiment.effects):
         return None
@@ -35,7 +39,8 @@ def coarse_steps(case: Case, base: BaseFit, enough: float) -> Trial | None:
     after_fit = misfit(refit.fitted.model, other.fit_records)
     after = misfit(refit.fitted.model, other.validate_records)
     before = excess(misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records))
-    if before <= enough or excess(after_fit, after) > 0.9 * before:
+    rounded_away = before < NOISE_IS_GONE
+    if not rounded_away and (before <= enough or excess(after_fit, after) > 0.9 * before):
         return None
     error = ranking_error(refit.residual)
     candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)

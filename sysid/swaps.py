@@ -63,7 +63,10 @@ def find_swaps(
     found = []
     for name in added:
         family = base_name(name)
-        if not any(base_name(e.name) == family and e.core is None for e in base.fitted.model.effects):
+        # Steps are read off the values themselves, not off a misfit that a model without them could be spared.
+        if family == "sensor_quantisation" or not any(
+            base_name(e.name) == family and e.core is None for e in base.fitted.model.effects
+        ):
             continue
         below = less(case, base, family)
         without = ranking_error(below.residual)

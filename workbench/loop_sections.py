@@ -133,7 +133,7 @@ def verdict_sentence(found: Diagnosis) -> str:
     errors = f"{plain(before.rms, unit)} to {plain(after.rms, unit)}"
     ratio = f"{times(before.over_noise)} the noise to {times(after.over_noise)}"
     name = channel.replace("_", " ")
-    if after.rms / before.rms > 2.0 * after.over_noise / before.over_noise:
+    if after.rms * before.over_noise > 2.0 * after.over_noise * before.rms:
         text = (
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {ratio}. "
             f"(The plain rms, {errors}, is ruled by the few samples beside reversals.)"

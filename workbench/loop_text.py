@@ -16,6 +16,7 @@ from sysid.document import LEAST_P, WORTH_SAYING, channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit, excess
+from sysid.model import base_name
 from sysid.residual_maps import ResidualMap
 from sysid.trials import explained_share
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE
@@ -217,7 +218,10 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
         fit = (excess(diagnosis.before_fit, {}), excess(diagnosis.best.after_fit, {}))
         if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
             run.say(f"on the records of the fit: {fit[0]:.3g} x -> {fit[1]:.3g} x the noise")
-        run.say(f"without it the model fails with {where_words(diagnosis.maps) or 'nothing that was recorded'}")
+        if base_name(diagnosis.effect or "") == "sensor_quantisation":
+            run.say(f"told by the values themselves: {diagnosis.reason}")
+        else:
+            run.say(f"without it the model fails with {where_words(diagnosis.maps) or 'nothing that was recorded'}")
         if diagnosis.indistinguishable:
             run.say(
                 f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}; "

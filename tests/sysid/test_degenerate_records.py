@@ -12,6 +12,8 @@ from stagecad.parameters.errors import InputError
 from sysid.balance import Balance
 from sysid.case import load_case
 from sysid.compare import compare
+from sysid.diagnose import diagnose
+from sysid.ladder import add_effects
 
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY
 
@@ -43,6 +45,22 @@ def test_an_actuator_at_constant_voltage_says_so(tmp_path: Path) -> None:
     )
     with pytest.raises(InputError, match=r"^fit\.csv: the voltages never change"):
         load_case(tmp_path)
+
+
+def test_steps_so_coarse_that_two_values_are_left_are_found_and_kept(tmp_path: Path) -> None:
+    speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
+    rounded = np.round(1.5 * np.sign(speed))
+    slide(tmp_path, rounded, '"coulomb"', held_out=True)
+    for name in ("fit.csv", "validate.csv"):
+        for column, values in ((1, np.cumsum(speed) * STEP), (2, speed), (3, rounded)):
+            _edit(tmp_path / name, column, values)
+    found = diagnose(tmp_path)
+    assert (found.verdict, found.effect) == ("missing-effect", "sensor_quantisation")
+    assert max(m.over_noise for m in found.before_validate.values()) < 1e-6
+    add_effects(tmp_path, ["sensor_quantisation"])
+    again = diagnose(tmp_path)
+    assert again.verdict == "adequate"
+    assert not again.swaps
 
 
 @pytest.mark.parametrize("rows", [12, 30, 100])
