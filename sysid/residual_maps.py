@@ -166,7 +166,8 @@ def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[Resi
     Args:
         maps: of one residual.
         nameless: what is missing is no effect of the library. Then a coordinate of the motion, of which the library has
-            every kind of law, comes after time where time explains more beside it than it does beside time.
+            every kind of law, comes after time where time explains more beside it than it does beside time; so does
+            the distance travelled, which is time by another clock.
     """
 
     def weight(m: ResidualMap) -> float:
@@ -175,7 +176,8 @@ def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[Resi
     time = max((weight(m) for m in maps if m.coordinate == "time"), default=0.0)
 
     def place(m: ResidualMap) -> tuple[float, bool]:
-        yields = nameless and m.coordinate in OF_MOTION and m.beside_time < 0.0 and time > 0.0
+        no_more = m.coordinate == "distance_travelled" or (m.coordinate in OF_MOTION and m.beside_time < 0.0)
+        yields = nameless and no_more and time > 0.0
         return (-min(weight(m), time), True) if yields else (-weight(m), False)
 
     return sorted(maps, key=place)

@@ -131,6 +131,9 @@ def test_without_a_name_a_coordinate_of_the_motion_yields_to_time_that_explains_
     for others, first in ((less, "time"), (more, "velocity"), (place, "position")):
         assert order_maps([time, others], nameless=True)[0].coordinate == first
         assert order_maps([time, others])[0].coordinate == others.coordinate
+    short, far = one("time", 0.1), one("distance_travelled", 0.2)
+    assert [m.coordinate for m in order_maps([short, far], nameless=True)] == ["time", "distance_travelled"]
+    assert [m.coordinate for m in order_maps([short, far])] == ["distance_travelled", "time"]
 
 
 def test_what_time_and_velocity_explain_beside_each_other(tmp_path: Path) -> None:
