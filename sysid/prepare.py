@@ -176,6 +176,8 @@ def driven_mass(
     rest = REST_SIGMAS * sigma_velocity
     load, temperature = _optional(channels, "normal_load"), _optional(channels, "temperature")
     axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
+    missing = gap_motion | hole | gap_force
+    axis = axis._replace(acceleration=_past_gaps(axis.acceleration, missing, law_width / step))
     acceleration = whole(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
     drive = force / mass * step**2 if mass > 0 else np.zeros(n)
@@ -191,7 +193,6 @@ def driven_mass(
     kinked = sharpened(velocity * step, axis.acceleration * step**2, drive, stops, law_width / step)
     axis = axis._replace(velocity=kinked / step)
 
-    missing = gap_motion | hole | gap_force
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
     bad = missing | spread(longer_than(missing, width / step), reach)
     bad[: reach + 1] = True
@@ -226,14 +227,27 @@ def driven_mass(
         light_samples=law_width / step, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
         acceleration_noise=acceleration_noise, position_noise=sigma_position,
         stretch=12.0 * light_noise, light_noise=light_noise, pull_stiffness=pull_stiffness or 0.0, rests=rests,
-        finer=partial(_lightly_filtered, time, position, load, temperature, 0.5 * law_width, width,
+        finer=partial(_lightly_filtered, time, position, missing, load, temperature, 0.5 * law_width, width,
                       REST_SIGMAS * sigma_position, correlation),
     )  # fmt: skip
+
+
+def _past_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) -> np.ndarray:
+    """Acceleration (n,) that runs straight across gaps: the line that bridges the position has kinks at its ends, and
+    whatever rings would ring with them long after.
+
+    Args:
+        acceleration: by a filter of `width` samples, (n,).
+        missing: samples (n,) where the motion was made up.
+    """
+    made_up = spread(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
+    return filled(np.where(made_up, np.nan, acceleration))[0] if made_up.any() else acceleration
 
 
 def _lightly_filtered(
     time: np.ndarray,
     position: np.ndarray,
+    missing: np.ndarray,
     load: np.ndarray | None,
     temperature: np.ndarray | None,
     law_width: float,
@@ -246,8 +260,9 @@ def _lightly_filtered(
     light = GaussianFilter(law_width, step, time.size)
     velocity = light(position, 1)
     axis = make_axis(
-        time, light(position), velocity, light(position, 2), load, temperature, rest * light.noise_gain(1, correlation)
-    )
+        time, light(position), velocity, _past_gaps(light(position, 2), missing, law_width / step), load, temperature,
+        rest * light.noise_gain(1, correlation),
+    )  # fmt: skip
     return axis, GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, time.size)
 
 
