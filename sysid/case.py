@@ -109,7 +109,17 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
     model = _with_settings(model, experiment)
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
+    stiffness = experiment.rig.known.get("pull_stiffness")
+    if stiffness is not None and stiffness.std is None and any(_rests_on_the_spring(p) for p in prepared):
+        notes.append(
+            "no position is recorded: how the body gives way at rest is told by the spring's force, and counts on "
+            "rig.known.pull_stiffness as exact; write it with its +/- if it has one"
+        )
     return Case(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
+
+
+def _rests_on_the_spring(record: Prepared) -> bool:
+    return isinstance(record, Balance) and record.rests is not None and record.rests.compliance > 0.0
 
 
 def _need_tip(experiment: Experiment) -> None:

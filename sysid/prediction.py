@@ -169,12 +169,20 @@ def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> n
         level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
         forces = axis_force(balance, effects, values)
         moved = given_way(rests, rests.force - forces, level, core.core, values_of(core, values))
+    if rests.compliance:
+        # The position was told by the force, and the spring as it was said to be.
+        moved = moved + (1.0 / values["rig.pull_stiffness"] - rests.compliance) * rests.centred(rests.force)
     for effect in effects:
         base, channel = split_channel(effect.name)
-        if effect.acts_on != "sensor" or channel not in (None, "position") or base == "sensor_quantisation":
+        seen_by = "spring_force" if rests.compliance else "position"
+        if effect.acts_on != "sensor" or channel not in (None, seen_by) or base == "sensor_quantisation":
             continue
         p = values_of(effect, values)
-        if base in ("sensor_lag", "sensor_delay"):
+        if rests.compliance:
+            if effect.signal is not None:
+                more = effect.signal(np.ascontiguousarray(rests.force), balance.step, p) - rests.force
+                moved = moved - rests.compliance * rests.centred(more)
+        elif base in ("sensor_lag", "sensor_delay"):
             late = p.time_constant if base == "sensor_lag" else p.delay
             moved = moved - late * rests.centred(balance.axis.velocity)
         elif effect.signal is not None:

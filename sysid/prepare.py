@@ -216,10 +216,14 @@ def driven_mass(
             )
     light_noise = sigma_position * light.noise_gain(0, correlation)
     rests = None
-    # Steps of a coarse sensor are no displacement.
-    fine = (noise["position"].quantum or 0.0) <= sigma_position if "position" in channels else False
-    if fine:
-        rests = find_rests(axis.position, whole(force), stuck, axis.direction, ~bad, reach_event, light_noise)
+    of_spring = kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
+    told_by = noise.get("spring_force" if of_spring else "position")
+    # Steps of a coarse sensor are no displacement, and a velocity added up wanders.
+    if told_by is not None and (told_by.quantum or 0.0) <= told_by.value and (of_spring or "position" in channels):
+        rests = find_rests(
+            axis.position, whole(force), stuck, axis.direction, ~bad, reach_event, light_noise,
+            1.0 / pull_stiffness if of_spring and pull_stiffness else 0.0,
+        )  # fmt: skip
     return Balance(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
         noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole,

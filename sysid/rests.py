@@ -7,7 +7,7 @@ force on the resting body is known, so is how far a bristle model lets it move, 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,7 @@ class Rests:
         scored: samples (n,) that are compared.
         noise: standard deviation of `shift`, m.
         force: on the body, filtered, N, (n,).
+        compliance: of the spring, m/N, where the position is told by the spring's force alone; 0 where it was measured.
     """
 
     spans: tuple[tuple[int, int], ...]
@@ -60,6 +61,7 @@ class Rests:
     scored: np.ndarray
     noise: float
     force: np.ndarray
+    compliance: float = 0.0
 
     def centred(self, values: np.ndarray) -> np.ndarray:
         """`values` (n,) less their mean over the scored samples of each rest; 0 outside."""
@@ -90,6 +92,7 @@ def find_rests(
     usable: np.ndarray,
     edge: int,
     noise: float,
+    compliance: float = 0.0,
 ) -> Rests | None:
     """The rests of a record that are long enough to tell anything; none where there are none.
 
@@ -101,6 +104,7 @@ def find_rests(
         usable: samples without gaps near, (n,).
         edge: samples left out at both ends of a rest.
         noise: standard deviation of `position`, m.
+        compliance: as in `Rests`.
     """
     spans, side = [], []
     scored = np.zeros(position.size, dtype=bool)
@@ -125,8 +129,8 @@ def find_rests(
             side.append(float(np.sign(force[start - 1]) if start > first else direction[start]))
     if not spans:
         return None
-    rests = Rests(tuple(spans), tuple(side), np.zeros(position.size), scored, noise, force)
-    return Rests(rests.spans, rests.side, rests.centred(position), scored, noise, force)
+    rests = Rests(tuple(spans), tuple(side), np.zeros(position.size), scored, noise, force, compliance)
+    return replace(rests, shift=rests.centred(position))
 
 
 def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: float) -> np.ndarray:
