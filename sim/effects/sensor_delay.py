@@ -10,14 +10,15 @@ from sim.effect import Effect, Parameter, Scan
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
-    index = np.arange(signal.size)
-    return np.interp(index - p.delay / step, index, signal)
+    from sim.record_kernels import delayed
+
+    return delayed(np.ascontiguousarray(signal, dtype=float), p.delay / step)
 
 
 EFFECT = Effect(
     name="sensor_delay",
     meaning="a sensor reports the measured quantity after a delay",
-    equation="y(t) = u(t - delay)",
+    equation="y(t) = u(t - delay), between rows by a cubic that stays between them",
     shows="the residual grows with the rate of change of the signal, alike at all frequencies",
     source="pure transport delay, e.g. Ljung, System Identification (1999), sec. 4.2",
     acts_on="sensor",

@@ -1,0 +1,39 @@
+"""A delay of part of a row: against another implementation, and what it must not do to waves and steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.interpolate import PchipInterpolator
+
+from sim.library import find
+from sim.record_kernels import delayed
+
+
+@pytest.mark.parametrize("rows", [0.3, 1.0, 4.7])
+def test_it_is_the_monotone_cubic_of_scipy(rows: float) -> None:
+    signal = np.cumsum(np.random.default_rng(5).standard_normal(200))
+    index = np.arange(200.0)
+    wanted = PchipInterpolator(index, signal)(index - rows)
+    # The slopes at the two ends are another choice there.
+    inside = slice(8, -2)
+    assert delayed(signal, rows)[inside] == pytest.approx(wanted[inside], abs=1e-12)
+
+
+def test_a_wave_of_eight_rows_a_period_keeps_its_height_and_a_step_is_not_overshot() -> None:
+    effect = find("sensor_delay")
+    p = effect.values_type(delay=0.5e-3)
+    assert effect.signal is not None
+    index = np.arange(800)
+    wave = effect.signal(np.sin(2 * np.pi * index / 8.0), 1e-3, p)
+    straight = np.interp(index - 0.5, index, np.sin(2 * np.pi * index / 8.0))
+    wanted = np.sin(2 * np.pi * (index - 0.5) / 8.0)
+    assert np.std((wave - wanted)[10:-10]) < 0.5 * np.std((straight - wanted)[10:-10])
+    step = effect.signal((index > 400).astype(float), 1e-3, p)
+    assert (step.min(), step.max()) == (0.0, 1.0)
+
+
+def test_no_delay_is_no_change_and_before_the_record_is_its_first_value() -> None:
+    signal = np.array([3.0, 1.0, 4.0, 1.0, 5.0])
+    assert delayed(signal, 0.0).tolist() == signal.tolist()
+    assert delayed(signal, 2.0).tolist() == [3.0, 3.0, 3.0, 1.0, 4.0]
