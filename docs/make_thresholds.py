@@ -16,6 +16,7 @@ CONSTANTS = (
     (misfit, "LOSS_CORNER", "deviations from which the ranking's loss is linear"),
     (verdict_limits, "LEAST_SIGNIFICANCE", "standard errors of the held-out gain from which it is more than chance"),
     (verdict_limits, "LEAST_STEADINESS", "or: mean gain of a block of time over its standard error"),
+    (verdict_limits, "ALIKE", "there, part of its held-out gain that an effect must take of the fit's loss too"),
     (verdict_limits, "LEAST_GAIN", "part of the loss that must go, on the records of the fit and on the held-out ones"),
     (verdict_limits, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
     (verdict_limits, "NOTHING_ABOVE", "error over noise of a force balance up to which a gain is of noise"),

@@ -21,6 +21,7 @@ from sysid.residual_maps import residual_maps
 from sysid.trials import Search, Trial, significance_of
 from sysid.verdict_limits import (
     ADEQUATE_OVER_NOISE,
+    ALIKE,
     AT_REST,
     AT_REVERSALS,
     BENT,
@@ -260,7 +261,8 @@ def _takes_all_away(case: Case, base: BaseFit, trial: Trial) -> bool:
 def _takes_enough(base: BaseFit, trial: Trial) -> bool:
     before = ranking_error(base.residual) ** 2
     before_fit = ranking_error(base.fitted.fit.residual) ** 2
-    certain = trial.significance >= LEAST_SIGNIFICANCE or trial.steadiness >= LEAST_STEADINESS
+    alike = trial.fit_gain * before >= ALIKE * trial.gain * before_fit
+    certain = trial.significance >= LEAST_SIGNIFICANCE or (trial.steadiness >= LEAST_STEADINESS and alike)
     # What shows at a few break-aways alone is never steady: there it must take most, on all records.
     most = trial.gain >= MOST_OF_IT * before and trial.fit_gain >= MOST_OF_IT * before_fit
     certain |= most and trial.significance >= LEAST_OF_MOST

@@ -106,6 +106,10 @@ LEAST_STEADINESS = 1.5
 LEAST_GAIN = 0.03
 """Of the mean squared loss, on the records of the fit and on the held-out ones."""
 
+ALIKE = 0.2
+"""Part of what an effect takes of the held-out records' loss that it must take of that of the fit's, where it is steady
+and no more: what takes next to nothing where it was fitted corrects the other parameters, not the model."""
+
 LEAST_OF_MOST = 2.0
 """Significance, in standard errors, that is enough for an effect that takes `MOST_OF_IT` of all records' losses."""
 
