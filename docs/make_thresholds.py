@@ -25,6 +25,8 @@ CONSTANTS = (
     (verdict_limits, "CLEARLY_ABOVE", "error over noise of a force balance from which that is believed"),
     (verdict_limits, "MUCH_OF_IT", "or: part of the loss that the effect takes"),
     (verdict_limits, "MOST_OF_IT", "the same where more than noise is left"),
+    (verdict_limits, "SURE_PART", "or: part of the loss that it takes steadily"),
+    (verdict_limits, "SURE_STEADINESS", "that is, with such a mean gain of a block over its standard error"),
     (verdict_limits, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
     (verdict_limits, "LEAST_TEXTURE", "or: share that the position must foretell"),
     (verdict_limits, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),

@@ -104,7 +104,7 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
     _need_motion(records, fits, scales)
     model = Model((), rig, tuple(rig_unknowns))
     for name in names:
-        model = with_effect(model, find(name, custom), scales)
+        model = with_effect(model, find(name, custom), scales, as_listed=True)
     model = _with_stretch(model, fits)
     model = _with_settings(model, experiment)
     for record in records:

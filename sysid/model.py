@@ -244,8 +244,14 @@ def in_contact(effect: Effect) -> bool:
     return effect.name.startswith(CONTACT)
 
 
-def with_effect(model: Model, effect: Effect, scales: Scales, start: Mapping[str, float] | None = None) -> Model:
-    """The model with one more effect; a core takes the place of the one before it, and starts from its level."""
+def with_effect(
+    model: Model, effect: Effect, scales: Scales, start: Mapping[str, float] | None = None, as_listed: bool = False
+) -> Model:
+    """The model with one more effect; a core takes the place of the one before it, and starts from its level.
+
+    A sensor's effect comes before the drift of its zero, which is added behind whatever bends the scale; `as_listed`
+    puts it last.
+    """
     effects, values = list(model.effects), dict(model.values)
     unknowns = list(model.unknowns)
     if effect.core is not None:
@@ -263,7 +269,9 @@ def with_effect(model: Model, effect: Effect, scales: Scales, start: Mapping[str
             start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{beside.name}.force"], **(start or {})}
         effects.insert(0, effect)
     else:
-        effects.append(effect)
+        drifts = [k for k, e in enumerate(effects) if base_name(e.name) == "sensor_drift"]
+        before = drifts[0] if drifts and effect.acts_on == "sensor" and not as_listed else len(effects)
+        effects.insert(before, effect)
     for parameter in effect.parameters:
         values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, _seen_by(effect, scales))
     values.update(start or {})

@@ -14,6 +14,9 @@ from sysid.pairs import Pair
 from sysid.trials import Trial, parameter_count, significance_of
 from sysid.verdict_limits import LATE, MORE_IS_MISSING
 
+OF_FORM = 1e-3
+"""Part of the gain by which one effect may fall behind another because its law is not nature's to the last digit."""
+
 
 def tied_beside(case: Case, base: BaseFit, pair: Pair, pairs: Sequence[Pair], partner: str) -> tuple[str, ...]:
     """Families that, beside a partner, do what the other one of a pair does, but for chance."""
@@ -30,6 +33,7 @@ def _by_chance(
     behind = other.error**2 - first.error**2
     # Where something else is missing too, it decides over the last hundredth of the gain.
     alike |= first.error > MORE_IS_MISSING and behind <= 0.01 * gained
+    alike |= behind <= OF_FORM * gained
     return behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5)
 
 

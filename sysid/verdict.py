@@ -37,6 +37,8 @@ from sysid.verdict_limits import (
     SHARE_OF_NOISE,
     SHARE_OF_TWO,
     SHARE_WITH_THE_PATTERN,
+    SURE_PART,
+    SURE_STEADINESS,
     UNDERRATED,
     VARIANCE_ENOUGH,
     VARIANCE_OF_TWO,
@@ -174,6 +176,8 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     # Where the noise is all there is by the ranking, a few samples at turns may still lie above it.
     to_the_noise &= evidence.error > 1.0 or taken >= MUCH_OF_IT
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
+    steady = best.steadiness >= SURE_STEADINESS and best.significance >= LEAST_SIGNIFICANCE
+    to_the_noise |= steady and taken >= SURE_PART
     of_starts = evidence.like_turns(best) or best.family in AT_STARTS
     certain = taken >= MUCH_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0 and not certain

@@ -110,6 +110,11 @@ ALIKE = 0.2
 """Part of what an effect takes of the held-out records' loss that it must take of that of the fit's, where it is steady
 and no more: what takes next to nothing where it was fitted corrects the other parameters, not the model."""
 
+SURE_STEADINESS = 2.5
+SURE_PART = 0.15
+"""Steadiness, with `LEAST_SIGNIFICANCE`, and part of the loss from which a gain at turns is none of their timing: where
+nothing was hidden no effect came near both."""
+
 LEAST_OF_MOST = 2.0
 """Significance, in standard errors, that is enough for an effect that takes `MOST_OF_IT` of all records' losses."""
 
