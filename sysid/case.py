@@ -111,9 +111,11 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     stiffness = experiment.rig.known.get("pull_stiffness")
     if stiffness is not None and stiffness.std is None and any(_rests_on_the_spring(p) for p in prepared):
+        unit = "N*m/rad" if experiment.rig.rotary else "N/m"
         notes.append(
             "no position is recorded: how the body gives way at rest is told by the spring's force, and counts on "
-            "rig.known.pull_stiffness as exact; write it with its +/- if it has one"
+            "rig.known.pull_stiffness as exact; write its deviation if it has one, as in "
+            f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
     return Case(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
 
