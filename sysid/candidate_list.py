@@ -24,6 +24,9 @@ EVERYONES = (
 )
 """Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
 
+OF_A_COMMAND = (":of_steps", ":of_lines")
+"""Laws of a voltage that is made row by row, held or straight between."""
+
 REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
 """Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""
 
@@ -85,8 +88,8 @@ def shows_on(case: Case, effect: Effect) -> bool:
         return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
     if isinstance(records[0], FrictionDriveRecord):
         return can_show(records[0], effect)
-    if acts == "piezo" or effect.name.endswith(":of_steps"):
-        # Steps of a voltage ring and lag; what is measured elsewhere has no steps to speak of.
+    if acts == "piezo" or effect.name.endswith(OF_A_COMMAND):
+        # Steps and kinks of a voltage ring and lag; what is measured elsewhere has none to speak of.
         return False
     if effect.core is not None and effect.core.name == "free_maxwell_slip":
         # So many shares take a motion that is known, not one that is measured.
@@ -118,7 +121,7 @@ def _on_channels(case: Case, effect: Effect, present: Sequence[str]) -> list[Eff
         return [effect]
     channels = list(case.fit_records[0].measured)
     # A filter that takes its channel in steps is one of the whole log.
-    if case.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(":of_steps"):
+    if case.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(OF_A_COMMAND):
         return [effect]
     each = [find(f"{effect.name}@{channel}", case.custom) for channel in channels]
     each = [e for e in each if e.name not in present]

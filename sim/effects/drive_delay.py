@@ -7,10 +7,18 @@ from dataclasses import replace
 from sim.effects import sensor_delay
 from sim.in_time import DriveDelay
 
+_OF_LINES = replace(
+    sensor_delay.EFFECT.variants[0],
+    name="drive_delay:of_lines",
+    meaning="the drive acts after a delay on a command that goes straight from row to row",
+    acts_on="drive",
+)
+
 EFFECT = replace(
     sensor_delay.EFFECT,
     name="drive_delay",
     meaning="the drive acts on its command only after a delay",
     acts_on="drive",
     in_time=lambda p: DriveDelay(p.delay),
+    variants=(_OF_LINES,),
 )

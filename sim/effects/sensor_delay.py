@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,12 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
     return delayed(np.ascontiguousarray(signal, dtype=float), p.delay / step)
 
 
-EFFECT = Effect(
+def _signal_of_lines(signal: Any, step: float, p: Any) -> Any:
+    index = np.arange(signal.size)
+    return np.interp(index - p.delay / step, index, signal)
+
+
+_SMOOTH = Effect(
     name="sensor_delay",
     meaning="a sensor reports the measured quantity after a delay",
     equation="y(t) = u(t - delay), between rows by a cubic that stays between them",
@@ -38,3 +44,13 @@ EFFECT = Effect(
     ),
     signal=_signal,
 )
+
+_OF_LINES = replace(
+    _SMOOTH,
+    name="sensor_delay:of_lines",
+    meaning="a sensor reports, after a delay, a quantity that goes straight from row to row",
+    equation="y(t) = u(t - delay), u straight between rows",
+    signal=_signal_of_lines,
+)
+
+EFFECT = replace(_SMOOTH, variants=(_OF_LINES,))

@@ -37,3 +37,12 @@ def test_no_delay_is_no_change_and_before_the_record_is_its_first_value() -> Non
     signal = np.array([3.0, 1.0, 4.0, 1.0, 5.0])
     assert delayed(signal, 0.0).tolist() == signal.tolist()
     assert delayed(signal, 2.0).tolist() == [3.0, 3.0, 3.0, 1.0, 4.0]
+
+
+@pytest.mark.parametrize("name", ["sensor_delay:of_lines", "drive_delay:of_lines"])
+def test_a_command_that_goes_straight_between_rows_comes_late_as_it_is(name: str) -> None:
+    effect = find(name)
+    assert effect.signal is not None
+    signal = np.array([0.0, 2.0, 1.0, 5.0])
+    late = effect.signal(signal, 1e-3, effect.values_type(delay=0.25e-3))
+    assert late == pytest.approx([0.0, 1.5, 1.25, 4.0])
