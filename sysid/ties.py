@@ -17,6 +17,10 @@ from sysid.verdict_limits import LATE, MORE_IS_MISSING
 OF_FORM = 1e-3
 """Part of the gain by which one effect may fall behind another because its law is not nature's to the last digit."""
 
+CONTAINED = {"coulomb": ("presliding",)}
+"""Families with a limit that is the effect: bristles of no stretch are rigid. Where both do as well they are no rivals:
+the plainer one is what the records show."""
+
 
 def tied_beside(case: Case, base: BaseFit, pair: Pair, pairs: Sequence[Pair], partner: str) -> tuple[str, ...]:
     """Families that, beside a partner, do what the other one of a pair does, but for chance."""
@@ -60,7 +64,6 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
         as_good = simpler and excess(other.after_fit, other.after_validate) <= 1.03 * least
         if as_good and before - other.error**2 >= 0.97 * gained:
             best = other
-    names = [t.family for t in group if t is not best and (t is first or parameter_count(t) <= parameter_count(best))][
-        :2
-    ]
-    return tuple(names), best
+    rivals = [t for t in group if t is not best and t.family not in CONTAINED.get(best.family, ())]
+    names = [t.family for t in rivals if t is first or parameter_count(t) <= parameter_count(best)]
+    return tuple(names[:2]), best
