@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -16,7 +17,7 @@ from sysid.ladder_files import read_ladder
 from sysid.misfit import ChannelMisfit, excess, misfit
 from sysid.model import base_name
 from sysid.pairs import searched_again
-from sysid.residual_maps import ResidualMap, order_maps, residual_maps
+from sysid.residual_maps import ResidualMap, residual_maps
 from sysid.swaps import Swap, find_swaps
 from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, try_all
 from sysid.verdict import verdict_on
@@ -108,14 +109,18 @@ def judge(
     ranked = _ranked(case, base, search, all_effects)
     for trial in ranked[:6]:
         misfits_of(case, trial)
-    maps = residual_maps(base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
+    maps_of = partial(
+        residual_maps, base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
+    )
+    maps = maps_of()
     pattern = max((m.pattern for m in maps), default=0.0)
     textured = any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps)
     added = [e for e in base.fitted.model.effects if e.name in _added(case)]
     over = excess(before_fit, before_validate)
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
-    maps = order_maps(maps, nameless=found.verdict == "unexplained")
+    if found.verdict == "unexplained":
+        maps = maps_of(nameless=True)
     if found.best is not None and found.best not in ranked:
         # Another law of an effect than the one that does most alone.
         ranked = [found.best, *(trial for trial in ranked if trial.family != found.best.family)]

@@ -17,7 +17,7 @@ from sysid.misfit import ChannelMisfit, Weighting, away_from_turns, blocks, exce
 from sysid.model import Model, Prepared, law_family
 from sysid.own_patterns import apart_from, own_coordinates
 from sysid.pairs import Pair, pairs_on_top
-from sysid.residual_maps import residual_maps
+from sysid.residual_maps import patterns_of
 from sysid.trials import Search, Trial, significance_of
 from sysid.verdict_limits import (
     ADEQUATE_OVER_NOISE,
@@ -110,8 +110,7 @@ class Evidence:
     def patterns_left(self, model: Model) -> dict[str, float]:
         """Share of a model's residual that each coordinate explains."""
         case, base = self.case, self.base
-        maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
-        return {m.coordinate: m.pattern for m in maps}
+        return patterns_of(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
 
     def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
         """Largest share of a model's residual that one coordinate explains, of all or of some."""

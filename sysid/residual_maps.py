@@ -9,7 +9,7 @@ at in fine ones too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -40,6 +40,10 @@ KEPT_BELOW = 0.995
 
 PERMUTATIONS = 500
 BLOCKS = 40
+
+
+Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
+"""Coordinates by name, residual and block number of the scored samples, each (n,)."""
 
 
 @dataclass(frozen=True)
@@ -135,29 +139,60 @@ def residual_maps(
     fit_weights: Weighting,
     held_out: Sequence[Prepared],
     held_out_weights: Weighting,
+    nameless: bool = False,
     seed: int = 0,
 ) -> list[ResidualMap]:
-    """Maps of the residual against every coordinate the records have, strongest first.
+    """Maps of the residual against every coordinate the records have, in the order of `order_maps`.
 
-    Residuals are in noise deviations, winsorised so that no few samples decide.
+    Residuals are in noise deviations, winsorised so that no few samples decide. Only where what is missing is
+    `nameless` is each coordinate of the motion weighed against time.
     """
     rng = np.random.default_rng(seed)
     maps: list[ResidualMap] = []
-    for channel in _worst_channels(model, [*fit_records, *held_out]):
-        learn = _samples(model, fit_records, fit_weights, channel)
-        judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
-        if learn is None or judge is None:
-            continue
-        for name in learn[0]:
-            if name != "_direction" and name in judge[0]:
-                maps.append(_map(name, learn, judge, rng))
-        maps.append(_spectrum(model, held_out or fit_records, channel, rng))
+    for channel, learn, judge in _compared(model, fit_records, fit_weights, held_out, held_out_weights):
+        maps += [_map(name, learn, judge, rng, nameless) for name in _shared(learn, judge)]
+        maps.append(_spectrum(model, held_out or fit_records, channel))
     best: dict[str, ResidualMap] = {}
     for m in maps:
         other = best.get(m.coordinate, m)
         kept = m if m.share > other.share else other
         best[m.coordinate] = replace(kept, pattern=max(m.pattern, other.pattern))
-    return order_maps(list(best.values()))
+    return order_maps(list(best.values()), nameless)
+
+
+def patterns_of(
+    model: Model,
+    fit_records: Sequence[Prepared],
+    fit_weights: Weighting,
+    held_out: Sequence[Prepared],
+    held_out_weights: Weighting,
+) -> dict[str, float]:
+    """`ResidualMap.pattern` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
+    out: dict[str, float] = {}
+    for channel, learn, judge in _compared(model, fit_records, fit_weights, held_out, held_out_weights):
+        for name in _shared(learn, judge):
+            out[name] = max(out.get(name, 0.0), _told_by(name, learn, judge).pattern)
+        out["frequency"] = max(out.get("frequency", 0.0), _spectrum(model, held_out or fit_records, channel).pattern)
+    return out
+
+
+def _compared(
+    model: Model,
+    fit_records: Sequence[Prepared],
+    fit_weights: Weighting,
+    held_out: Sequence[Prepared],
+    held_out_weights: Weighting,
+) -> Iterator[tuple[str, Samples, Samples]]:
+    """Each of the worst channels, with its samples in the records of the fit and in the held-out ones."""
+    for channel in _worst_channels(model, [*fit_records, *held_out]):
+        learn = _samples(model, fit_records, fit_weights, channel)
+        judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
+        if learn is not None and judge is not None:
+            yield channel, learn, judge
+
+
+def _shared(learn: Samples, judge: Samples) -> list[str]:
+    return [name for name in learn[0] if name != "_direction" and name in judge[0]]
 
 
 def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[ResidualMap]:
@@ -231,11 +266,27 @@ def _samples(
     return merged, np.clip(residual, -corner, corner), np.concatenate(block_numbers)
 
 
-Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
+@dataclass(frozen=True)
+class _Told:
+    """What a coordinate says of a residual: its samples, all records together (n,), and its `share` and `pattern`.
+
+    `foretold` is the residual as other blocks of time foretell it, in `drawn` bins.
+    """
+
+    values: np.ndarray
+    direction: np.ndarray
+    residual: np.ndarray
+    block: np.ndarray
+    record: np.ndarray
+    cells: np.ndarray
+    foretold: np.ndarray
+    drawn: int
+    share: float
+    pattern: float
 
 
-def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:
-    """Map of one coordinate over all records together; of time and distance travelled, record by record."""
+def _told_by(name: str, learn: Samples, judge: Samples) -> _Told:
+    """What a coordinate says over all records together; time and distance travelled, record by record."""
     together = [learn] if judge is learn else [learn, judge]
     values = np.concatenate([s[0][name] for s in together])
     direction = np.concatenate([s[0]["_direction"] for s in together])
@@ -244,9 +295,8 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     record = np.concatenate([np.full(s[1].size, k) for k, s in enumerate(together)])
     edges = edges_of(values, name, BINS)
     cells = cells_of(values, direction, edges)
-    count = 2 * (edges.size - 1)
     if name in OF_ONE_RECORD:
-        cells = cells + count * record
+        cells = cells + 2 * (edges.size - 1) * record
     half = np.arange(residual.size) % 2 == 0
     table = means_of(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
@@ -259,20 +309,25 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
         if _share(residual, close) > share:
             foretold, share, drawn = close, _share(residual, close), FINE_BINS
         pattern = max(pattern, share)
-    p_value = _p_value(residual, foretold, block, rng)
-    beside_time = 0.0
-    if name in OF_MOTION:
-        times = np.concatenate([s[0]["time"] for s in together])
-        in_time = cells_of(times, direction, edges_of(times, "time", BINS)) + 2 * BINS * record
-        beside_time = _beside_time(cells, in_time, residual, block)
     if name not in OF_ONE_RECORD and all(_runs_with_time(s[0], name) for s in together):
         share, pattern = 0.5 * share, 0.5 * pattern
-    # Drawn finer than it is judged, from every sample.
-    fine = edges_of(values, name, drawn)
-    means = means_of(cells_of(values, direction, fine), residual, 2 * (fine.size - 1))
-    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], values)
+    return _Told(values, direction, residual, block, record, cells, foretold, drawn, share, pattern)
+
+
+def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator, against_time: bool) -> ResidualMap:
+    """Map of one coordinate, drawn finer than it is judged, from every sample."""
+    told = _told_by(name, learn, judge)
+    p_value = _p_value(told.residual, told.foretold, told.block, rng)
+    beside_time = 0.0
+    if against_time and name in OF_MOTION:
+        times = np.concatenate([s[0]["time"] for s in ([learn] if judge is learn else [learn, judge])])
+        in_time = cells_of(times, told.direction, edges_of(times, "time", BINS)) + 2 * BINS * told.record
+        beside_time = _beside_time(told.cells, in_time, told.residual, told.block)
+    fine = edges_of(told.values, name, told.drawn)
+    means = means_of(cells_of(told.values, told.direction, fine), told.residual, 2 * (fine.size - 1))
+    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], told.values)
     forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
-    return ResidualMap(name, share, pattern, p_value, centres, forward, backward, beside_time)
+    return ResidualMap(name, told.share, told.pattern, p_value, centres, forward, backward, beside_time)
 
 
 def _beside_time(cells: np.ndarray, in_time: np.ndarray, residual: np.ndarray, block: np.ndarray) -> float:
@@ -344,7 +399,7 @@ def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng
     return float((1 + np.sum(signs @ inner >= inner.sum())) / (1 + PERMUTATIONS))
 
 
-def _spectrum(model: Model, records: Sequence[Prepared], channel: str, rng: np.random.Generator) -> ResidualMap:
+def _spectrum(model: Model, records: Sequence[Prepared], channel: str) -> ResidualMap:
     """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
     best = ResidualMap("frequency", 0.0, 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
     for record in records:

@@ -17,10 +17,10 @@ from sysid.residual_maps import ResidualMap, coordinates_of, order_maps, residua
 WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
 
 
-def maps(case: Case) -> dict[str, ResidualMap]:
+def maps(case: Case, nameless: bool = False) -> dict[str, ResidualMap]:
     base = fit_model(case.start, case.fit_records)
     weights = weighting(base.model, case.validate_records)
-    found = residual_maps(base.model, case.fit_records, base.weights, case.validate_records, weights)
+    found = residual_maps(base.model, case.fit_records, base.weights, case.validate_records, weights, nameless)
     return {m.coordinate: m for m in found}
 
 
@@ -137,10 +137,13 @@ def test_without_a_name_a_coordinate_of_the_motion_yields_to_time_that_explains_
 
 
 def test_what_time_and_velocity_explain_beside_each_other(tmp_path: Path) -> None:
-    held = made(tmp_path / "once", 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY))["velocity"]
-    curve = made(tmp_path / "curve", 0.05 * np.cos(120.0 * VELOCITY))["velocity"]
-    assert held.beside_time < -0.3
-    assert curve.beside_time > 0.3
+    once = 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY)
+    for name, missing, first in (("once", once, "time"), ("curve", 0.05 * np.cos(120.0 * VELOCITY), "velocity")):
+        case = slide(tmp_path / name, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
+        found = maps(case, nameless=True)
+        assert next(iter(found)) == first
+        assert abs(found["velocity"].beside_time) > 0.3
+        assert (found["velocity"].beside_time < 0.0) == (first == "time")
 
 
 def test_a_channel_that_does_not_vary_is_no_coordinate(tmp_path: Path) -> None:
