@@ -26,6 +26,7 @@ CONSTANTS = (
     (verdict_limits, "MUCH_OF_IT", "or: part of the loss that the effect takes"),
     (verdict_limits, "MOST_OF_IT", "the same where more than noise is left"),
     (verdict_limits, "SURE_PART", "or: part of the loss that it takes steadily"),
+    (verdict_limits, "SURE_SIGNIFICANCE", "or: standard errors of its gain, where it is steady"),
     (verdict_limits, "SURE_STEADINESS", "that is, with such a mean gain of a block over its standard error"),
     (verdict_limits, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
     (verdict_limits, "LEAST_TEXTURE", "or: share that the position must foretell"),

@@ -25,6 +25,14 @@ FILTERED_FALL = 1.25
 tells that nothing white is left in the log."""
 
 
+LOCAL = 256
+"""Differences by which the noise's size is told along a record."""
+
+UNEVEN = 0.15
+"""Deviation of the logarithm of that size from which the noise is uneven: even noise has 0.05."""
+
+LEAST_LEVEL = 0.1
+
 UNSEEN_UNDER_STEP = 0.1
 """Noise below a tenth of a sensor's step leaves no trace in its readings; it is taken to be that tenth."""
 
@@ -86,7 +94,21 @@ def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None, flat: 
         for order, scale, after in zip(ORDERS, scales, [*scales[1:], floor])
         if scale <= 1.06 * after or order == ORDERS[-1]
     )
-    return _coloured([_without_outliers(piece, white) for piece in pieces], order, white, flat)
+    levels = _levels(pieces, order, white)
+    return _coloured([_without_outliers(piece, white) for piece in pieces], levels, order, white, flat)
+
+
+def _levels(pieces: Sequence[np.ndarray], order: int, white: float) -> list[np.ndarray]:
+    """Size of the noise along each piece (n,), over its usual size, by differences; one where it is even."""
+    found = []
+    for piece in pieces:
+        differences = np.diff(piece, order) / np.sqrt(comb(2 * order, order))
+        parts = np.array_split(differences, max(1, differences.size // LOCAL))
+        sizes = np.maximum([difference_scale(part) / white for part in parts], LEAST_LEVEL)
+        centres = (np.arange(sizes.size) + 0.5) * piece.size / sizes.size
+        found.append(np.interp(np.arange(piece.size), centres, sizes))
+    uneven = float(np.std(np.log(np.concatenate(found)))) > UNEVEN
+    return found if uneven else [np.ones(piece.size) for piece in pieces]
 
 
 def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:
@@ -111,11 +133,13 @@ def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
     return np.where(np.abs(piece - middle) > 6.0 * scale, middle, piece)
 
 
-def _coloured(pieces: Sequence[np.ndarray], order: int, white: float, flat: bool) -> Colour:
+def _coloured(
+    pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], order: int, white: float, flat: bool
+) -> Colour:
     """Compare the scatter in windows with the differences, and find the autoregression that gives both."""
     measured = {}
     for length in WINDOWS:
-        scatter = _window_scatter(pieces, length)
+        scatter = _window_scatter(pieces, levels, length)
         if scatter:
             measured[length] = scatter
     short = [length for length in measured if length <= SHORT]
@@ -148,16 +172,23 @@ def _coloured(pieces: Sequence[np.ndarray], order: int, white: float, flat: bool
     return Colour(size * white / _difference_share(order, best), best, False, white)
 
 
-def _window_scatter(pieces: Sequence[np.ndarray], length: int) -> float | None:
-    """Standard deviation about a cubic in windows of `length`, from the quieter half of the windows."""
-    windows = [piece[: piece.size // length * length].reshape(-1, length) for piece in pieces if piece.size >= length]
+def _window_scatter(pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], length: int) -> float | None:
+    """Standard deviation about a cubic in windows of `length`, from the quieter half of the windows.
+
+    Quieter by what is beside noise: where the noise itself is uneven, each window counts in terms of its own level.
+    """
+
+    def windows_of(parts: Sequence[np.ndarray]) -> list[np.ndarray]:
+        return [part[: part.size // length * length].reshape(-1, length) for part in parts if part.size >= length]
+
+    windows = windows_of(pieces)
     if not windows or sum(window.shape[0] for window in windows) < 12:
         return None
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), DEGREE + 1))
     rows = np.concatenate(windows)
     rest = rows - (rows @ basis) @ basis.T
     freedom = length - DEGREE - 1
-    variances = np.sum(rest**2, axis=1) / freedom
+    variances = np.sum(rest**2, axis=1) / freedom / np.mean(np.concatenate(windows_of(levels)), axis=1) ** 2
     return float(np.sqrt(np.quantile(variances, 0.25) / _quarter(freedom)))
 
 

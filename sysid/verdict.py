@@ -38,6 +38,7 @@ from sysid.verdict_limits import (
     SHARE_OF_TWO,
     SHARE_WITH_THE_PATTERN,
     SURE_PART,
+    SURE_SIGNIFICANCE,
     SURE_STEADINESS,
     UNDERRATED,
     VARIANCE_ENOUGH,
@@ -177,7 +178,7 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     to_the_noise &= evidence.error > 1.0 or taken >= MUCH_OF_IT
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     steady = best.steadiness >= SURE_STEADINESS and best.significance >= LEAST_SIGNIFICANCE
-    to_the_noise |= steady and taken >= SURE_PART
+    to_the_noise |= steady and (taken >= SURE_PART or best.significance >= SURE_SIGNIFICANCE)
     of_starts = evidence.like_turns(best) or best.family in AT_STARTS
     certain = taken >= MUCH_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0 and not certain

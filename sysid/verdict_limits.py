@@ -112,8 +112,9 @@ and no more: what takes next to nothing where it was fitted corrects the other p
 
 SURE_STEADINESS = 2.5
 SURE_PART = 0.15
-"""Steadiness, with `LEAST_SIGNIFICANCE`, and part of the loss from which a gain at turns is none of their timing: where
-nothing was hidden no effect came near both."""
+SURE_SIGNIFICANCE = 12.0
+"""Steadiness, with `LEAST_SIGNIFICANCE`, and part of the loss, or a higher significance, from which a gain at turns is
+none of their timing: where nothing was hidden no effect came near two of them."""
 
 LEAST_OF_MOST = 2.0
 """Significance, in standard errors, that is enough for an effect that takes `MOST_OF_IT` of all records' losses."""

@@ -211,3 +211,12 @@ def test_practice_records_whose_noise_is_given():
     assert len(ratios) > 30
     assert np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1
     assert min(ratios) > 0.75 and max(ratios) < 1.25
+
+
+def test_the_colour_of_noise_that_comes_and_goes_is_found():
+    level = np.exp(0.6 * np.sin(2.0 * np.pi * 3.0 * np.arange(N) / N))
+    slow = 1e3 * SIGMA * np.sin(2.0 * np.pi * 0.3 * np.arange(N) * STEP)
+    found = _estimate(slow + level * _autoregressive(6, 0.7))
+    # The least colour that agrees, and the usual size.
+    assert 0.5 <= found.correlation <= 0.8
+    assert found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
