@@ -24,8 +24,8 @@ EVERYONES = (
 )
 """Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
 
-OF_A_COMMAND = (":of_steps", ":of_lines")
-"""Laws of a voltage that is made row by row, held or straight between."""
+OF_A_COMMAND = (":of_steps", ":of_curves")
+"""Laws of how a voltage runs from row to row, held or along a curve."""
 
 REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
 """Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""

@@ -7,10 +7,10 @@ from dataclasses import replace
 from sim.effects import sensor_delay
 from sim.in_time import DriveDelay
 
-_OF_LINES = replace(
+_OF_CURVES = replace(
     sensor_delay.EFFECT.variants[0],
-    name="drive_delay:of_lines",
-    meaning="the drive acts after a delay on a command that goes straight from row to row",
+    name="drive_delay:of_curves",
+    meaning="the drive acts after a delay on a command that runs smoothly from row to row",
     acts_on="drive",
 )
 
@@ -20,5 +20,5 @@ EFFECT = replace(
     meaning="the drive acts on its command only after a delay",
     acts_on="drive",
     in_time=lambda p: DriveDelay(p.delay),
-    variants=(_OF_LINES,),
+    variants=(_OF_CURVES,),
 )

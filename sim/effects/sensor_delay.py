@@ -11,20 +11,20 @@ from sim.effect import Effect, Parameter, Scan
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
+    index = np.arange(signal.size)
+    return np.interp(index - p.delay / step, index, signal)
+
+
+def _signal_of_curves(signal: Any, step: float, p: Any) -> Any:
     from sim.record_kernels import delayed
 
     return delayed(np.ascontiguousarray(signal, dtype=float), p.delay / step)
 
 
-def _signal_of_lines(signal: Any, step: float, p: Any) -> Any:
-    index = np.arange(signal.size)
-    return np.interp(index - p.delay / step, index, signal)
-
-
-_SMOOTH = Effect(
+_STRAIGHT = Effect(
     name="sensor_delay",
     meaning="a sensor reports the measured quantity after a delay",
-    equation="y(t) = u(t - delay), between rows by a cubic that stays between them",
+    equation="y(t) = u(t - delay), u straight between rows",
     shows="the residual grows with the rate of change of the signal, alike at all frequencies",
     source="pure transport delay, e.g. Ljung, System Identification (1999), sec. 4.2",
     acts_on="sensor",
@@ -45,12 +45,12 @@ _SMOOTH = Effect(
     signal=_signal,
 )
 
-_OF_LINES = replace(
-    _SMOOTH,
-    name="sensor_delay:of_lines",
-    meaning="a sensor reports, after a delay, a quantity that goes straight from row to row",
-    equation="y(t) = u(t - delay), u straight between rows",
-    signal=_signal_of_lines,
+_OF_CURVES = replace(
+    _STRAIGHT,
+    name="sensor_delay:of_curves",
+    meaning="a sensor reports, after a delay, a quantity that runs smoothly from row to row",
+    equation="y(t) = u(t - delay), u a cubic between rows that stays between them (Fritsch and Carlson 1980)",
+    signal=_signal_of_curves,
 )
 
-EFFECT = replace(_SMOOTH, variants=(_OF_LINES,))
+EFFECT = replace(_STRAIGHT, variants=(_OF_CURVES,))

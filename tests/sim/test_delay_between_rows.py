@@ -21,7 +21,7 @@ def test_it_is_the_monotone_cubic_of_scipy(rows: float) -> None:
 
 
 def test_a_wave_of_eight_rows_a_period_keeps_its_height_and_a_step_is_not_overshot() -> None:
-    effect = find("sensor_delay")
+    effect = find("sensor_delay:of_curves")
     p = effect.values_type(delay=0.5e-3)
     assert effect.signal is not None
     index = np.arange(800)
@@ -39,7 +39,7 @@ def test_no_delay_is_no_change_and_before_the_record_is_its_first_value() -> Non
     assert delayed(signal, 2.0).tolist() == [3.0, 3.0, 3.0, 1.0, 4.0]
 
 
-@pytest.mark.parametrize("name", ["sensor_delay:of_lines", "drive_delay:of_lines"])
+@pytest.mark.parametrize("name", ["sensor_delay", "drive_delay"])
 def test_a_command_that_goes_straight_between_rows_comes_late_as_it_is(name: str) -> None:
     effect = find(name)
     assert effect.signal is not None

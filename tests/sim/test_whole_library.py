@@ -225,7 +225,7 @@ def test_a_signal_passes_unchanged_at_neutral_values(law):
 
 
 # Within the row before, what is read off a curve leans on the row after.
-ONE_ROW_AHEAD = ("sensor_delay", "drive_delay")
+ONE_ROW_AHEAD = ("sensor_delay:of_curves", "drive_delay:of_curves")
 
 
 @pytest.mark.parametrize("law", SIGNALS, ids=by_name)
