@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -17,7 +16,7 @@ from sysid.ladder_files import read_ladder
 from sysid.misfit import ChannelMisfit, excess, misfit
 from sysid.model import base_name
 from sysid.pairs import searched_again
-from sysid.residual_maps import ResidualMap, residual_maps
+from sysid.residual_maps import ResidualMap, against_time, residual_maps
 from sysid.swaps import Swap, find_swaps
 from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, try_all
 from sysid.verdict import verdict_on
@@ -109,10 +108,8 @@ def judge(
     ranked = _ranked(case, base, search, all_effects)
     for trial in ranked[:6]:
         misfits_of(case, trial)
-    maps_of = partial(
-        residual_maps, base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
-    )
-    maps = maps_of()
+    of_model = base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
+    maps = residual_maps(*of_model)
     pattern = max((m.pattern for m in maps), default=0.0)
     textured = any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps)
     added = [e for e in base.fitted.model.effects if e.name in _added(case)]
@@ -120,7 +117,7 @@ def judge(
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
     if found.verdict == "unexplained":
-        maps = maps_of(nameless=True)
+        maps = against_time(maps, *of_model)
     if found.best is not None and found.best not in ranked:
         # Another law of an effect than the one that does most alone.
         ranked = [found.best, *(trial for trial in ranked if trial.family != found.best.family)]

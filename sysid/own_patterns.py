@@ -8,9 +8,9 @@ import numpy as np
 
 from sim.effect import Effect
 from sysid.balance import Balance
+from sysid.coordinate_bins import cells_of, coordinates_of, edges_of, means_of
 from sysid.misfit import Weighting
 from sysid.model import Prepared
-from sysid.residual_maps import cells_of, coordinates_of, edges_of, means_of
 from sysid.rests import REST
 
 OWN = ("time", "position", "distance_travelled", "temperature", "normal_load")

@@ -11,8 +11,9 @@ from slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 from sysid.base_fit import fit_model
 from sysid.case import Case
+from sysid.coordinate_bins import coordinates_of
 from sysid.misfit import weighting
-from sysid.residual_maps import ResidualMap, coordinates_of, order_maps, residual_maps
+from sysid.residual_maps import ResidualMap, against_time, order_maps, residual_maps
 
 WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
 
@@ -20,8 +21,9 @@ WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
 def maps(case: Case, nameless: bool = False) -> dict[str, ResidualMap]:
     base = fit_model(case.start, case.fit_records)
     weights = weighting(base.model, case.validate_records)
-    found = residual_maps(base.model, case.fit_records, base.weights, case.validate_records, weights, nameless)
-    return {m.coordinate: m for m in found}
+    of_model = base.model, case.fit_records, base.weights, case.validate_records, weights
+    found = residual_maps(*of_model)
+    return {m.coordinate: m for m in (against_time(found, *of_model) if nameless else found)}
 
 
 def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | None = None) -> dict[str, ResidualMap]:
