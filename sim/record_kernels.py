@@ -30,37 +30,6 @@ def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np
     return out
 
 
-@compiled
-def delayed(signal: np.ndarray, rows: float) -> np.ndarray:
-    """`signal` (n,) as it was `rows` samples before, the first value before its beginning.
-
-    Between samples a cubic that stays between them (Fritsch and Carlson 1980; slopes as Brodlie, the harmonic mean of
-    the two beside): a straight line would take off the tops of a wave of few rows a period, as a lag does.
-    """
-    n = signal.size
-    out = np.empty(n)
-    if rows <= 0.0 or n < 2:
-        out[:] = signal
-        return out
-    slope = np.zeros(n)
-    for i in range(1, n - 1):
-        before, after = signal[i] - signal[i - 1], signal[i + 1] - signal[i]
-        if before * after > 0.0:
-            slope[i] = 2.0 * before * after / (before + after)
-    slope[0], slope[n - 1] = signal[1] - signal[0], signal[n - 1] - signal[n - 2]
-    for i in range(n):
-        at = i - rows
-        if at <= 0.0:
-            out[i] = signal[0]
-            continue
-        k = min(int(at), n - 2)
-        f = at - k
-        rise = signal[k + 1] - signal[k]
-        bend = (1.0 - f) * (slope[k] - rise) + f * (rise - slope[k + 1])
-        out[i] = signal[k] + f * (rise + (1.0 - f) * bend)
-    return out
-
-
 def resonance(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """Response of y'' + 2 d w y' + w^2 y = w^2 u, w = 2 pi frequency, exact for an input linear between samples.
 

@@ -89,7 +89,7 @@ def shows_on(case: Case, effect: Effect) -> bool:
     if isinstance(records[0], FrictionDriveRecord):
         return can_show(records[0], effect)
     if acts == "piezo" or effect.name.endswith(OF_A_COMMAND):
-        # Steps and kinks of a voltage ring and lag; what is measured elsewhere has none to speak of.
+        # How a voltage runs from row to row rings and lags; what is measured elsewhere is too smooth to tell.
         return False
     if effect.core is not None and effect.core.name == "free_maxwell_slip":
         # So many shares take a motion that is known, not one that is measured.
@@ -120,7 +120,7 @@ def _on_channels(case: Case, effect: Effect, present: Sequence[str]) -> list[Eff
     if effect.acts_on != "sensor":
         return [effect]
     channels = list(case.fit_records[0].measured)
-    # A filter that takes its channel in steps is one of the whole log.
+    # How a command runs from row to row is the same for the whole log.
     if case.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(OF_A_COMMAND):
         return [effect]
     each = [find(f"{effect.name}@{channel}", case.custom) for channel in channels]

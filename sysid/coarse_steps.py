@@ -13,7 +13,7 @@ from sysid.misfit import excess, misfit
 from sysid.trials import Trial
 
 NOISE_IS_GONE = 0.2
-"""Error over the noise that the user gave, below which that noise cannot be in the values: they were rounded."""
+"""Error over the noise below which that noise cannot be in the values: they were rounded."""
 
 
 def coarse_steps(case: Case, base: BaseFit, enough: float) -> Trial | None:

@@ -16,10 +16,10 @@ CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_as
 
 def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
     """Whether a friction-drive's prediction has a place for an effect of pads, drive, piezos, tip or sensor."""
+    # Voltages are taken to go straight from row to row.
     if effect.acts_on in ("drive", "piezo", "sensor"):
         return effect.signal is not None and not effect.name.endswith(":of_curves")
     if effect.acts_on == "structure":
-        # Voltages are taken to go straight from row to row.
         return effect.signal is not None and ":" not in effect.name
     if effect.core is not None:
         bristles = effect.core.name in ("maxwell_slip", "free_maxwell_slip")

@@ -29,9 +29,10 @@ LOCAL = 256
 """Differences by which the noise's size is told along a record."""
 
 UNEVEN = 0.15
-"""Deviation of the logarithm of that size from which the noise is uneven: even noise has 0.05."""
+"""Deviation of the logarithm of that size from which the noise is uneven: even white noise has 0.08 by chance."""
 
 LEAST_LEVEL = 0.1
+"""Of the usual size, the least taken of any stretch: values that stand still have none."""
 
 UNSEEN_UNDER_STEP = 0.1
 """Noise below a tenth of a sensor's step leaves no trace in its readings; it is taken to be that tenth."""
@@ -100,15 +101,15 @@ def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None, flat: 
 
 def _levels(pieces: Sequence[np.ndarray], order: int, white: float) -> list[np.ndarray]:
     """Size of the noise along each piece (n,), over its usual size, by differences; one where it is even."""
-    found = []
-    for piece in pieces:
-        differences = np.diff(piece, order) / np.sqrt(comb(2 * order, order))
-        parts = np.array_split(differences, max(1, differences.size // LOCAL))
-        sizes = np.maximum([difference_scale(part) / white for part in parts], LEAST_LEVEL)
-        centres = (np.arange(sizes.size) + 0.5) * piece.size / sizes.size
-        found.append(np.interp(np.arange(piece.size), centres, sizes))
-    uneven = float(np.std(np.log(np.concatenate(found)))) > UNEVEN
-    return found if uneven else [np.ones(piece.size) for piece in pieces]
+    spans = [piece.size - order for piece in pieces]
+    differences = np.concatenate([np.diff(piece, order) for piece in pieces]) / np.sqrt(comb(2 * order, order))
+    parts = np.array_split(differences, max(1, differences.size // LOCAL))
+    sizes = np.maximum([difference_scale(part) / white for part in parts], LEAST_LEVEL)
+    centres = (np.arange(sizes.size) + 0.5) * differences.size / sizes.size
+    along = np.interp(np.arange(differences.size), centres, sizes)
+    if float(np.std(np.log(along))) <= UNEVEN:
+        return [np.ones(piece.size) for piece in pieces]
+    return [np.pad(level, (0, order), mode="edge") for level in np.split(along, np.cumsum(spans)[:-1])]
 
 
 def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:

@@ -16,9 +16,10 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
 
 
 def _signal_of_curves(signal: Any, step: float, p: Any) -> Any:
-    from sim.record_kernels import delayed
+    from scipy.interpolate import PchipInterpolator
 
-    return delayed(np.ascontiguousarray(signal, dtype=float), p.delay / step)
+    index = np.arange(signal.size)
+    return PchipInterpolator(index, signal)(np.maximum(index - p.delay / step, 0.0))
 
 
 _STRAIGHT = Effect(

@@ -1,23 +1,11 @@
-"""A delay of part of a row: against another implementation, and what it must not do to waves and steps."""
+"""A delay of part of a row: what it must not do to waves and steps."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.interpolate import PchipInterpolator
 
 from sim.library import find
-from sim.record_kernels import delayed
-
-
-@pytest.mark.parametrize("rows", [0.3, 1.0, 4.7])
-def test_it_is_the_monotone_cubic_of_scipy(rows: float) -> None:
-    signal = np.cumsum(np.random.default_rng(5).standard_normal(200))
-    index = np.arange(200.0)
-    wanted = PchipInterpolator(index, signal)(index - rows)
-    # The slopes at the two ends are another choice there.
-    inside = slice(8, -2)
-    assert delayed(signal, rows)[inside] == pytest.approx(wanted[inside], abs=1e-12)
 
 
 def test_a_wave_of_eight_rows_a_period_keeps_its_height_and_a_step_is_not_overshot() -> None:
@@ -33,10 +21,13 @@ def test_a_wave_of_eight_rows_a_period_keeps_its_height_and_a_step_is_not_oversh
     assert (step.min(), step.max()) == (0.0, 1.0)
 
 
-def test_no_delay_is_no_change_and_before_the_record_is_its_first_value() -> None:
+@pytest.mark.parametrize("name", ["sensor_delay", "sensor_delay:of_curves"])
+def test_whole_rows_are_the_rows_before_and_before_the_record_is_its_first_value(name: str) -> None:
+    effect = find(name)
+    assert effect.signal is not None
     signal = np.array([3.0, 1.0, 4.0, 1.0, 5.0])
-    assert delayed(signal, 0.0).tolist() == signal.tolist()
-    assert delayed(signal, 2.0).tolist() == [3.0, 3.0, 3.0, 1.0, 4.0]
+    for delay, wanted in ((0.0, signal), (2e-3, [3.0, 3.0, 3.0, 1.0, 4.0])):
+        assert effect.signal(signal, 1e-3, effect.values_type(delay=delay)) == pytest.approx(np.array(wanted))
 
 
 @pytest.mark.parametrize("name", ["sensor_delay", "drive_delay"])

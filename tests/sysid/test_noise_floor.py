@@ -220,3 +220,11 @@ def test_the_colour_of_noise_that_comes_and_goes_is_found():
     # The least colour that agrees, and the usual size.
     assert 0.5 <= found.correlation <= 0.8
     assert found.value == pytest.approx(SIGMA * np.median(level), rel=0.3)
+
+
+def test_even_noise_in_many_short_pieces_is_not_taken_for_uneven():
+    noise = _autoregressive(7, 0.7)
+    noise[::80] = np.nan
+    found, whole = _estimate(noise), _estimate(_autoregressive(7, 0.7))
+    assert found.correlation == pytest.approx(whole.correlation, abs=0.1)
+    assert found.value == pytest.approx(whole.value, rel=0.1)
