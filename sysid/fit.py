@@ -125,6 +125,89 @@ def jacobian(
     return out
 
 
+@dataclass(frozen=True)
+class _Loss:
+    """What a fit makes small: Huber's loss of a residual at a fixed scale, and what the priors add.
+
+    Args:
+        scale: of the residual; infinite for plain squares.
+        priors: of the values.
+    """
+
+    scale: float
+    priors: _Priors
+
+    def weights(self, residual: np.ndarray) -> np.ndarray:
+        """Robust weights (n,)."""
+        return huber_weights(residual, self.scale) if np.isfinite(self.scale) else np.ones_like(residual)
+
+    def of_residual(self, residual: np.ndarray) -> float:
+        """Of a residual (n,) alone."""
+        return huber_cost(residual, self.scale) if np.isfinite(self.scale) else 0.5 * float(residual @ residual)
+
+    def __call__(self, residual: np.ndarray, point: np.ndarray) -> float:
+        """Of a residual (n,) at a point (p,); endless where there is no number."""
+        if not np.isfinite(residual).all():
+            return np.inf
+        return self.of_residual(residual) + self.priors.cost(point, self.scale)
+
+
+@dataclass(frozen=True)
+class _Bowl:
+    """The loss near a point as its columns foretell it: a quadratic form of the values that are free to move.
+
+    Args:
+        free: which values move, (p,).
+        norms: of all columns, (p,).
+        normal: of the scaled values, (f, f).
+        right: its negative gradient, (f,).
+    """
+
+    free: np.ndarray
+    norms: np.ndarray
+    normal: np.ndarray
+    right: np.ndarray
+
+    def step(self, damping: float) -> tuple[np.ndarray, float] | None:
+        """Step (p,) to its lowest point, damped, and by how much the loss would fall; none where there is none."""
+        try:
+            scaled = np.linalg.solve(self.normal + damping * np.diag(np.diag(self.normal) + 1e-12), self.right)
+        except np.linalg.LinAlgError:
+            return None
+        out = np.zeros(self.free.size)
+        out[self.free] = scaled / self.norms[self.free]
+        return out, float(scaled @ (self.right - 0.5 * self.normal @ scaled))
+
+
+def _bowl(
+    columns: np.ndarray, base: np.ndarray, point: np.ndarray, loss: _Loss, low: np.ndarray, high: np.ndarray
+) -> _Bowl | None:
+    """The loss around a point; none where no value is free to move.
+
+    A value whose gradient pushes it through its bound is held there, and a column of zeros is left out.
+    """
+    weights, precision = loss.weights(base), loss.priors.precision(loss.scale)
+    norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
+    gradient = columns.T @ (weights * base) + precision * (point - loss.priors.value)
+    blocked = ((point <= low) & (gradient > 0)) | ((point >= high) & (gradient < 0))
+    free = (norms > 0.0) & ~blocked
+    if not free.any():
+        return None
+    scaled = columns[:, free] / norms[free]
+    normal = scaled.T @ (weights[:, None] * scaled) + np.diag(precision[free] / norms[free] ** 2)
+    return _Bowl(free, norms, normal, -gradient[free] / norms[free])
+
+
+TRIES = 8
+"""Steps tried from one point, each ten times as damped as the one before."""
+
+AS_FORETOLD = 0.4
+"""Part of the drop of loss that the columns foretold, or of the one found, from which the step amends the columns."""
+
+NO_DROP = 0.01
+"""Part of the tolerance below which a foretold drop is tried once, and no more."""
+
+
 def least_squares(
     function: ResidualFunction,
     unknowns: Sequence[Unknown],
@@ -137,6 +220,9 @@ def least_squares(
     A value whose gradient pushes it through its bound is held there for the step; a column of zeros is left out and
     reported. Both would otherwise stall the fit in silence.
 
+    A prediction costs far more than a step: while the columns of differences foretell what steps do, each step amends
+    them (C. G. Broyden, Math. Comp. 19 (1965) 577); measured anew, they have the last word, and are what is returned.
+
     Args:
         function: weighted residual (n,) at a point (p,).
         unknowns: what is moved.
@@ -147,74 +233,62 @@ def least_squares(
     point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
     base = function(point)
     keys = tuple(u.key for u in unknowns)
-    if not unknowns:
-        scale = robust_scale(base)
-        weights = huber_weights(base, scale) if robust else np.ones_like(base)
-        return FitResult({}, huber_cost(base, scale), np.empty((base.size, 0)), base, weights, keys)
-    damping = 1e-4
     priors = _Priors(unknowns)
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
-    dead: set[str] = set()
-    accepted = 0
-    converged = False
-    columns = jacobian(function, point, base, unknowns)
-    first = True
-    for _ in range(iterations):
-        scale = robust_scale(base) if robust else np.inf
-        weights = huber_weights(base, scale) if robust else np.ones_like(base)
-        cost = (huber_cost(base, scale) if robust else 0.5 * float(base @ base)) + priors.cost(point, scale)
-        precision = priors.precision(scale)
-        norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-        alive = norms > 0.0
-        if first:
-            dead = {keys[k] for k in np.flatnonzero(~alive)}
-            first = False
-        gradient = columns.T @ (weights * base) + precision * (point - priors.value)
-        blocked = ((point <= low) & (gradient > 0)) | ((point >= high) & (gradient < 0))
-        free = alive & ~blocked
-        if not free.any():
-            converged = True
-            break
-        scaled = columns[:, free] / norms[free]
-        normal = scaled.T @ (weights[:, None] * scaled) + np.diag(precision[free] / norms[free] ** 2)
-        right = -gradient[free] / norms[free]
-        improved = False
-        for _ in range(8):
-            try:
-                step = np.linalg.solve(normal + damping * np.diag(np.diag(normal) + 1e-12), right) / norms[free]
-            except np.linalg.LinAlgError:
-                damping *= 10.0
-                continue
-            trial = point.copy()
-            trial[free] = np.clip(point[free] + step, low[free], high[free])
-            new = function(trial)
-            new_cost = (
-                (huber_cost(new, scale) if robust else 0.5 * float(new @ new)) + priors.cost(trial, scale)
-                if np.isfinite(new).all()
-                else np.inf
-            )
-            if new_cost < cost:
-                improved = True
-                damping = max(damping * 0.1, 1e-9)
-                break
+
+    def loss_here() -> _Loss:
+        return _Loss(robust_scale(base) if robust else np.inf, priors)
+
+    columns, measured = jacobian(function, point, base, unknowns), True
+    dead = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
+    damping, accepted, left = 1e-4, 0, iterations if unknowns else 0
+    converged = not unknowns
+    while left > 0 and not converged:
+        loss = loss_here()
+        cost = loss(base, point)
+        bowl = _bowl(columns, base, point, loss, low, high)
+        new, new_cost, trial = base, np.inf, point
+        for _ in range(TRIES if bowl is not None else 0):
+            assert bowl is not None
+            found = bowl.step(damping)
+            if found is not None:
+                trial = np.clip(point + found[0], low, high)
+                new = function(trial)
+                new_cost = loss(new, trial)
+                if new_cost < cost:
+                    damping = max(damping * 0.1, 1e-9)
+                    break
+                if not measured or found[1] < NO_DROP * tolerance * cost:
+                    break
             damping *= 10.0
-        if not improved:
-            converged = True
-            break
+        if not new_cost < cost:
+            if measured:
+                converged = True
+            else:
+                columns, measured = jacobian(function, point, base, unknowns), True
+            continue
+        left -= 1
         accepted += 1
-        drop = (cost - new_cost) / max(cost, 1e-300)
+        assert bowl is not None
+        moved = trial - point
+        foretold = base + columns @ moved
+        fell, should = cost - new_cost, cost - loss(foretold, trial)
         point, base = trial, new
+        settled = fell < tolerance * cost
+        if settled or not AS_FORETOLD * should < fell < should / AS_FORETOLD:
+            converged = settled and measured
+            columns, measured = jacobian(function, point, base, unknowns), True
+        else:
+            lengths = bowl.norms**2 * moved
+            columns, measured = columns + np.outer(base - foretold, lengths / float(lengths @ moved)), False
+    if not measured:
         columns = jacobian(function, point, base, unknowns)
-        if drop < tolerance:
-            converged = True
-            break
-    scale = robust_scale(base)
-    weights = huber_weights(base, scale) if robust else np.ones_like(base)
+    loss = loss_here()
     at_bound = tuple(u.key for u, value in zip(unknowns, point, strict=True) if (value <= u.low or value >= u.high))
     return FitResult(
         values=dict(zip(keys, point.tolist(), strict=True)),
-        cost=huber_cost(base, scale) if robust else 0.5 * float(base @ base),
-        jacobian=columns, residual=base, weights=weights, keys=keys, at_bound=at_bound,
-        dead=tuple(sorted(dead)), iterations=accepted, converged=converged,
-        precision=priors.precision(scale if robust else np.inf),
+        cost=loss.of_residual(base),
+        jacobian=columns, residual=base, weights=loss.weights(base), keys=keys, at_bound=at_bound,
+        dead=dead, iterations=accepted, converged=converged,
+        precision=priors.precision(loss.scale),
     )  # fmt: skip
