@@ -18,7 +18,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 KEPT_DAYS = 60
 
@@ -97,6 +97,9 @@ def _numba_parts() -> Any:
     return numba
 
 
+SUMS_IN_ANY_ORDER = {"reassoc", "contract"}
+"""Several terms of a sum at once; nothing else is given up, and what is no number stays none."""
+
 INLINED: dict[str, Any] = {"forceinline": True, "_nrt": False, "fastmath": {"contract"}}
 """Options of a function that becomes part of the compiled one that calls it. LLVM puts it in place: numba's own way,
 `inline="always"`, looks through all of the caller once more for every call, and takes twice as long."""
@@ -132,14 +135,27 @@ def compile_callback(function: Callable[..., Any], signature: Any, also: Iterabl
         return numba.cfunc(signature, cache=True, error_model="numpy", forceinline=True)(function)
 
 
-def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Decorator: compile `function` when it is first called, so that importing its module costs nothing."""
+@overload
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]: ...
+
+
+@overload
+def compiled(*, fastmath: set[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]: ...
+
+
+def compiled(function: Callable[..., Any] | None = None, **options: Any) -> Callable[..., Any]:
+    """Decorator: compile `function` when it is first called, so that importing its module costs nothing.
+
+    `fastmath` names the liberties that sums may take, such as `SUMS_IN_ANY_ORDER`.
+    """
+    if function is None:
+        return functools.partial(compiled, **options)
     ready: list[Any] = []
 
     @functools.wraps(function)
     def call(*arguments: Any) -> Any:
         if not ready:
-            ready.append(compile_function(function))
+            ready.append(compile_function(function, **options))
         return ready[0](*arguments)
 
     return call

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.compilation import compiled
+from sim.compilation import SUMS_IN_ANY_ORDER, compiled
 
 FINEST = 64
 """Most parts of a step in which the mass on its bristles is followed."""
@@ -33,7 +33,7 @@ def parts_of_a_step(level: float, stretches: np.ndarray, weights: np.ndarray, sc
     return int(min(FINEST, max(3, np.ceil(phase / PHASE))))
 
 
-@compiled
+@compiled(fastmath=SUMS_IN_ANY_ORDER)
 def bristled_friction(
     out: np.ndarray,
     direction: np.ndarray,

@@ -16,6 +16,7 @@ from sysid.core_laws import core_laws
 from sysid.first_fit import first_fit
 from sysid.misfit import Weighting, weighted_residual, weighting
 from sysid.model import Model, base_name, law_family
+from sysid.side_by_side import side_by_side
 from sysid.starts import searched
 
 
@@ -117,7 +118,8 @@ def _best_law(case: Case, fitted: Fitted, place: str, better: Callable[[Fitted, 
         trials = core_laws(fitted, effect, case.fit_records, case.scales)
     else:
         shown = [law for law in laws_of(place, case.custom) if shows_on(case, law)]
-        trials = [searched(fitted, law, case.fit_records, case.scales) for law in shown]
+        given, shared = fitted, (*shown, *fitted.model.effects)
+        trials = side_by_side(lambda law: searched(given, law, case.fit_records, case.scales), shown, shared)
     best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
     return best if better(best, fitted) else fitted
 

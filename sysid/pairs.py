@@ -217,7 +217,8 @@ def pairs_on_top(
 
     before = ranking_error(base.fitted.fit.residual) ** 2
     enough = before - COULD_EXPLAIN * max(before - 1.0, 0.0)
-    seen_on_top = looks_on(case, below, present, all_effects, promising=PROMISING, seen=seen).looks
+    needed = 1.0 - enough / max(ranking_error(first.fitted.fit.residual) ** 2, 1e-300)
+    seen_on_top = looks_on(case, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
     looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
     shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
     found = side_by_side(refitted, looks, shared)

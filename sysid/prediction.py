@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,11 +33,12 @@ def predict_balance(
     if at is None or any(_needs_neighbours(e) for e in effects):
         whole = _sensed_balance(balance, effects, values)
         return whole if at is None else {channel: values_there[at[channel]] for channel, values_there in whole.items()}
-    out = {balance.force_channel: _force_at(balance, effects, values, at[balance.force_channel])}
+    terms = _terms(balance, effects, values)
+    out = {balance.force_channel: _force_at(balance, effects, values, terms, at[balance.force_channel])}
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values, at["position"])
     if balance.rests is not None:
-        out[REST] = _given_way(balance, effects, values)[at[REST]]
+        out[REST] = _given_way(balance, effects, values, terms)[at[REST]]
     return out
 
 
@@ -49,10 +51,29 @@ def _has_stretch(balance: Balance) -> bool:
     return "position" in balance.measured and balance.force_channel == "spring_force"
 
 
-def _friction(balance: Balance, effects: Sequence[Effect], values: Values) -> tuple[np.ndarray, np.ndarray | None]:
-    """Force against the motion (n,) for the filter `smooth`, and the sharp part of it for the filter `whole`, N."""
+@dataclass(frozen=True)
+class _Terms:
+    """What a model gives along a record before it is a force against the motion.
+
+    Args:
+        level: of the friction, N, (n,).
+        forces: beside it, N, (n,).
+    """
+
+    level: np.ndarray
+    forces: np.ndarray
+
+
+def _terms(balance: Balance, effects: Sequence[Effect], values: Values) -> _Terms:
     level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
-    forces = axis_force(balance, effects, values)
+    return _Terms(level, axis_force(balance, effects, values))
+
+
+def _friction(
+    balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Force against the motion (n,) for the filter `smooth`, and the sharp part of it for the filter `whole`, N."""
+    level, forces = terms.level, terms.forces
     axis, _ = friction_axis(balance, effects, values)
     core = next((e for e in effects if e.core is not None), None)
     if core is None:
@@ -156,7 +177,7 @@ FARTHEST = 2.5
 """Widths of the light filter by which the momentum may move a stop."""
 
 
-def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+def _given_way(balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:
     """How a body moves while friction holds it (n,), from the mean of each rest, as its position sensor says, m."""
     rests = balance.rests
     core = next((e for e in effects if e.core is not None), None)
@@ -166,9 +187,7 @@ def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> n
         # What would hold the body is still to be found: nothing is asked of how.
         moved = rests.shift
     elif core.core is not None and core.core.name != "coulomb":
-        level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
-        forces = axis_force(balance, effects, values)
-        moved = given_way(rests, rests.force - forces, level, core.core, values_of(core, values))
+        moved = given_way(rests, rests.force - terms.forces, terms.level, core.core, values_of(core, values))
     if rests.compliance:
         # The position was told by the force, and the spring as it was said to be.
         moved = moved + (1.0 / values["rig.pull_stiffness"] - rests.compliance) * rests.centred(rests.force)
@@ -191,9 +210,11 @@ def _given_way(balance: Balance, effects: Sequence[Effect], values: Values) -> n
     return moved
 
 
-def _force_at(balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray) -> np.ndarray:
+def _force_at(
+    balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
+) -> np.ndarray:
     """The force channel (k,) at some samples, where nothing works on the filtered signal."""
-    friction, sharp = _friction(balance, effects, values)
+    friction, sharp = _friction(balance, effects, values, terms)
     total = balance.smooth.at(friction, index)
     if sharp is not None:
         assert balance.whole is not None
@@ -212,7 +233,8 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     made late as well, less the one that the motion needs. To seek the force that was commanded instead, from a noisy
     motion, would make its noise larger, and more so for a lag than for a delay.
     """
-    friction, sharp = _friction(balance, effects, values)
+    terms = _terms(balance, effects, values)
+    friction, sharp = _friction(balance, effects, values, terms)
     every = np.arange(balance.size)
     total = balance.smooth.at(friction, every)
     if sharp is not None:
@@ -235,7 +257,7 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
         said = balance.measured[channel]
         out[channel] = out[channel] + said - as_late_as_the_motion(balance, effects, values, said)
     if balance.rests is not None:
-        out[REST] = _given_way(balance, effects, values)
+        out[REST] = _given_way(balance, effects, values, terms)
     return out
 
 

@@ -8,12 +8,13 @@ force on the resting body is known, so is how far a bristle model lets it move, 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from sim.compilation import compiled
+from sim.compilation import SUMS_IN_ANY_ORDER, compiled
 from sim.cores.core import Core
 from sysid.runs import runs
 
@@ -146,7 +147,7 @@ def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: 
     return out
 
 
-@compiled
+@compiled(fastmath=SUMS_IN_ANY_ORDER)
 def _given_way(
     starts: np.ndarray,
     stops: np.ndarray,
@@ -199,8 +200,12 @@ POINTS = 24
 """Ideal springs that stand for such a core."""
 
 
+@lru_cache(32)
 def bristles_of(core: Core, p: Any, level: float, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does."""
+    """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does.
+
+    They are kept for whoever asks again, and not to be written to.
+    """
     if core.springs is not None:
         return core.springs(p)
     longest = TAIL * level / max(float(p.stiffness), 1e-300)
@@ -234,6 +239,10 @@ def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core,
     return rests.centred(moved)
 
 
+LEVELS = 2000
+"""Samples of which the usual level of a record is taken, if there are so many."""
+
+
 def usual_level(level: np.ndarray) -> float:
-    """Median of a friction level (n,), N; of one value for all samples, that value."""
-    return float(level[0]) if level.strides == (0,) else float(np.median(level))
+    """Median of a friction level (n,), N, at samples all along it."""
+    return float(np.median(level[:: max(1, level.size // LEVELS)]))

@@ -12,7 +12,7 @@ import pickle
 import signal
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -46,34 +46,64 @@ def side_by_side(
 
     Args:
         work: gives something that pickles, but for what is shared; it may not change anything that the caller needs.
-        items: pieces of about the same size, or the largest first.
+        items: pieces, the largest first if that is known.
         shared: objects of the caller's that come back as themselves where an answer holds them, as effects do.
         begun: called here with each item, in their order, about when its work begins.
     """
     count = min(processors(), len(items))
     known = {id(thing): thing for thing in shared}
+    turns = _Turns(len(items))
     answers: dict[int, Answer] = {}
-    waited_for: dict[int, _Child] = {}
+    waited_for: list[_Child] = []
     try:
-        for k in range(1, count):
-            child = _begun(work, items[k::count], known)
+        for _ in range(1, count):
+            child = _begun(work, items, turns, known)
             if child is not None:
-                waited_for[k] = child
-        for i in range(0, len(items), max(count, 1)):
-            if begun is not None:
-                for item in items[i : i + count]:
-                    begun(item)
+                waited_for.append(child)
+        told = 0
+        for i in turns:
+            # Whoever took the pieces before this one has begun them.
+            _each(begun, items[told : i + 1])
+            told = i + 1
             answers[i] = work(items[i])
-        for k in range(1, count):
-            found = _finished(waited_for.pop(k), known) if k in waited_for else None
-            own = range(k, len(items), count)
-            answers |= dict(zip(own, found if found is not None else [work(items[i]) for i in own], strict=True))
+        _each(begun, items[told:])
+        while waited_for:
+            answers |= _finished(waited_for.pop(), known)
     except BaseException:
-        for child in waited_for.values():
+        for child in waited_for:
             os.kill(child.number, signal.SIGKILL)
             _reaped(child)
         raise
-    return [answers[i] for i in range(len(items))]
+    finally:
+        turns.close()
+    return [answers[i] if i in answers else work(items[i]) for i in range(len(items))]
+
+
+def _each(begun: Callable[[Item], None] | None, items: Sequence[Item]) -> None:
+    if begun is not None:
+        for item in items:
+            begun(item)
+
+
+class _Turns:
+    """Numbers from 0 on, each to be had by one process alone: the pieces go to whoever is free."""
+
+    SIZE = 4
+
+    def __init__(self, count: int) -> None:
+        self._out, into = os.pipe()
+        os.set_blocking(into, False)
+        try:
+            os.write(into, b"".join(i.to_bytes(self.SIZE, "little") for i in range(count)))
+        finally:
+            os.close(into)
+
+    def __iter__(self) -> Iterator[int]:
+        while number := os.read(self._out, self.SIZE):
+            yield int.from_bytes(number, "little")
+
+    def close(self) -> None:
+        os.close(self._out)
 
 
 @dataclass(frozen=True)
@@ -107,8 +137,10 @@ class _Unpickler(pickle.Unpickler):
         return self._known[pid]
 
 
-def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[int, object]) -> _Child | None:
-    """A process at work on some items; none where there can be none."""
+def _begun(
+    work: Callable[[Item], Answer], items: Sequence[Item], turns: _Turns, known: dict[int, object]
+) -> _Child | None:
+    """A process at work on the items whose turns it takes; none where there can be none."""
     global _inside
     out, into = os.pipe()
     try:
@@ -127,7 +159,7 @@ def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[in
         # A thread of the caller's that shows progress may have held the lock of what it writes to, and is not here.
         sys.stdout = sys.stderr = io.StringIO()
         answers = io.BytesIO()
-        _Pickler(answers, known).dump([work(item) for item in items])
+        _Pickler(answers, known).dump({i: work(items[i]) for i in turns})
         with os.fdopen(into, "wb") as pipe:
             pipe.write(answers.getbuffer())
         status = 0
@@ -136,8 +168,8 @@ def _begun(work: Callable[[Item], Answer], items: Sequence[Item], known: dict[in
         os._exit(status)
 
 
-def _finished(child: _Child, known: dict[int, object]) -> list[Any] | None:
-    """The answers of a process, once it has ended; none where something went wrong."""
+def _finished(child: _Child, known: dict[int, object]) -> dict[int, Any]:
+    """The answers of a process by their items' numbers, once it has ended; none where something went wrong."""
     try:
         with os.fdopen(child.out, "rb", closefd=False) as pipe:
             answers = pipe.read()
@@ -145,7 +177,7 @@ def _finished(child: _Child, known: dict[int, object]) -> list[Any] | None:
         os.kill(child.number, signal.SIGKILL)
         _reaped(child)
         raise
-    return _Unpickler(io.BytesIO(answers), known).load() if _reaped(child) == 0 else None
+    return _Unpickler(io.BytesIO(answers), known).load() if _reaped(child) == 0 else {}
 
 
 def _reaped(child: _Child) -> int:

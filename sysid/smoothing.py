@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 
-from sim.compilation import compile_function
+from sim.compilation import SUMS_IN_ANY_ORDER, compiled
 
 CUT = 8.0
 """Half-length of the kernel in standard deviations. Cut at 4, the second derivative leaks by more than the noise."""
@@ -16,6 +15,7 @@ CUT_SMOOTHING = 6.0
 """The same where nothing is differentiated and only some samples are wanted: what is cut off weighs 2e-9."""
 
 
+@compiled(fastmath=SUMS_IN_ANY_ORDER)
 def _smoothed_at(signal: np.ndarray, kernel: np.ndarray, index: np.ndarray) -> np.ndarray:
     """Convolution with a symmetric kernel at some samples, ends continued by odd reflection.
 
@@ -44,12 +44,6 @@ def _smoothed_at(signal: np.ndarray, kernel: np.ndarray, index: np.ndarray) -> n
                     total += kernel[k] * signal[i]
         out[j] = total
     return out
-
-
-@cache
-def _fast_smoothed_at() -> Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]:
-    # Sums may be added up in any order, several at once; nothing else is given up (not-a-numbers stay).
-    return compile_function(_smoothed_at, fastmath={"reassoc", "contract"})
 
 
 class GaussianFilter:
@@ -115,7 +109,7 @@ class GaussianFilter:
         """Smoothed signal (n,) at the samples `index` (k,) only: what a score needs, at a tenth of the cost."""
         if self.half == 0:
             return signal[index]
-        return _fast_smoothed_at()(np.ascontiguousarray(signal, dtype=float), self._short_kernel, index)
+        return _smoothed_at(np.ascontiguousarray(signal, dtype=float), self._short_kernel, index)
 
     def noise_gain(self, order: int = 0, correlation: float = 0.0) -> float:
         """Standard deviation of the output for noise of unit variance, white or AR(1) of `correlation` a sample."""

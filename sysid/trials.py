@@ -12,7 +12,7 @@ from sysid.base_fit import fit_model, ranking_error
 from sysid.candidate_list import candidates_of
 from sysid.candidates import Candidate, Look, Scored, as_it_looks, look_from, refined, settled
 from sysid.case import Case
-from sysid.case_fit import BaseFit
+from sysid.case_fit import BaseFit, best_laws
 from sysid.friction_drive import FrictionDriveRecord
 from sysid.linear_scores import EVERY_ROW, GridPoint, grid_of, linear_scores, target_of
 from sysid.looked_at import looked_at
@@ -77,6 +77,9 @@ OF_THE_BEST = 0.1
 """Share of the squared residual, and of the best effect's, below which a score promises too little for a short fit: a
 second effect that was there promised 0.05 and more, and 0.4 of the best (generated records)."""
 
+OF_THE_NEEDED = 0.25
+"""The same of what it has to take: a fit may find several times what a straight line promises."""
+
 ROWS_SEEN = 5000
 """Rows of the residual, at the least if there are so many, at which it is kept what every effect does."""
 
@@ -134,6 +137,7 @@ def looks_on(
     progress: Progress | None = None,
     promising: int | None = None,
     seen: Seen | None = None,
+    needed: float = 0.0,
 ) -> FirstLooks:
     """A first look at every candidate on top of a fitted model.
 
@@ -145,6 +149,7 @@ def looks_on(
         promising: effects fitted shortly, at the most: those whose scores promise most; all where left out.
         seen: what effects do to the residual of a model much like it, for their scores; only what is not there is
             looked at anew.
+        needed: share of the squared residual that an effect has to take to be of any use.
     """
     fitted, records = looked_at(base.fitted, case.fit_records)
     size = fitted.fit.residual.size
@@ -176,7 +181,8 @@ def looks_on(
     grids = {one.effect.name: grid for one, grid in scored}
     known = sorted((one for one, _ in scored), key=lambda one: -one.promise)
     # What no linear weight stands for, only a fit can tell.
-    least = max(LEAST_PROMISE, OF_THE_BEST * max((one.promise for one in known if one.linear), default=0.0))
+    best = max((one.promise for one in known if one.linear), default=0.0)
+    least = max(LEAST_PROMISE, OF_THE_BEST * best, OF_THE_NEEDED * needed)
     fits = [
         promising is None or not one.linear or (k < promising and one.promise >= least) for k, one in enumerate(known)
     ]
@@ -225,7 +231,7 @@ def try_all(
     if fitted is not base.fitted:
         whole = [trial_of(case, base, _in_full(base, trial.candidate, case)) for trial in trials[:IN_FULL]]
         trials = sorted([*(t for t in whole if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
-    trials = _gone_on(case, base, trials)
+    trials = _with_laws_anew(case, base, _gone_on(case, base, trials))
     return Search(trials, first)
 
 
@@ -246,6 +252,30 @@ def _gone_on(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
         further = trial_of(case, base, gone_on) if gone_on is not trial.candidate else None
         if further is not None and further.error < trial.error:
             trials[k] = further
+    return sorted(trials, key=lambda t: t.error)
+
+
+LAWS_ANEW = 2
+"""Effects beside which the laws of the model are chosen anew."""
+
+PART_WITH_LAWS = 0.2
+"""Share of the loss above the noise that an effect must take for that."""
+
+
+def _with_laws_anew(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
+    """The trials with the laws chosen anew beside the best of them, where the program chose any for the model.
+
+    A law that made up for what was missing may be the wrong one where that is there.
+    """
+    families = dict.fromkeys(base_name(name) for name in base.laws)
+    known = {trial.family: trial for trial in reversed(trials)}
+    for trial in sorted(known.values(), key=lambda t: t.error)[:LAWS_ANEW] if families else []:
+        if trial.error <= ONLY_NOISE or explained_share(base, trial) < PART_WITH_LAWS or trial.family in families:
+            continue
+        fitted, _ = best_laws(case, trial.candidate.fitted, list(families))
+        anew = trial_of(case, base, replace(trial.candidate, fitted=fitted))
+        if fitted is not trial.candidate.fitted and anew is not None and anew.error < trial.error:
+            trials = [anew if t is trial else t for t in trials]
     return sorted(trials, key=lambda t: t.error)
 
 

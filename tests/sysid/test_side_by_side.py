@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import threading
+import time
+from pathlib import Path
 
 import pytest
 
@@ -25,12 +27,29 @@ def test_what_begins_is_told_here_once_and_in_order() -> None:
 
 
 @pytest.mark.skipif(processors() == 1, reason="nothing to share with")
-def test_half_of_the_work_is_done_in_another_process() -> None:
+def test_whoever_is_free_takes_the_next_piece() -> None:
     here = os.getpid()
-    done = side_by_side(lambda n: (os.getpid(), elsewhere(), processors()), [0, 1])
-    assert done[0] == (here, False, processors())
+
+    def work(seconds: float) -> tuple[int, bool, int]:
+        time.sleep(seconds)
+        return os.getpid(), elsewhere(), processors()
+
+    done = side_by_side(work, [0.5, *[0.02] * 5])
+    # Whoever has the long piece has no other.
+    assert done.count(done[0]) == 1
+    assert {entry[0] == here for entry in done} == {True, False}
     # Who works for another has nobody else work.
-    assert (done[1][0] != here, *done[1][1:]) == (True, True, 1)
+    assert all(entry[1:] == ((False, processors()) if entry[0] == here else (True, 1)) for entry in done)
+
+
+def test_every_piece_is_done_once(tmp_path: Path) -> None:
+    def work(n: int) -> int:
+        with (tmp_path / str(n)).open("a") as file:
+            file.write("x")
+        return n
+
+    assert side_by_side(work, list(range(300))) == list(range(300))
+    assert {file.read_text() for file in tmp_path.iterdir()} == {"x"}
 
 
 def test_what_is_shared_comes_back_as_itself() -> None:
