@@ -38,7 +38,8 @@ class Balance:
     `stops` is put where the model's own momentum ends; `light_samples` is the width of the light filter in samples.
     `heading` is the sign of a velocity that was given, at the sample; zero where it is not sure. `finer` makes the
     axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
-    `rests` has the displacements while friction holds the body, scored beside the measured channels.
+    `rests` has the displacements while friction holds the body, scored beside the measured channels. `logged` is the
+    position as it was logged, gaps bridged where anything was `made_up`.
     """
 
     name: str
@@ -69,6 +70,8 @@ class Balance:
     pull_stiffness: float = 0.0
     finer: Callable[[], tuple[Axis, GaussianFilter]] | None = None
     rests: Rests | None = None
+    logged: np.ndarray | None = None
+    made_up: np.ndarray | None = None
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property

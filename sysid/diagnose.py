@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from sysid.base_fit import ranking_error
+from sysid.candidates import Candidate
 from sysid.case import Case, load_case
 from sysid.case_fit import BaseFit, fit_case
 from sysid.coarse_steps import coarse_steps
@@ -17,10 +18,11 @@ from sysid.misfit import ChannelMisfit, excess, misfit
 from sysid.model import base_name
 from sysid.pairs import searched_again
 from sysid.residual_maps import ResidualMap, against_time, residual_maps
+from sysid.ringing import ringing, with_ringing
 from sysid.swaps import Swap, find_swaps
-from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, try_all
-from sysid.verdict import verdict_on
-from sysid.verdict_limits import ADEQUATE_OVER_NOISE, LEAST_TEXTURE, NEARLY_NOISE, SHARE_OF_A_PART
+from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, trial_of, try_all
+from sysid.verdict import EXPLAINS_ALL, Verdict, verdict_on
+from sysid.verdict_limits import ADEQUATE_OVER_NOISE, HARDLY_MORE, LEAST_TEXTURE, NEARLY_NOISE, SHARE_OF_A_PART
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class Diagnosis:
         reason: why this verdict, in words.
         seconds: taken.
         swaps: effects added earlier that should go, or make place for others.
+        told_by: what tells of the effect named, in words, where it is not the error that falls.
     """
 
     case: Case
@@ -53,6 +56,7 @@ class Diagnosis:
     before_validate: dict[str, ChannelMisfit]
     seconds: float
     swaps: tuple[Swap, ...] = ()
+    told_by: str = ""
 
     @property
     def effect(self) -> str | None:
@@ -116,6 +120,8 @@ def judge(
     over = excess(before_fit, before_validate)
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
+    if found.best is None:
+        found = _by_ringing(evidence) or found
     if found.verdict == "unexplained":
         maps = against_time(maps, *of_model)
     if found.best is not None and found.best not in ranked:
@@ -123,8 +129,23 @@ def judge(
         ranked = [found.best, *(trial for trial in ranked if trial.family != found.best.family)]
     return Diagnosis(
         case, base, tuple(ranked), found.verdict, found.best, found.ties, tuple(maps), found.left, found.reason,
-        before_fit, before_validate, perf_counter() - began,
+        before_fit, before_validate, perf_counter() - began, told_by=found.told_by,
     )  # fmt: skip
+
+
+def _by_ringing(evidence: Evidence) -> Verdict | None:
+    """A mode of the structure, where it rings above what the balance sees; none where none does."""
+    case, base = evidence.case, evidence.base
+    found = ringing(case, base.fitted)
+    if found is None:
+        return None
+    effect, fitted = with_ringing(case, base.fitted, found)
+    own = trial_of(case, base, Candidate(effect, 0.0, fitted))
+    trials = [trial for trial in (own, *evidence.ranked) if trial is not None and trial.family == effect.name]
+    trial = min(trials, key=lambda t: t.error, default=None)
+    if trial is None or trial.error > HARDLY_MORE * evidence.error:
+        return None
+    return Verdict("missing-effect", trial, (), evidence.left_by(trial), EXPLAINS_ALL, found.words)
 
 
 def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> list[Trial]:

@@ -25,6 +25,7 @@ from sysid.linear_scores import target_of
 from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
 from sysid.model import Model, base_name
 from sysid.pairs import added_anew
+from sysid.ringing import ringing, with_ringing
 from sysid.starts import without_law
 
 
@@ -91,7 +92,8 @@ def add_effects(
         if not u.key.startswith("rig.")
     }
     hashes = {record.name: record.sha256 for record in case.records}
-    rung = append_rung(experiment, names, starts, document, base_document, hashes)
+    known = {u.key: u.prior.std for u in fitted.model.unknowns if u.prior is not None}
+    rung = append_rung(experiment, names, starts, document, base_document, hashes, known=known)
     weights = weighting(fitted.model, grown_case.validate_records)
     residual = weighted_residual(fitted.model, grown_case.validate_records, weights)
     changed = _moved(base, case, fitted.model)
@@ -158,6 +160,11 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     good.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     plain = next((c for c in good if c.effect.name == name), None)
     best = good[0]
+    if base_name(name) == "flexible_mode" and not clearly_better(best.fitted, fitted):
+        # It may ring where the balance does not see it.
+        rings = ringing(case, fitted)
+        if rings is not None:
+            return case, with_ringing(case, fitted, rings)[1]
     if plain is not None:
         best = next((c for c in good if c is not plain and holds_better(case, c.fitted, plain.fitted)), plain)
     grown = lowest_valley(best.fitted, case.fit_records)

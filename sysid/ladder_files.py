@@ -100,6 +100,7 @@ def append_rung(
     base_document: Mapping[str, Any],
     record_hashes: Mapping[str, str],
     timeout: float = LOCK_SECONDS,
+    known: Mapping[str, float] | None = None,
 ) -> Rung:
     """Write the next rung, then `experiment.toml`.
 
@@ -112,6 +113,7 @@ def append_rung(
             edited by hand since the last one.
         record_hashes: sha256 by record name.
         timeout: s to wait for another run.
+        known: deviations of those starts that were known before the fit, SI.
 
     Returns:
         The new rung.
@@ -130,7 +132,7 @@ def append_rung(
             added = {"added": [], "edited_by_hand": True} if rungs else {"added": []}
             _write_rung(experiment, len(rungs), model, {**base_document, **added}, record_hashes, None, text)
             rungs = _read_rungs(experiment.folder / "ladder")
-        grown = grown_model(model, effects, starts)
+        grown = grown_model(model, effects, starts, known)
         after = with_model(text, grown, str(experiment.path))
         added = [name for name in effects if name not in model.get("effects", ())]
         removed = [name for name in model.get("effects", ()) if name not in effects]

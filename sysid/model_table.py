@@ -37,7 +37,10 @@ def json_data(value: Any) -> Any:
 
 
 def grown_model(
-    model: Mapping[str, Any], effects: Sequence[str], starts: Mapping[str, tuple[float, str]]
+    model: Mapping[str, Any],
+    effects: Sequence[str],
+    starts: Mapping[str, tuple[float, str]],
+    known: Mapping[str, float] | None = None,
 ) -> dict[str, Any]:
     """`model` with other effects, and starts where the fit ended.
 
@@ -45,6 +48,7 @@ def grown_model(
         model: `[model]` as it stands; bounds and fixed values in it stay.
         effects: the effects of the new model, in order.
         starts: by `effect.parameter`, fitted value in SI and its unit (empty where it has none).
+        known: deviations, SI, of starts that were known before the fit.
 
     Returns:
         The new `[model]`; settings of effects that are gone go with them. A start that is a prior (the design's, or one
@@ -63,7 +67,11 @@ def grown_model(
         setting = dict(setting) if isinstance(setting, Mapping) else {}
         if setting.get("fixed"):
             continue
-        setting["start"] = f"{value:.9g} {unit}" if unit and unit != "1" else float(f"{value:.9g}")
+        unit = "" if unit == "1" else unit
+        if known is not None and key in known:
+            setting["start"] = f"{value:.6g} +- {known[key]:.2g} {unit}".strip()
+        else:
+            setting["start"] = f"{value:.9g} {unit}" if unit else float(f"{value:.9g}")
         settings[key] = setting
     grown.pop("parameters", None)
     if settings:

@@ -42,6 +42,12 @@ def predict_balance(
     return out
 
 
+def raw_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Force (n,) against the motion of a driven mass but for its inertia, N, as sharp as the model tells it."""
+    friction, sharp = _friction(balance, effects, values, _terms(balance, effects, values))
+    return friction if sharp is None else friction + sharp
+
+
 def _needs_neighbours(effect: Effect) -> bool:
     """Whether an effect works on the filtered channels, so that a sample of them depends on others."""
     return effect.acts_on in ("drive", "sensor") and split_channel(effect.name)[0] != "sensor_quantisation"

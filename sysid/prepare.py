@@ -231,6 +231,7 @@ def driven_mass(
         light_samples=law_width / step, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
         acceleration_noise=acceleration_noise, position_noise=sigma_position,
         stretch=12.0 * light_noise, light_noise=light_noise, pull_stiffness=pull_stiffness or 0.0, rests=rests,
+        logged=position, made_up=missing,
         finer=partial(_lightly_filtered, time, position, missing, load, temperature, 0.5 * law_width, width,
                       REST_SIGMAS * sigma_position, correlation),
     )  # fmt: skip

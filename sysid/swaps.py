@@ -68,6 +68,10 @@ def find_swaps(
             base_name(e.name) == family and e.core is None for e in base.fitted.model.effects
         ):
             continue
+        own = [u for u in base.fitted.model.unknowns if base_name(u.key.rpartition(".")[0]) == family]
+        if own and all(u.prior is not None for u in own):
+            # Something else than these residuals told of it, as a mode's ringing does above what they show.
+            continue
         below = less(case, base, family)
         without = ranking_error(below.residual)
         if without <= NEEDLESS * now:

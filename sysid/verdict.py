@@ -56,6 +56,7 @@ class Verdict:
         ties: families that these records cannot tell from it.
         left: of the variance above the noise, the share that stays.
         reason: why, in words.
+        told_by: what tells of the effect, in words, where it is not the error that falls.
     """
 
     verdict: str
@@ -63,6 +64,7 @@ class Verdict:
     ties: tuple[str, ...]
     left: float
     reason: str
+    told_by: str = ""
 
 
 @dataclass(frozen=True)
@@ -108,9 +110,8 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
     """
     if quantised is not None:
         left = evidence.left_by(quantised)
-        return Verdict(
-            "missing-effect", quantised, (), left, "the measured values lie on a grid coarser than the noise"
-        )
+        on_a_grid = "the measured values lie on a grid coarser than the noise"
+        return Verdict("missing-effect", quantised, (), left, on_a_grid, on_a_grid)
     best = evidence.ranked[0] if evidence.ranked else None
     if best is None or not is_worthwhile(evidence.case, evidence.base, best):
         return _nothing_gains(evidence, best)

@@ -133,6 +133,11 @@ def verdict_sentence(found: Diagnosis) -> str:
     errors = f"{plain(before.rms, unit)} to {plain(after.rms, unit)}"
     ratio = f"{times(before.over_noise)} the noise to {times(after.over_noise)}"
     name = channel.replace("_", " ")
+    if found.told_by:
+        return (
+            f"{found.effect} is missing: {found.told_by}. That is not told by the error of {name} on the held-out "
+            f"records, which goes from {errors}, from {ratio}."
+        )
     if after.rms * before.over_noise > 2.0 * after.over_noise * before.rms:
         text = (
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {ratio}. "

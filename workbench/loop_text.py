@@ -16,7 +16,6 @@ from sysid.document import LEAST_P, WORTH_SAYING, channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit, excess
-from sysid.model import base_name
 from sysid.residual_maps import ResidualMap
 from sysid.trials import explained_share
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE
@@ -218,8 +217,8 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
         fit = (excess(diagnosis.before_fit, {}), excess(diagnosis.best.after_fit, {}))
         if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
             run.say(f"on the records of the fit: {fit[0]:.3g} x -> {fit[1]:.3g} x the noise")
-        if base_name(diagnosis.effect or "") == "sensor_quantisation":
-            run.say(f"told by the values themselves: {diagnosis.reason}")
+        if diagnosis.told_by:
+            run.say(f"that error does not tell of it; it is told by this: {diagnosis.told_by}")
         else:
             run.say(f"without it the model fails with {where_words(diagnosis.maps) or 'nothing that was recorded'}")
         if diagnosis.indistinguishable:
@@ -227,7 +226,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
                 f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}; "
                 f"'stagecad suggest' looks for a motion that would"
             )
-        if diagnosis.unexplained_share > NOTHING_LEFT:
+        if diagnosis.unexplained_share > NOTHING_LEFT and not diagnosis.told_by:
             run.say(f"{100 * diagnosis.unexplained_share:.0f} % of the misfit stays; add it and diagnose again.")
     elif diagnosis.verdict == "adequate":
         run.say(f"adequate: {diagnosis.reason}.")
