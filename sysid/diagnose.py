@@ -18,7 +18,7 @@ from sysid.misfit import ChannelMisfit, excess, misfit
 from sysid.model import base_name
 from sysid.pairs import searched_again
 from sysid.residual_maps import ResidualMap, against_time, residual_maps
-from sysid.ringing import ringing, with_ringing
+from sysid.ringing import ringing, seen_by_the_balance, with_ringing
 from sysid.swaps import Swap, find_swaps
 from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, trial_of, try_all
 from sysid.verdict import EXPLAINS_ALL, Verdict, verdict_on
@@ -140,9 +140,11 @@ def _by_ringing(evidence: Evidence) -> Verdict | None:
     if found is None:
         return None
     effect, fitted = with_ringing(case, base.fitted, found)
-    own = trial_of(case, base, Candidate(effect, 0.0, fitted))
-    trials = [trial for trial in (own, *evidence.ranked) if trial is not None and trial.family == effect.name]
-    trial = min(trials, key=lambda t: t.error, default=None)
+    seen = next((t for t in evidence.ranked if t.name == effect.name), None)
+    if seen is not None and seen_by_the_balance(seen.candidate.fitted, fitted):
+        trial = seen
+    else:
+        trial = trial_of(case, base, Candidate(effect, 0.0, fitted))
     if trial is None or trial.error > HARDLY_MORE * evidence.error:
         return None
     return Verdict("missing-effect", trial, (), evidence.left_by(trial), EXPLAINS_ALL, found.words)

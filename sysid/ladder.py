@@ -25,7 +25,7 @@ from sysid.linear_scores import target_of
 from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
 from sysid.model import Model, base_name
 from sysid.pairs import added_anew
-from sysid.ringing import ringing, with_ringing
+from sysid.ringing import ringing, seen_by_the_balance, with_ringing
 from sysid.starts import without_law
 
 
@@ -160,11 +160,11 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     good.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     plain = next((c for c in good if c.effect.name == name), None)
     best = good[0]
-    if base_name(name) == "flexible_mode" and not clearly_better(best.fitted, fitted):
-        # It may ring where the balance does not see it.
-        rings = ringing(case, fitted)
-        if rings is not None:
-            return case, with_ringing(case, fitted, rings)[1]
+    rings = ringing(case, fitted) if base_name(name) == "flexible_mode" else None
+    if rings is not None:
+        told = with_ringing(case, fitted, rings)[1]
+        if not seen_by_the_balance(best.fitted, told):
+            return case, told
     if plain is not None:
         best = next((c for c in good if c is not plain and holds_better(case, c.fitted, plain.fitted)), plain)
     grown = lowest_valley(best.fitted, case.fit_records)

@@ -29,6 +29,7 @@ from sim.library import find
 from sysid.balance import EDGE_WIDTHS, Balance, longer_than, spread
 from sysid.base_fit import Fitted, fit_model
 from sysid.case import Case
+from sysid.case_fit import clearly_better
 from sysid.fit import Prior, robust_scale
 from sysid.model import Model, base_name, with_effect
 from sysid.noise_floor import Noise
@@ -171,6 +172,17 @@ def with_ringing(case: Case, fitted: Fitted, found: Ringing) -> tuple[Effect, Fi
     known = {f"{effect.name}.{name}": Prior(found.values[name], std) for name, std in found.stds.items()}
     model = replace(model, unknowns=tuple(replace(u, prior=known.get(u.key, u.prior)) for u in model.unknowns))
     return effect, fit_model(model, case.fit_records, fitted.weights)
+
+
+SAME_MODE = 0.1
+"""Part by which two fits of one mode may differ in frequency."""
+
+
+def seen_by_the_balance(other: Fitted, rings: Fitted) -> bool:
+    """Whether a fit of a mode to the balance alone is to be preferred to the one that its ringing tells."""
+    frequencies = [fitted.model.values["flexible_mode.frequency"] for fitted in (other, rings)]
+    same = abs(frequencies[0] / frequencies[1] - 1.0) < SAME_MODE
+    return clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 
 
 def _whitened(case: Case, model: Model, records: Sequence[object]) -> list[_Whitened]:
