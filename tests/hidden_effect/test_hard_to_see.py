@@ -17,7 +17,7 @@ from sysid.diagnose import diagnose
 from sysid.evidence import is_worthwhile
 from sysid.linear_scores import target_of
 from sysid.misfit import away_from_turns
-from sysid.trials import trial_of
+from sysid.trials import trial_of, try_all
 
 
 @pytest.mark.parametrize(
@@ -58,3 +58,21 @@ def test_what_stops_leave_does_not_hide_an_effect_of_the_motion_between(tmp_path
     drag = trials["quadratic_drag"]
     only_near = np.where(near, drag.residual, base.residual)
     assert not is_worthwhile(case, base, replace(drag, residual=only_near))
+
+
+def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Path) -> None:
+    make_case(Plan("velocity-drive", ("quadratic_drag",), "moderate", rows=6000), np.random.default_rng(3)).write(
+        tmp_path
+    )
+    case = load_case(tmp_path)
+    base = fit_case(case)
+    # Without the drag another curve than the true one bends as the friction seems to.
+    assert base.laws == ("stribeck:rational",)
+    found = try_all(case, base, [e.name for e in case.start.effects]).trials[0]
+    assert found.family == "quadratic_drag"
+    assert "stribeck" in [e.name for e in found.candidate.fitted.model.effects]
+    tried = try_effect(base.fitted, find("quadratic_drag"), case.fit_records, case.scales, *target_of(base.fitted))
+    assert tried is not None
+    kept = trial_of(case, base, tried)
+    assert kept is not None
+    assert found.error < 1.1 < 1.5 < kept.error

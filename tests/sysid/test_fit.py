@@ -95,3 +95,22 @@ def test_a_scale_whose_square_is_no_number_stops_no_fit() -> None:
         found = least_squares(lambda p: 1e160 * (2.0 * x - p[0] * x - (p[1] - 1.0)), unknowns)
     assert found.values["b"] == pytest.approx(1.0)
     assert np.isfinite(found.values["a"])
+
+
+def test_columns_are_amended_and_the_last_ones_measured() -> None:
+    data = REFERENCE["misra1a"]
+    x, y = np.array(data["x"]), np.array(data["y"])
+    asked: list[np.ndarray] = []
+
+    def residual(b: np.ndarray) -> np.ndarray:
+        asked.append(b)
+        return y - b[0] * (1.0 - np.exp(-b[1] * x))
+
+    unknowns = [Unknown(f"b{k}", value, -np.inf, np.inf, value) for k, value in enumerate(data["start_2"])]
+    found = least_squares(residual, unknowns, robust=False, tolerance=1e-12)
+    point = np.array(list(found.values.values()))
+    exact = np.column_stack([np.exp(-point[1] * x) - 1.0, -point[0] * x * np.exp(-point[1] * x)])
+    assert found.jacobian == pytest.approx(exact, rel=1e-4)
+    # Measured at every step, the columns alone would ask for the residual twice a step.
+    assert found.iterations >= 3
+    assert len(asked) < 3 * found.iterations + 1
