@@ -62,6 +62,11 @@ class ChannelMisfit:
     size: int
 
 
+def ruled_by_few(before: ChannelMisfit, after: ChannelMisfit) -> bool:
+    """Whether the plain rms hides how far the error fell: few samples beside reversals rule it, or it shows at rest."""
+    return after.rms * before.over_noise > 2.0 * after.over_noise * before.rms
+
+
 def scored_of(record: Prepared) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
     """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
     if isinstance(record, Balance):

@@ -19,7 +19,7 @@ from sysid.diagnose import Diagnosis
 from sysid.document import channel_unit, worst_channel
 from sysid.identifiability import open_words, public_key
 from sysid.intervals import Intervals, intervals
-from sysid.misfit import excess
+from sysid.misfit import excess, ruled_by_few
 from sysid.residual_maps import ResidualMap
 from sysid.trials import Trial
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE
@@ -138,7 +138,7 @@ def verdict_sentence(found: Diagnosis) -> str:
             f"{found.effect} is missing: {found.told_by}. That is not told by the error of {name} on the held-out "
             f"records, which goes from {errors}, from {ratio}."
         )
-    if after.rms * before.over_noise > 2.0 * after.over_noise * before.rms:
+    if ruled_by_few(before, after):
         text = (
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {ratio}. "
             f"(The plain rms, {errors}, is ruled by the few samples beside reversals.)"

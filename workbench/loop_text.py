@@ -15,7 +15,7 @@ from sysid.diagnose import Diagnosis
 from sysid.document import LEAST_P, WORTH_SAYING, channel_unit, worst_channel
 from sysid.identifiability import public_key
 from sysid.ladder import Step
-from sysid.misfit import ChannelMisfit, excess
+from sysid.misfit import ChannelMisfit, excess, ruled_by_few
 from sysid.residual_maps import ResidualMap
 from sysid.trials import explained_share
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE
@@ -214,6 +214,11 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
             f"missing: {diagnosis.effect} ({plain(before.rms, unit)} -> {plain(after.rms, unit)} in {channel} on the "
             f"held-out records; {before.over_noise:.3g} x -> {after.over_noise:.3g} x the noise)"
         )
+        if ruled_by_few(before, after):
+            run.say(
+                "(the rms is ruled by few samples beside reversals; the multiple of the noise passes over those, and "
+                "counts how the body gives way at rest)"
+            )
         fit = (excess(diagnosis.before_fit, {}), excess(diagnosis.best.after_fit, {}))
         if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
             run.say(f"on the records of the fit: {fit[0]:.3g} x -> {fit[1]:.3g} x the noise")
