@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import root_scalar
-from scipy.special import i0e
+from scipy.special import i0e, i1e
 
 from stagecad.parameters.errors import InputError
 
@@ -43,11 +43,20 @@ def load_of_feed(feed: ArrayLike, diameter: float, supply: float) -> Array:
     lam = np.asarray(feed, float)[..., None]
     if not (np.all(lam > 0) and diameter > 0 and supply > 0):
         raise InputError("air bearing: feed, diameter and supply must be above 0")
+    pressure, _ = _film(lam, supply)
+    return np.pi / 4 * diameter**2 * ((pressure - ATMOSPHERE) @ _AREAS)
+
+
+def _film(lam: Array, supply: float) -> tuple[Array, Array]:
+    """Absolute pressure over the radii (..., n), Pa, and its slope over lambda (..., 1)."""
     source, outside = (ATMOSPHERE + supply) ** 2, ATMOSPHERE**2
     # i0e(x) = exp(-x) I0(x): the ratio stays finite however large lambda is.
-    fall = i0e(lam * _RADII) / i0e(lam) * np.exp(-lam * (1 - _RADII))
-    pressure = np.sqrt(source - (source - outside) * fall) - ATMOSPHERE
-    return np.pi / 4 * diameter**2 * (pressure @ _AREAS)
+    within, rim = i0e(lam * _RADII), i0e(lam)
+    fall = (source - outside) * within / rim * np.exp(-lam * (1 - _RADII))
+    pressure = np.sqrt(source - fall)
+    # I0' = I1, so the logarithm of I0(lambda x)/I0(lambda) has the slope x I1/I0 there, less I1/I0 at the rim.
+    slope = fall * (i1e(lam) / rim - _RADII * i1e(lam * _RADII) / within) / (2.0 * pressure)
+    return pressure, slope
 
 
 def feed_for(load: float, diameter: float, supply: float) -> float:
@@ -81,6 +90,5 @@ def stiffness_of_gap(gap: ArrayLike, known_gap: float, known_load: float, diamet
     """
     h = np.asarray(gap, float)
     feed = feed_for(known_load, diameter, supply) * (known_gap / h) ** 1.5
-    # dW/dlambda by central differences in ln lambda: W is smooth, and 1e-4 leaves 1e-8 of it.
-    up, down = (load_of_feed(feed * np.exp(s), diameter, supply) for s in (1e-4, -1e-4))
-    return 1.5 / h * (up - down) / 2e-4
+    _, slope = _film(feed[..., None], supply)
+    return 1.5 * feed / h * np.pi / 4 * diameter**2 * (slope @ _AREAS)

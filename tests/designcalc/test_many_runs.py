@@ -43,6 +43,7 @@ def test_a_sweep_weighs_the_solids_of_every_point_and_a_cluster_does_the_same(ca
     assert 0.93 * plate < limits[1] - limits[0] < 0.999 * plate
 
 
+@pytest.mark.slow
 def test_tolerances_come_out_the_same_on_a_cluster(capsys, tmp_path, cluster):
     words = ("--no-solids", "--tolerance", "--samples", "1000", "--set", "teeth.fitted=false")
     there = document(capsys, tmp_path, *words, "--scheduler", cluster)["tolerance"]

@@ -123,7 +123,11 @@ def column(names, values, name, share=1e-5):
     ("names", "values"),
     [
         (["lugre", "stribeck", "viscous"], {}),
-        (["lugre_causal", "dwell_strengthening", "viscous"], {"dwell_strengthening.memory_length": 1e-4}),
+        pytest.param(
+            ["lugre_causal", "dwell_strengthening", "viscous"],
+            {"dwell_strengthening.memory_length": 1e-4},
+            marks=pytest.mark.slow,
+        ),
         (
             ["lugre_causal", "stribeck", "position_dependent_friction", "run_in", "direction_asymmetry"],
             {"direction_asymmetry.viscous": 0.1, "run_in.distance": 0.05},
