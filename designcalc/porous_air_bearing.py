@@ -48,7 +48,7 @@ def load_of_feed(feed: ArrayLike, diameter: float, supply: float) -> Array:
 
 
 def _film(lam: Array, supply: float) -> tuple[Array, Array]:
-    """Absolute pressure over the radii (..., n), Pa, and its slope over lambda (..., 1)."""
+    """Absolute pressure over the radii (..., n), Pa, and its slope over lambda, for lambda (..., 1)."""
     source, outside = (ATMOSPHERE + supply) ** 2, ATMOSPHERE**2
     # i0e(x) = exp(-x) I0(x): the ratio stays finite however large lambda is.
     within, rim = i0e(lam * _RADII), i0e(lam)

@@ -121,7 +121,7 @@ def judge(
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
     if found.best is None:
-        found = _by_ringing(evidence) or found
+        found = _by_ringing(evidence, found) or found
     if found.verdict == "unexplained":
         maps = against_time(maps, *of_model)
     if found.best is not None and found.best not in ranked:
@@ -133,8 +133,13 @@ def judge(
     )  # fmt: skip
 
 
-def _by_ringing(evidence: Evidence) -> Verdict | None:
-    """A mode of the structure, where it rings above what the balance sees; none where none does."""
+def _by_ringing(evidence: Evidence, otherwise: Verdict) -> Verdict | None:
+    """A mode of the structure, where it rings above what the balance sees; none where none does.
+
+    Args:
+        evidence: on the model without it.
+        otherwise: the verdict that the balance alone gives, which names no effect.
+    """
     case, base = evidence.case, evidence.base
     found = ringing(case, base.fitted)
     if found is None:
@@ -147,7 +152,9 @@ def _by_ringing(evidence: Evidence) -> Verdict | None:
         trial = trial_of(case, base, Candidate(effect, 0.0, fitted))
     if trial is None or trial.error > HARDLY_MORE * evidence.error:
         return None
-    return Verdict("missing-effect", trial, (), evidence.left_by(trial), EXPLAINS_ALL, found.words)
+    misfits_of(case, trial)
+    left = evidence.left_by(trial) if otherwise.verdict == "unexplained" else 0.0
+    return Verdict("missing-effect", trial, (), left, EXPLAINS_ALL, found.words)
 
 
 def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> list[Trial]:

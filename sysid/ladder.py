@@ -92,7 +92,7 @@ def add_effects(
         if not u.key.startswith("rig.")
     }
     hashes = {record.name: record.sha256 for record in case.records}
-    known = {u.key: u.prior.std for u in fitted.model.unknowns if u.prior is not None}
+    known = {u.key: u.prior for u in fitted.model.unknowns if u.prior is not None}
     rung = append_rung(experiment, names, starts, document, base_document, hashes, known=known)
     weights = weighting(fitted.model, grown_case.validate_records)
     residual = weighted_residual(fitted.model, grown_case.validate_records, weights)

@@ -24,6 +24,7 @@ from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
 from sysid.experiment import Experiment
 from sysid.file_lock import file_lock
+from sysid.fit import Prior
 from sysid.model_table import grown_model, json_data, model_hash, model_of, with_model
 
 SCHEMA = 1
@@ -100,7 +101,7 @@ def append_rung(
     base_document: Mapping[str, Any],
     record_hashes: Mapping[str, str],
     timeout: float = LOCK_SECONDS,
-    known: Mapping[str, float] | None = None,
+    known: Mapping[str, Prior] | None = None,
 ) -> Rung:
     """Write the next rung, then `experiment.toml`.
 
@@ -113,7 +114,7 @@ def append_rung(
             edited by hand since the last one.
         record_hashes: sha256 by record name.
         timeout: s to wait for another run.
-        known: deviations of those starts that were known before the fit, SI.
+        known: what was known of them before the fit, SI: written in place of the fitted value.
 
     Returns:
         The new rung.

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stagecad.parameters.errors import InputError
+from sysid.fit import Prior
 
 
 def model_of(text: str) -> dict[str, Any]:
@@ -40,7 +41,7 @@ def grown_model(
     model: Mapping[str, Any],
     effects: Sequence[str],
     starts: Mapping[str, tuple[float, str]],
-    known: Mapping[str, float] | None = None,
+    known: Mapping[str, Prior] | None = None,
 ) -> dict[str, Any]:
     """`model` with other effects, and starts where the fit ended.
 
@@ -48,7 +49,7 @@ def grown_model(
         model: `[model]` as it stands; bounds and fixed values in it stay.
         effects: the effects of the new model, in order.
         starts: by `effect.parameter`, fitted value in SI and its unit (empty where it has none).
-        known: deviations, SI, of starts that were known before the fit.
+        known: what was known of them before the fit, SI: that is written, or the records would count twice.
 
     Returns:
         The new `[model]`; settings of effects that are gone go with them. A start that is a prior (the design's, or one
@@ -68,8 +69,9 @@ def grown_model(
         if setting.get("fixed"):
             continue
         unit = "" if unit == "1" else unit
-        if known is not None and key in known:
-            setting["start"] = f"{value:.6g} +- {known[key]:.2g} {unit}".strip()
+        prior = (known or {}).get(key)
+        if prior is not None:
+            setting["start"] = f"{prior.value:.6g} +- {prior.std:.2g} {unit}".strip()
         else:
             setting["start"] = f"{value:.9g} {unit}" if unit else float(f"{value:.9g}")
         settings[key] = setting

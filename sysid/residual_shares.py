@@ -63,6 +63,7 @@ def compared(
 
 
 def shared(learn: Samples, judge: Samples) -> list[str]:
+    """Names of the coordinates that both have."""
     return [name for name in learn[0] if name != "_direction" and name in judge[0]]
 
 

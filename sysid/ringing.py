@@ -21,7 +21,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.fft import next_fast_len
 from scipy.optimize import least_squares
 
 from sim.effect import Effect
@@ -31,9 +30,10 @@ from sysid.base_fit import Fitted, fit_model
 from sysid.case import Case
 from sysid.case_fit import clearly_better
 from sysid.fit import Prior, robust_scale
-from sysid.model import Model, base_name, with_effect
+from sysid.model import Model, Prepared, base_name, with_effect
 from sysid.noise_floor import Noise
 from sysid.prediction import raw_force
+from sysid.smoothing import BAND
 
 AWAY = 3.0
 """Widths of the balance's filter around each turn that are left out: when it was counts for more than any mode."""
@@ -67,9 +67,6 @@ frequency, and starts from rest already ringing."""
 
 ALIKE = 1.6
 """Ratio up to which its size on both kinds of records is the same."""
-
-BAND = 0.1325
-"""Highest frequency that a Gaussian filter lets through (half the power), times its width."""
 
 
 @dataclass(frozen=True)
@@ -185,7 +182,7 @@ def seen_by_the_balance(other: Fitted, rings: Fitted) -> bool:
     return clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 
 
-def _whitened(case: Case, model: Model, records: Sequence[object]) -> list[_Whitened]:
+def _whitened(case: Case, model: Model, records: Sequence[Prepared]) -> list[_Whitened]:
     found = []
     for record in records:
         if isinstance(record, Balance) and record.logged is not None and record.whole is not None:
@@ -205,7 +202,7 @@ def _record(case: Case, model: Model, balance: Balance) -> _Whitened | None:
         return None
     force = balance.applied - raw_force(balance, model.effects, model.values)
     reach = min(balance.size - 1, int(np.ceil(8.0 * width)))
-    length = int(next_fast_len(balance.size + 2 * reach, real=True) or 0)
+    length = 1 << (balance.size + 2 * reach - 1).bit_length()
     f = np.fft.rfftfreq(length, balance.step)
     turn = 2.0 * np.pi * f
     band = BAND / balance.whole.width

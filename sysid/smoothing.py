@@ -11,6 +11,9 @@ from sim.compilation import SUMS_IN_ANY_ORDER, compiled
 CUT = 8.0
 """Half-length of the kernel in standard deviations. Cut at 4, the second derivative leaks by more than the noise."""
 
+BAND = 0.1325
+"""Frequency at which a Gaussian filter lets half the power through, times its width: sqrt(ln 2) / (2 pi)."""
+
 CUT_SMOOTHING = 6.0
 """The same where nothing is differentiated and only some samples are wanted: what is cut off weighs 2e-9."""
 

@@ -272,6 +272,9 @@ def _with_laws_anew(case: Case, base: BaseFit, trials: list[Trial]) -> list[Tria
     for trial in sorted(known.values(), key=lambda t: t.error)[:LAWS_ANEW] if families else []:
         if trial.error <= ONLY_NOISE or explained_share(base, trial) < PART_WITH_LAWS or trial.family in families:
             continue
+        if trial.candidate.fitted.fit.residual.size != base.fitted.fit.residual.size:
+            # Fitted to the beginnings of long records: too little to choose laws by.
+            continue
         fitted, _ = best_laws(case, trial.candidate.fitted, list(families))
         anew = trial_of(case, base, replace(trial.candidate, fitted=fitted))
         if fitted is not trial.candidate.fitted and anew is not None and anew.error < trial.error:

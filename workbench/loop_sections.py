@@ -135,8 +135,8 @@ def verdict_sentence(found: Diagnosis) -> str:
     name = channel.replace("_", " ")
     if found.told_by:
         return (
-            f"{found.effect} is missing: {found.told_by}. That is not told by the error of {name} on the held-out "
-            f"records, which goes from {errors}, from {ratio}."
+            f"{found.effect} is missing: {found.told_by}. The error of {name} on the held-out records goes from "
+            f"{errors}, from {ratio}."
         )
     if ruled_by_few(before, after):
         text = (

@@ -17,6 +17,7 @@ from sysid.identifiability import public_key
 from sysid.ladder import Step
 from sysid.misfit import ChannelMisfit, excess, ruled_by_few
 from sysid.residual_maps import ResidualMap
+from sysid.smoothing import BAND
 from sysid.trials import explained_share
 from sysid.verdict_limits import ADEQUATE_OVER_NOISE
 from workbench.options import Run
@@ -166,7 +167,7 @@ def noise_line(case: Case) -> str:
     band = getattr(case.fit_records[0], "whole", None)
     text = "noise: " + ", ".join(parts) + f"; residual taken as {case.form.replace('_', ' ')}"
     if band is not None and band.width > 0:
-        text += f", below {0.1325 / band.width:.3g} Hz: what the position's noise allows"
+        text += f", below {BAND / band.width:.3g} Hz: what the position's noise allows"
     return text
 
 
@@ -223,7 +224,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
         if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
             run.say(f"on the records of the fit: {fit[0]:.3g} x -> {fit[1]:.3g} x the noise")
         if diagnosis.told_by:
-            run.say(f"that error does not tell of it; it is told by this: {diagnosis.told_by}")
+            run.say(f"told by more than that error: {diagnosis.told_by}")
         else:
             run.say(f"without it the model fails with {where_words(diagnosis.maps) or 'nothing that was recorded'}")
         if diagnosis.indistinguishable:
@@ -231,7 +232,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
                 f"these records cannot tell it from: {', '.join(diagnosis.indistinguishable)}; "
                 f"'stagecad suggest' looks for a motion that would"
             )
-        if diagnosis.unexplained_share > NOTHING_LEFT and not diagnosis.told_by:
+        if diagnosis.unexplained_share > NOTHING_LEFT:
             run.say(f"{100 * diagnosis.unexplained_share:.0f} % of the misfit stays; add it and diagnose again.")
     elif diagnosis.verdict == "adequate":
         run.say(f"adequate: {diagnosis.reason}.")

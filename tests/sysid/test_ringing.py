@@ -14,7 +14,8 @@ from sysid.case_fit import BaseFit, fit_case
 from sysid.diagnose import diagnose
 from sysid.experiment import load_experiment
 from sysid.ladder import add_effects
-from sysid.ringing import BAND, ringing
+from sysid.ringing import ringing
+from sysid.smoothing import BAND
 from workbench.cli import run
 
 STEP, ROWS = 1e-3, 9000
@@ -87,9 +88,15 @@ def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixtur
     said = " ".join(capsys.readouterr().out.split())
     assert "missing: flexible_mode" in said
     assert "rings at" in said
+    case, base = _fitted(folder)
     add_effects(folder, ["flexible_mode"])
     known = load_experiment(folder).parameters["flexible_mode.frequency"]
     assert known.start == pytest.approx(FREQUENCY, rel=0.05)
+    # What the ringing told, not what a fit made of it and of the balance: the balance is fitted again.
+    told = ringing(case, base.fitted)
+    assert told is not None
+    assert known.start == pytest.approx(told.values["frequency"], rel=1e-5)
+    assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)
     after = diagnose(folder)
     assert after.verdict == "adequate"
     assert not after.swaps
