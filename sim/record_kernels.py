@@ -30,6 +30,36 @@ def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np
     return out
 
 
+def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: float, early: float) -> np.ndarray:
+    """Response of y' = (u - y)/T to `signal` (n,) that goes to a row's value `early` steps before that row.
+
+        y_k = d y_(k-1) + (e - d) u_(k-1) + (1 - e) u_k,   d = exp(-step/T), e = exp(-early step/T)
+
+    Exact for such an input; y(0) = u(0). With `early` = 0 the input is held from each row to the next, with 1 it is the
+    usual digital low-pass y_k = y_(k-1) + (1 - d) (u_k - y_(k-1)).
+
+    Args:
+        signal: u, (n,).
+        step: between rows, s.
+        time_constant: T, s.
+        early: part of a step, 0 to 1.
+    """
+    time_constant = max(time_constant, 1e-6 * step)
+    return _followed(signal, math.exp(-step / time_constant), math.exp(-early * step / time_constant))
+
+
+@compiled
+def _followed(signal: np.ndarray, decay: float, kept: float) -> np.ndarray:
+    """Steps y = decay y + (kept - decay) u_before + (1 - kept) u from the first value on."""
+    out = np.empty(signal.size)
+    y = signal[0]
+    out[0] = y
+    for i in range(1, signal.size):
+        y = decay * y + (kept - decay) * signal[i - 1] + (1.0 - kept) * signal[i]
+        out[i] = y
+    return out
+
+
 def resonance(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """Response of y'' + 2 d w y' + w^2 y = w^2 u, w = 2 pi frequency, exact for an input linear between samples.
 

@@ -8,7 +8,7 @@ drop in squared residual is found with the base model's parameters free to move.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,9 @@ from sysid.model import Prepared, Scales, shape_grid, size_of, with_effect
 
 KEPT_SCORES = 6
 """Grid points of an effect that are remembered: starts for its refit."""
+
+IN_PAIRS = 2
+"""Of those, the ones that enter pairs of effects, and keep their columns for it."""
 
 EVERY_ROW = slice(None)
 
@@ -36,7 +39,8 @@ class Score:
         start: values to start a refit from.
         shape: the grid point.
         moves: parameter values of each move, amplitudes away from zero.
-        columns: what each move does to the residual beyond what the base parameters can do, (n, k).
+        columns: what each move does to the residual beyond what the base parameters can do, (n, k); none of the scores
+            beyond the first `IN_PAIRS` of an effect.
         barred: drop that amplitudes beyond their bounds (a negative drag) would have made.
         whole: of a core, the drop as it stands: it is there or not, half of it is no model.
     """
@@ -133,21 +137,32 @@ def linear_scores(effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, 
     scores: list[Score] = []
     for point in grid:
         free = project_out(point.changes, basis)
-        norms = np.linalg.norm(free, axis=0)
+        normal, right = free.T @ free, free.T @ target
+        norms = np.sqrt(np.diag(normal))
         if not (norms > 1e-9 * np.linalg.norm(point.changes, axis=0)).any():
             continue
-        scaled = free / np.maximum(norms, 1e-300)
-        coefficients, *_ = np.linalg.lstsq(scaled, target, rcond=1e-8)
-        drop, barred = 1.0 - float(np.sum((target - scaled @ coefficients) ** 2)) / total, 0.0
+        coefficients = _solved(normal, right, np.where(norms > 0.0, norms, 1.0))
+        drop, barred = float(right @ coefficients) / total, 0.0
         if out_of_bounds(effect, point.moves, coefficients):
             drop, barred = 0.0, drop
-        start = start_for(effect, point.shape, point.moves, coefficients / np.maximum(norms, 1e-300))
-        whole = 1.0 - float(np.sum((target - free[:, 0]) ** 2)) / total if effect.core is not None else drop
+        start = start_for(effect, point.shape, point.moves, coefficients)
+        whole = float(2.0 * right[0] - normal[0, 0]) / total if effect.core is not None else drop
         scores.append(Score(drop, start, point.shape, point.moves, free, barred, whole))
         if len(scores) > KEPT_SCORES:
             sparable = [score for score in scores if score.whole < max(s.whole for s in scores)] or scores
             scores.remove(min(sparable, key=lambda s: (s.drop, s.barred)))
-    return sorted(scores, key=lambda s: -s.drop)
+    scores.sort(key=lambda s: -s.drop)
+    return [*scores[:IN_PAIRS], *(replace(s, columns=s.columns[:, :0].copy()) for s in scores[IN_PAIRS:])]
+
+
+ALIKE = 1e-12
+"""Eigenvalue of the scaled normal equations, of their largest, below which moves do the same."""
+
+
+def _solved(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:
+    """Least squares of moves (k,) from their normal equations, each scaled to length one; the shortest of all alike."""
+    scaled = normal / np.outer(norms, norms)
+    return np.linalg.pinv(scaled, rcond=ALIKE, hermitian=True) @ (right / norms) / norms
 
 
 def out_of_bounds(effect: Effect, moves: list[dict[str, float]], coefficients: np.ndarray) -> bool:

@@ -20,15 +20,12 @@ from sysid.candidates import Candidate, Look, Scored, look_at, refined
 from sysid.case import Case
 from sysid.case_fit import BaseFit
 from sysid.first_fit import has_shape
-from sysid.linear_scores import Score, out_of_bounds, start_for, target_of
+from sysid.linear_scores import IN_PAIRS, Score, out_of_bounds, start_for, target_of
 from sysid.misfit import weighted_residual
 from sysid.model import Model, base_name, with_effect
 from sysid.side_by_side import side_by_side
 from sysid.starts import with_bounds_of, without_family
 from sysid.trials import FirstLooks, Seen, Trial, looks_on, trial_of
-
-GRID_POINTS = 2
-"""Grid points of each effect that enter pairs."""
 
 PAIRS_REFITTED = 6
 
@@ -100,7 +97,7 @@ def best_pairs(
     # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
     able = [look for look in first.looks if look.linear or look.error < alone]
     for known in [*able, *first.unfitted]:
-        for score in known.scores[:GRID_POINTS]:
+        for score in known.scores[:IN_PAIRS]:
             norms = np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
             blocks.append(score.columns / norms)
             parts.append(_Part(known, score, slice(start, start + norms.size)))

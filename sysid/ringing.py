@@ -21,7 +21,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from sim.effect import Effect
 from sim.library import find
@@ -282,6 +281,9 @@ def _estimated(
     records: Sequence[_Whitened], frequency: float, damping: float, part: float
 ) -> tuple[dict[str, float], dict[str, float]]:
     """The mode's values and their deviations, by least squares from where a small one of it shows best."""
+    # Few records ring, and it takes half a second.
+    from scipy.optimize import least_squares
+
     part = min(part, 0.9)
     # A mass part of which rides on a mode swings faster, free, than the part does on a mass that is held.
     start = np.array([np.log(frequency * np.sqrt(1.0 - part)), np.log(damping), part])

@@ -6,6 +6,8 @@ is done here, one piece after the other: the result is the same.
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import io
 import os
 import pickle
@@ -16,11 +18,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from threadpoolctl import threadpool_limits
+
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 MOST = 4
 """Processes at the most: each holds its own copy of what it changes."""
+AT_ONCE = 1 << 20
+"""Bytes of an answer that a pipe holds, where the system allows it."""
+
 _inside = False
 
 
@@ -55,6 +62,8 @@ def side_by_side(
     turns = _Turns(len(items))
     answers: dict[int, Answer] = {}
     waited_for: list[_Child] = []
+    # A process for every processor: threads of linear algebra on top of them would wait for one another.
+    alone = threadpool_limits(1 if count > 1 else None, user_api="blas")
     try:
         for _ in range(1, count):
             child = _begun(work, items, turns, known)
@@ -75,6 +84,7 @@ def side_by_side(
             _reaped(child)
         raise
     finally:
+        alone.restore_original_limits()
         turns.close()
     return [answers[i] if i in answers else work(items[i]) for i in range(len(items))]
 
@@ -151,6 +161,8 @@ def _begun(
         return None
     if number:
         os.close(into)
+        with contextlib.suppress(OSError, AttributeError):
+            fcntl.fcntl(out, fcntl.F_SETPIPE_SZ, AT_ONCE)
         return _Child(number, out)
     status = 1
     try:

@@ -161,6 +161,7 @@ def looks_on(
     basis, target = target_of(fitted, rows)
     effects = candidates_of(case, present, all_effects)
     shared = (*effects, *fitted.model.effects, fitted.weights)
+    _bring_in(case, effects)
 
     def tell(step: int, name: str) -> None:
         if progress is not None:
@@ -194,6 +195,17 @@ def looks_on(
     looks = [one for one in found if one is not None and np.isfinite(one.error)]
     looks.sort(key=lambda look: look.error)
     return FirstLooks(looks, unfitted, target, Seen(size, kept, grids) if seen is None else seen)
+
+
+def _bring_in(case: Case, effects: Sequence[Effect]) -> None:
+    """Have the libraries and compiled loops of what acts on signals, before processes part: each would bring them in.
+
+    The user's own effects are left out: they are called with what they are made for.
+    """
+    signal = np.linspace(0.0, 1.0, 8)
+    for effect in effects:
+        if effect.signal is not None and effect not in case.custom:
+            effect.signal(signal, 1.0, effect.values())
 
 
 def try_all(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from sim.effect import Effect, Parameter, Scan
 
 
@@ -15,9 +17,9 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
 
 
 def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
-    from sim.sampled_lag import lag_of_steps
+    from sim.record_kernels import first_order_lag_of_steps
 
-    return lag_of_steps(signal, step, p.time_constant, p.early)
+    return first_order_lag_of_steps(np.ascontiguousarray(signal), step, p.time_constant, p.early)
 
 
 _SMOOTH = Effect(
