@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sysid.fit import FitResult, least_squares
+from sysid.friction_drive import FrictionDriveRecord
 from sysid.misfit import Weighting, huber_square, weighted_residual, weighting
 from sysid.model import Model, Prepared
 
@@ -20,34 +21,80 @@ class Fitted:
     fit: FitResult
     weights: Weighting
 
+    @property
+    def columns(self) -> dict[str, np.ndarray]:
+        """What each unknown does to the residual, (n,), by key."""
+        return dict(zip(self.fit.keys, self.fit.jacobian.T, strict=True))
+
 
 def fit_model(
-    model: Model, records: Sequence[Prepared], weights: Weighting | None = None, iterations: int = 25
+    model: Model,
+    records: Sequence[Prepared],
+    weights: Weighting | None = None,
+    iterations: int = 25,
+    near: Fitted | None = None,
+    last_word: bool = True,
 ) -> Fitted:
     """Fit the model's unknowns to the records.
 
     Without `weights` the deviations are taken from the model's own start, and once more from its first fit.
+
+    Args:
+        model: with the values to start from.
+        records: those fitted.
+        weights: deviations and samples.
+        iterations: steps at the most.
+        near: fit of the same records on the same `weights` at values near the start: what an unknown of it does there
+            is taken for what it does here, until a step tells otherwise.
+        last_word: measure what the unknowns do where the fit ends; without, it is as the steps left it.
     """
-    own = weights is None
-    if weights is None:
-        weights = weighting(model, records)
-    result = _fit(model, records, weights, iterations)
-    model = model.at(result.values)
-    if own:
-        weights = weighting(model, records)
-        result = _fit(model, records, weights, iterations)
-        model = model.at(result.values)
-    return Fitted(model, result, weights)
+    if weights is not None:
+        # A driven stage slips at other times where a value is another: what its unknowns do, too.
+        driven = any(isinstance(record, FrictionDriveRecord) for record in records)
+        known = near.columns if near is not None and not driven else {}
+        result = _fit(model, records, weights, iterations, known, last_word)
+        return Fitted(model.at(result.values), result, weights)
+    first = fit_model(model, records, weighting(model, records), iterations, last_word=False)
+    weights = weighting(first.model, records)
+    known = first.columns if first.fit.converged else {}
+    known = {key: column * _rescaled(first.weights, weights) for key, column in known.items()}
+    result = _fit(first.model, records, weights, iterations, known)
+    return Fitted(first.model.at(result.values), result, weights)
 
 
-def _fit(model: Model, records: Sequence[Prepared], weights: Weighting, iterations: int) -> FitResult:
+def _rescaled(before: Weighting, after: Weighting) -> np.ndarray:
+    """Deviations of the scored samples before over those after, all channels of all records end to end, (n,)."""
+    parts = [
+        earlier[channel] / later[channel]
+        for earlier, later in zip(before.at_picks, after.at_picks, strict=True)
+        for channel in earlier
+    ]
+    return np.concatenate(parts) if parts else np.empty(0)
+
+
+def _fit(
+    model: Model,
+    records: Sequence[Prepared],
+    weights: Weighting,
+    iterations: int,
+    known: Mapping[str, np.ndarray],
+    last_word: bool = True,
+) -> FitResult:
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
         values = {**model.values, **dict(zip(keys, point.tolist(), strict=True))}
         return weighted_residual(model, records, weights, values)
 
-    return least_squares(residual, model.unknowns, iterations=iterations)
+    return least_squares(residual, model.unknowns, iterations=iterations, known=known, last_word=last_word)
+
+
+def with_columns(fitted: Fitted, records: Sequence[Prepared]) -> Fitted:
+    """The fit with what its unknowns do measured where it ended."""
+    if fitted.fit.measured:
+        return fitted
+    result = _fit(fitted.model, records, fitted.weights, 0, {})
+    return replace(fitted, fit=replace(fitted.fit, jacobian=result.jacobian, measured=True))
 
 
 def ranking_error(residual: np.ndarray) -> float:

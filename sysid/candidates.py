@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.effect import Effect
-from sysid.base_fit import Fitted, fit_model, ranking_error
+from sysid.base_fit import Fitted, fit_model, ranking_error, with_columns
 from sysid.driven_stage_starts import slipping_starts
 from sysid.driven_stage_valleys import ROUNDS, lowest_valley
 from sysid.friction_drive import FrictionDriveRecord
@@ -124,7 +124,8 @@ def look_from(
         return None
     if far:
         starts += led(starts, records, base.weights, FROM_AFAR)
-    fits = [fit_model(start, records, base.weights, FROM_AFAR if far else SHORT) for start in starts]
+    steps = FROM_AFAR if far else SHORT
+    fits = [fit_model(start, records, base.weights, steps, near=base, last_word=False) for start in starts]
     nearest = min(fits, key=lambda fitted: fitted.fit.cost)
     if not scores:
         # No gradient where it began: what it did where it ended stands for what it can do.
@@ -138,13 +139,13 @@ def refined(
     base: Fitted, look: Look, records: Sequence[Prepared], scales: Scales, starts: int = 2, iterations: int = 15
 ) -> Candidate:
     """The effect of a look refitted: further from where the look ended, and from other points of the grid."""
-    best = fit_model(look.fitted.model, records, base.weights, iterations)
+    best = fit_model(look.fitted.model, records, base.weights, iterations, near=look.fitted)
     others = _spread(look.scores, starts)[1:]
     if look.effect.core is not None:
         others += sorted(look.scores, key=lambda score: -score.whole)[:2]
     for score in others:
         start = with_effect(base.model, look.effect, scales, score.start)
-        fitted = fit_model(start, records, base.weights, iterations)
+        fitted = fit_model(start, records, base.weights, iterations, near=base)
         if fitted.fit.cost < best.fit.cost:
             best = fitted
     return Candidate(look.effect, look.expected, best, look.barred)
@@ -184,9 +185,9 @@ def try_effect(
     return refined(base, look, records, scales, starts, iterations) if look is not None else None
 
 
-def as_it_looks(look: Look) -> Candidate:
+def as_it_looks(look: Look, records: Sequence[Prepared]) -> Candidate:
     """The effect as the first look left it."""
-    return Candidate(look.effect, look.expected, look.fitted, look.barred)
+    return Candidate(look.effect, look.expected, with_columns(look.fitted, records), look.barred)
 
 
 def _spread(scores: list[Score], count: int) -> list[Score]:

@@ -6,7 +6,7 @@ model leaves more than the noise, the prior weighs as much more: residuals are t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -51,6 +51,7 @@ class FitResult:
         dead: keys whose change did not change the prediction at the start.
         iterations: accepted steps.
         converged: whether the last step was small.
+        measured: whether the columns are differences at the best values, not from nearby, as the steps amended them.
         precision: what the priors add to the diagonal of J^T w J, (p,); zero where nothing was known.
     """
 
@@ -64,6 +65,7 @@ class FitResult:
     dead: tuple[str, ...] = ()
     iterations: int = 0
     converged: bool = True
+    measured: bool = True
     precision: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
@@ -111,11 +113,18 @@ class _Priors:
 
 
 def jacobian(
-    function: ResidualFunction, point: np.ndarray, base: np.ndarray, unknowns: Sequence[Unknown]
+    function: ResidualFunction,
+    point: np.ndarray,
+    base: np.ndarray,
+    unknowns: Sequence[Unknown],
+    known: Mapping[str, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Forward (at a high bound, backward) differences (n, p) of the residual."""
-    out = np.empty((base.size, point.size))
+    """Forward (at a high bound, backward) differences (n, p) of the residual, but for the columns that are known."""
+    out = np.empty((base.size, point.size), order="F")
     for k, unknown in enumerate(unknowns):
+        if known is not None and unknown.key in known:
+            out[:, k] = known[unknown.key]
+            continue
         step = 1e-5 * max(abs(point[k]), unknown.size)
         if point[k] + step > unknown.high:
             step = -step
@@ -158,7 +167,7 @@ class _Bowl:
 
     Args:
         free: which values move, (p,).
-        norms: of all columns, (p,).
+        norms: of all columns, weighted, (p,).
         normal: of the scaled values, (f, f).
         right: its negative gradient, (f,).
     """
@@ -186,16 +195,18 @@ def _bowl(
 
     A value whose gradient pushes it through its bound is held there, and a column of zeros is left out.
     """
-    weights, precision = loss.weights(base), loss.priors.precision(loss.scale)
-    norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    gradient = columns.T @ (weights * base) + precision * (point - loss.priors.value)
+    precision = loss.priors.precision(loss.scale)
+    weighted = loss.weights(base)[:, None] * columns
+    normal = columns.T @ weighted
+    gradient = weighted.T @ base + precision * (point - loss.priors.value)
+    norms = np.sqrt(np.diag(normal))
     blocked = ((point <= low) & (gradient > 0)) | ((point >= high) & (gradient < 0))
     free = (norms > 0.0) & ~blocked
     if not free.any():
         return None
-    scaled = columns[:, free] / norms[free]
-    normal = scaled.T @ (weights[:, None] * scaled) + np.diag(precision[free] / norms[free] ** 2)
-    return _Bowl(free, norms, normal, -gradient[free] / norms[free])
+    lengths = norms[free]
+    scaled = normal[np.ix_(free, free)] / np.outer(lengths, lengths) + np.diag(precision[free] / lengths**2)
+    return _Bowl(free, norms, scaled, -gradient[free] / lengths)
 
 
 TRIES = 8
@@ -214,6 +225,8 @@ def least_squares(
     robust: bool = True,
     iterations: int = 25,
     tolerance: float = 1e-5,
+    known: Mapping[str, np.ndarray] | None = None,
+    last_word: bool = True,
 ) -> FitResult:
     """Levenberg-Marquardt within bounds on a weighted residual, with Huber weights renewed at every step.
 
@@ -229,6 +242,8 @@ def least_squares(
         robust: Huber's loss at a scale taken from the residual, else plain squares.
         iterations: at most so many accepted or refused steps.
         tolerance: relative change of cost at which it stops.
+        known: columns (n,) of the residual's differences by key, as they were at a point near the start.
+        last_word: measure the columns that are returned anew; without, they are as the steps left them.
     """
     point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
     base = function(point)
@@ -239,7 +254,7 @@ def least_squares(
     def loss_here() -> _Loss:
         return _Loss(robust_scale(base) if robust else np.inf, priors)
 
-    columns, measured = jacobian(function, point, base, unknowns), True
+    columns, measured = jacobian(function, point, base, unknowns, known), not known
     dead = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
     damping, accepted, left = 1e-4, 0, iterations if unknowns else 0
     converged = not unknowns
@@ -280,15 +295,15 @@ def least_squares(
             columns, measured = jacobian(function, point, base, unknowns), True
         else:
             lengths = bowl.norms**2 * moved
-            columns, measured = columns + np.outer(base - foretold, lengths / float(lengths @ moved)), False
-    if not measured:
-        columns = jacobian(function, point, base, unknowns)
+            columns, measured = columns + np.outer(lengths / float(lengths @ moved), base - foretold).T, False
+    if not measured and last_word:
+        columns, measured = jacobian(function, point, base, unknowns), True
     loss = loss_here()
     at_bound = tuple(u.key for u, value in zip(unknowns, point, strict=True) if (value <= u.low or value >= u.high))
     return FitResult(
         values=dict(zip(keys, point.tolist(), strict=True)),
         cost=loss.of_residual(base),
         jacobian=columns, residual=base, weights=loss.weights(base), keys=keys, at_bound=at_bound,
-        dead=dead, iterations=accepted, converged=converged,
+        dead=dead, iterations=accepted, converged=converged, measured=measured,
         precision=priors.precision(loss.scale),
     )  # fmt: skip

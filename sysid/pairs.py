@@ -169,7 +169,7 @@ def _refitted(
         model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.moves, own))
     if given is not None:
         model = with_bounds_of(model, given)
-    fitted = fit_model(model, case.fit_records, base.fitted.weights)
+    fitted = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
     residual = weighted_residual(fitted.model, case.validate_records, base.weights)
     if not np.isfinite(residual).all():
         return None
@@ -282,7 +282,8 @@ def less(case: Case, base: BaseFit, family: str) -> BaseFit:
     """The fit of the model without one family of effects, on the same weights."""
     key = f"less {family}"
     if key not in base.memo:
-        rest = fit_model(without_family(base.fitted.model, family), case.fit_records, base.fitted.weights)
+        model = without_family(base.fitted.model, family)
+        rest = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
         residual = weighted_residual(rest.model, case.validate_records, base.weights)
         base.memo[key] = BaseFit(rest, base.weights, residual)
     return base.memo[key]

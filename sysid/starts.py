@@ -45,7 +45,7 @@ def searched(
     Bounds, priors and fixed values of the model stay. `effect` is no core. On a driven stage a fit held to the measured
     motion leads there too.
     """
-    rest = fit_model(without_law(fitted.model, place or effect.name), records, fitted.weights)
+    rest = fit_model(without_law(fitted.model, place or effect.name), records, fitted.weights, near=fitted)
     basis, target = target_of(rest)
     scores = linear_scores(effect, grid_of(rest, effect, records, scales), basis, target)
     start = with_bounds_of(with_effect(rest.model, effect, scales, scores[0].start if scores else None), fitted.model)

@@ -226,7 +226,7 @@ def try_all(
     def tried(numbered: tuple[int, Look]) -> Trial | None:
         k, look = numbered
         if k >= REFITTED:
-            return trial_of(case, base, as_it_looks(look))
+            return trial_of(case, base, as_it_looks(look, records))
         return trial_of(case, base, refined(fitted, look, records, case.scales))
 
     def tell(numbered: tuple[int, Look]) -> None:

@@ -8,7 +8,6 @@ from math import hypot
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.quantities import format_quantity
 from sysid.known_values import DesignValue
-from workbench.design_contact import tip_contact
 from workbench.options import Run
 from workbench.simulation_inputs import design_mass
 
@@ -48,6 +47,9 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
             mass = design_mass(run)
             return DesignValue(mass, MASS_DEVIATION * mass)
         if name == "contact_stiffness":
+            # Its elliptic integrals come from a library that takes a third of a second to load.
+            from workbench.design_contact import tip_contact
+
             contact = tip_contact(run.design, design_mass(run))
             run.note(
                 f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "

@@ -9,10 +9,11 @@ import pytest
 from slide import POSITION, SIGN, STEP, VELOCITY, slide
 
 from sim.library import find
-from sysid.base_fit import Fitted, fit_model
+from sysid.base_fit import Fitted, fit_model, with_columns
 from sysid.candidates import try_effect
 from sysid.case import Case
 from sysid.linear_scores import grid_of, linear_scores, orthonormal, target_of
+from sysid.model import with_effect
 
 PITCH = 1.1e-3
 RNG = np.random.default_rng(0)
@@ -107,3 +108,20 @@ def test_what_the_base_model_makes_itself_scores_nothing(tmp_path: Path) -> None
     # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
     case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     assert scores(case, "load_dependent_friction") == []
+
+
+def test_a_fit_begun_with_the_columns_of_another_ends_where_it_would_without(tmp_path: Path) -> None:
+    force = 1.5 * SIGN + 3.0 * VELOCITY + 0.8 * SIGN * np.exp(-((VELOCITY / 2e-3) ** 2))
+    case = slide(tmp_path, force, '"coulomb", "viscous"')
+    base = fitted(case)
+    start = with_effect(base.model, find("stribeck"), case.scales, {"stribeck.velocity": 4e-3, "stribeck.force": 0.5})
+    alone = fit_model(start, case.fit_records, base.weights)
+    near = fit_model(start, case.fit_records, base.weights, near=base)
+    assert near.fit.cost == pytest.approx(alone.fit.cost, rel=1e-4)
+    short = fit_model(start, case.fit_records, base.weights, 3, near=base, last_word=False)
+    assert not short.fit.measured
+    told = with_columns(short, case.fit_records)
+    assert told.fit.measured and with_columns(told, case.fit_records) is told
+    assert told.fit.values == short.fit.values
+    measured = fit_model(short.model, case.fit_records, base.weights, 0)
+    assert told.fit.jacobian == pytest.approx(measured.fit.jacobian)

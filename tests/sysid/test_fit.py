@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -97,16 +98,23 @@ def test_a_scale_whose_square_is_no_number_stops_no_fit() -> None:
     assert np.isfinite(found.values["a"])
 
 
-def test_columns_are_amended_and_the_last_ones_measured() -> None:
+def _misra(asked: list[np.ndarray]) -> tuple[Callable[[np.ndarray], np.ndarray], list[Unknown], dict[str, np.ndarray]]:
+    """Residual and unknowns of a published problem, and its exact columns at the start of the fit."""
     data = REFERENCE["misra1a"]
     x, y = np.array(data["x"]), np.array(data["y"])
-    asked: list[np.ndarray] = []
 
     def residual(b: np.ndarray) -> np.ndarray:
         asked.append(b)
         return y - b[0] * (1.0 - np.exp(-b[1] * x))
 
-    unknowns = [Unknown(f"b{k}", value, -np.inf, np.inf, value) for k, value in enumerate(data["start_2"])]
+    first, second = data["start_2"]
+    unknowns = [Unknown(f"b{k}", value, -np.inf, np.inf, value) for k, value in enumerate((first, second))]
+    return residual, unknowns, {"b0": np.exp(-second * x) - 1.0, "b1": -first * x * np.exp(-second * x)}
+
+
+def test_columns_are_amended_and_the_last_ones_measured() -> None:
+    x = np.array(REFERENCE["misra1a"]["x"])
+    residual, unknowns, _ = _misra(asked := [])
     found = least_squares(residual, unknowns, robust=False, tolerance=1e-12)
     point = np.array(list(found.values.values()))
     exact = np.column_stack([np.exp(-point[1] * x) - 1.0, -point[0] * x * np.exp(-point[1] * x)])
@@ -114,3 +122,26 @@ def test_columns_are_amended_and_the_last_ones_measured() -> None:
     # Measured at every step, the columns alone would ask for the residual twice a step.
     assert found.iterations >= 3
     assert len(asked) < 3 * found.iterations + 1
+
+
+@pytest.mark.parametrize("wrong_by", [1.0, 0.5, -1.0])
+def test_columns_known_beforehand_only_shorten_the_way(wrong_by: float) -> None:
+    certified = REFERENCE["misra1a"]["certified"]
+    residual, unknowns, columns = _misra(asked := [])
+    known = {key: wrong_by * column for key, column in columns.items()}
+    found = least_squares(residual, unknowns, robust=False, tolerance=1e-12, known=known)
+    assert list(found.values.values()) == pytest.approx(certified, rel=1e-6)
+    assert found.measured
+    if wrong_by == 1.0:
+        other, _, _ = _misra(without := [])
+        least_squares(other, unknowns, robust=False, tolerance=1e-12)
+        assert len(asked) == len(without) - len(unknowns)
+
+
+def test_without_a_last_word_the_columns_are_those_of_the_steps() -> None:
+    residual, unknowns, columns = _misra([])
+    short = least_squares(residual, unknowns, robust=False, iterations=2, known=columns, last_word=False)
+    anew = least_squares(residual, unknowns, robust=False, iterations=2, known=columns)
+    assert short.values == anew.values
+    assert anew.measured and not short.measured
+    assert not np.allclose(short.jacobian, anew.jacobian, rtol=1e-3)
