@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -52,13 +53,12 @@ def fit_model(
         # A driven stage slips at other times where a value is another: what its unknowns do, too.
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
-        result = _fit(model, records, weights, iterations, known, last_word)
+        result = _fit(model, records, weights, iterations, known=known, last_word=last_word)
         return Fitted(model.at(result.values), result, weights)
-    first = fit_model(model, records, weighting(model, records), iterations, last_word=False)
+    first = fit_model(model, records, weighting(model, records), iterations)
     weights = weighting(first.model, records)
-    known = first.columns if first.fit.converged else {}
-    known = {key: column * _rescaled(first.weights, weights) for key, column in known.items()}
-    result = _fit(first.model, records, weights, iterations, known)
+    known = {key: column * _rescaled(first.weights, weights) for key, column in first.columns.items()}
+    result = _fit(first.model, records, weights, iterations, known=known, as_measured=True)
     return Fitted(first.model.at(result.values), result, weights)
 
 
@@ -72,28 +72,21 @@ def _rescaled(before: Weighting, after: Weighting) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _fit(
-    model: Model,
-    records: Sequence[Prepared],
-    weights: Weighting,
-    iterations: int,
-    known: Mapping[str, np.ndarray],
-    last_word: bool = True,
-) -> FitResult:
+def _fit(model: Model, records: Sequence[Prepared], weights: Weighting, iterations: int, **how: Any) -> FitResult:
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
         values = {**model.values, **dict(zip(keys, point.tolist(), strict=True))}
         return weighted_residual(model, records, weights, values)
 
-    return least_squares(residual, model.unknowns, iterations=iterations, known=known, last_word=last_word)
+    return least_squares(residual, model.unknowns, iterations=iterations, **how)
 
 
 def with_columns(fitted: Fitted, records: Sequence[Prepared]) -> Fitted:
     """The fit with what its unknowns do measured where it ended."""
     if fitted.fit.measured:
         return fitted
-    result = _fit(fitted.model, records, fitted.weights, 0, {})
+    result = _fit(fitted.model, records, fitted.weights, 0)
     return replace(fitted, fit=replace(fitted.fit, jacobian=result.jacobian, measured=True))
 
 

@@ -167,7 +167,7 @@ class _Bowl:
 
     Args:
         free: which values move, (p,).
-        norms: of all columns, weighted, (p,).
+        norms: of all columns, (p,).
         normal: of the scaled values, (f, f).
         right: its negative gradient, (f,).
     """
@@ -199,7 +199,7 @@ def _bowl(
     weighted = loss.weights(base)[:, None] * columns
     normal = columns.T @ weighted
     gradient = weighted.T @ base + precision * (point - loss.priors.value)
-    norms = np.sqrt(np.diag(normal))
+    norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
     blocked = ((point <= low) & (gradient > 0)) | ((point >= high) & (gradient < 0))
     free = (norms > 0.0) & ~blocked
     if not free.any():
@@ -226,6 +226,7 @@ def least_squares(
     iterations: int = 25,
     tolerance: float = 1e-5,
     known: Mapping[str, np.ndarray] | None = None,
+    as_measured: bool = False,
     last_word: bool = True,
 ) -> FitResult:
     """Levenberg-Marquardt within bounds on a weighted residual, with Huber weights renewed at every step.
@@ -243,6 +244,7 @@ def least_squares(
         iterations: at most so many accepted or refused steps.
         tolerance: relative change of cost at which it stops.
         known: columns (n,) of the residual's differences by key, as they were at a point near the start.
+        as_measured: they are those of the start itself.
         last_word: measure the columns that are returned anew; without, they are as the steps left them.
     """
     point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
@@ -254,7 +256,7 @@ def least_squares(
     def loss_here() -> _Loss:
         return _Loss(robust_scale(base) if robust else np.inf, priors)
 
-    columns, measured = jacobian(function, point, base, unknowns, known), not known
+    columns, measured = jacobian(function, point, base, unknowns, known), as_measured or not known
     dead = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
     damping, accepted, left = 1e-4, 0, iterations if unknowns else 0
     converged = not unknowns
