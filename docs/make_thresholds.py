@@ -57,6 +57,7 @@ CONSTANTS = (
     (case_fit, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
     (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
     (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
+    (verdict_limits, "NEARLY_ALL_OF_TWO", "share of two from which what they leave may follow the position"),
     (verdict_limits, "AT_STARTS", "effects that an error in the time of a start looks like"),
     (verdict_limits, "AT_REVERSALS", "effects that an error in the time of a reversal looks like"),
     (intervals, "BLOCKS_PER_RECORD", "blocks of time per record behind an interval"),

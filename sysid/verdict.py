@@ -27,6 +27,7 @@ from sysid.verdict_limits import (
     LEAST_SIGNIFICANCE,
     MOST_OF_IT,
     MUCH_OF_IT,
+    NEARLY_ALL_OF_TWO,
     NEARLY_NOISE,
     NOISE_ALONE,
     NOTHING_ABOVE,
@@ -268,9 +269,11 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     patterns = evidence.patterns_left(pair.model)
     pattern_left = max(patterns.values(), default=0.0)
     own = {name for effect in pair.effects for name in effect.coordinates if len(effect.coordinates) == 1}
-    bent_together = any(patterns.get(name, 0.0) >= BENT_TOGETHER for name in own & set(BENT))
+    some_left = rest < NEARLY_ALL_OF_TWO
+    bent_together = some_left and any(patterns.get(name, 0.0) >= BENT_TOGETHER for name in own & set(BENT))
     # A straight pull and something beside it are what a curved one looks like.
-    bent |= bool(RESTORING & set(pair.names)) and patterns.get("position", 0.0) >= BENT["position"]
+    pulled = some_left and bool(RESTORING & set(pair.names))
+    bent |= pulled and patterns.get("position", 0.0) >= BENT["position"]
     quiet = rest >= SHARE_ENOUGH and pattern_left < (min(BENT.values()) if bent else LEAST_PATTERN_LEFT)
     silent = rest >= SHARE_OF_A_PART and evidence.pattern >= LEAST_PATTERN > pattern_left
     much = not bent and not bent_together and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)

@@ -76,3 +76,13 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     kept = trial_of(case, base, tried)
     assert kept is not None
     assert found.error < 1.1 < 1.5 < kept.error
+
+
+def test_a_wave_of_the_friction_and_a_pull_are_two_though_the_wave_is_no_sine(tmp_path: Path) -> None:
+    # The generator's wave has overtones: what the two leave follows the position, as it does where one pull is curved.
+    effects = ("position_dependent_friction", "gravity_torque")
+    plan = Plan("velocity-drive", effects, "strong", rows=5000)
+    make_case(plan, np.random.default_rng(6)).write(tmp_path)
+    found = diagnose(tmp_path)
+    assert found.verdict == "missing-effect"
+    assert found.effect in effects
