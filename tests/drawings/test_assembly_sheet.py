@@ -38,6 +38,8 @@ from stagecad.solids.made_assembly import shapes_of
 
 ROOT = Path(__file__).parents[2]
 
+pytestmark = pytest.mark.xdist_group("assembly sheet")
+
 
 @pytest.fixture(scope="module")
 def shown(machine: Machine, design: Design) -> Callable[..., Picture]:

@@ -23,7 +23,7 @@ from sysid.trials import trial_of, try_all
 @pytest.mark.parametrize(
     "rig,effect,seed",
     [
-        ("spring-pull", "presliding", 2),
+        pytest.param("spring-pull", "presliding", 2, marks=pytest.mark.slow),
         ("force-drive", "dwell_strengthening", 3),
         ("force-drive", "flexible_mode", 4),
         ("velocity-drive", "bristle_damping", 7),

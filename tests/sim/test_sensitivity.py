@@ -128,9 +128,10 @@ def column(names, values, name, share=1e-5):
             {"dwell_strengthening.memory_length": 1e-4},
             marks=pytest.mark.slow,
         ),
-        (
+        pytest.param(
             ["lugre_causal", "stribeck", "position_dependent_friction", "run_in", "direction_asymmetry"],
             {"direction_asymmetry.viscous": 0.1, "run_in.distance": 0.05},
+            marks=pytest.mark.slow,
         ),
         (["coulomb", "viscous", "quadratic_drag", "cable_spring", "load_dependent_friction"], {}),
     ],

@@ -12,6 +12,8 @@ from stagecad.solids.cache import Store
 from stagecad.solids.interference import Meeting, clashes, make_meetings, meetings
 from stagecad.solids.machine import Machine
 
+pytestmark = pytest.mark.xdist_group("interference")
+
 
 @pytest.fixture(scope="module")
 def found(machine: Machine, design: Design, store: Store) -> list[Meeting]:
