@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from sysid.fit import FitResult, least_squares
+from sysid.fit import FitResult, ResidualFunction, jacobian, least_squares
 from sysid.friction_drive import FrictionDriveRecord
 from sysid.misfit import Weighting, huber_square, weighted_residual, weighting
 from sysid.model import Model, Prepared
@@ -53,12 +52,15 @@ def fit_model(
         # A driven stage slips at other times where a value is another: what its unknowns do, too.
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
-        result = _fit(model, records, weights, iterations, known=known, last_word=last_word)
+        residual = _residual_of(model, records, weights)
+        result = least_squares(residual, model.unknowns, iterations=iterations, known=known, last_word=last_word)
         return Fitted(model.at(result.values), result, weights)
     first = fit_model(model, records, weighting(model, records), iterations)
     weights = weighting(first.model, records)
-    known = {key: column * _rescaled(first.weights, weights) for key, column in first.columns.items()}
-    result = _fit(first.model, records, weights, iterations, known=known, as_measured=True)
+    rescaled = _rescaled(first.weights, weights)
+    known = {key: column * rescaled for key, column in first.columns.items()}
+    residual = _residual_of(first.model, records, weights)
+    result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, as_measured=True)
     return Fitted(first.model.at(result.values), result, weights)
 
 
@@ -72,22 +74,25 @@ def _rescaled(before: Weighting, after: Weighting) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _fit(model: Model, records: Sequence[Prepared], weights: Weighting, iterations: int, **how: Any) -> FitResult:
+def _residual_of(model: Model, records: Sequence[Prepared], weights: Weighting) -> ResidualFunction:
+    """The weighted residual (n,) of a model at a point (p,) of its unknowns."""
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
         values = {**model.values, **dict(zip(keys, point.tolist(), strict=True))}
         return weighted_residual(model, records, weights, values)
 
-    return least_squares(residual, model.unknowns, iterations=iterations, **how)
+    return residual
 
 
 def with_columns(fitted: Fitted, records: Sequence[Prepared]) -> Fitted:
     """The fit with what its unknowns do measured where it ended."""
     if fitted.fit.measured:
         return fitted
-    result = _fit(fitted.model, records, fitted.weights, 0)
-    return replace(fitted, fit=replace(fitted.fit, jacobian=result.jacobian, measured=True))
+    point = np.array([fitted.fit.values[key] for key in fitted.fit.keys])
+    residual = _residual_of(fitted.model, records, fitted.weights)
+    columns = jacobian(residual, point, fitted.fit.residual, fitted.model.unknowns)
+    return replace(fitted, fit=replace(fitted.fit, jacobian=columns, measured=True))
 
 
 def ranking_error(residual: np.ndarray) -> float:

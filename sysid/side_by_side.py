@@ -7,7 +7,6 @@ is done here, one piece after the other: the result is the same.
 from __future__ import annotations
 
 import contextlib
-import fcntl
 import io
 import os
 import pickle
@@ -63,7 +62,7 @@ def side_by_side(
     answers: dict[int, Answer] = {}
     waited_for: list[_Child] = []
     # A process for every processor: threads of linear algebra on top of them would wait for one another.
-    alone = threadpool_limits(1 if count > 1 else None, user_api="blas")
+    one_thread = threadpool_limits(1, user_api="blas") if count > 1 else None
     try:
         for _ in range(1, count):
             child = _begun(work, items, turns, known)
@@ -84,8 +83,9 @@ def side_by_side(
             _reaped(child)
         raise
     finally:
-        alone.restore_original_limits()
         turns.close()
+        if one_thread is not None:
+            one_thread.restore_original_limits()
     return [answers[i] if i in answers else work(items[i]) for i in range(len(items))]
 
 
@@ -161,8 +161,7 @@ def _begun(
         return None
     if number:
         os.close(into)
-        with contextlib.suppress(OSError, AttributeError):
-            fcntl.fcntl(out, fcntl.F_SETPIPE_SZ, AT_ONCE)
+        _widen(out)
         return _Child(number, out)
     status = 1
     try:
@@ -178,6 +177,15 @@ def _begun(
     finally:
         # Not one line of the caller's clean-up is this process's.
         os._exit(status)
+
+
+def _widen(pipe: int) -> None:
+    """Let a pipe hold as much as an answer takes, or what the system allows: else it is read in a thousand pieces."""
+    # Not to be had where nothing is forked.
+    import fcntl
+
+    with contextlib.suppress(OSError):
+        fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, AT_ONCE)
 
 
 def _finished(child: _Child, known: dict[int, object]) -> dict[int, Any]:
