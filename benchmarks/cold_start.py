@@ -20,8 +20,8 @@ import time
 begin = time.perf_counter()
 import numpy as np
 from sim import drive
-from sim.model import compose
-from sim.simulation import simulate
+from sim.library.model import compose
+from sim.integration.simulate import simulate
 pull = drive.pulled_spring([0.0, 20.0], [0.0, 2.0], 2.0)
 run = simulate(compose(["lugre_causal", "stribeck", "viscous"]), pull, np.linspace(0.0, 20.0, 20001))
 print(time.perf_counter() - begin, run.position[-1])

@@ -60,12 +60,12 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     Of a part, with its STEP AP242 file, shared evenly among its sheets. Of the whole machine, with the pictures it
     shows, one after the other, and with the pictures there.
     """
-    from drawings.made_pictures import PICTURES, make_picture
-    from drawings.made_sheets import draw_part, draw_whole
+    from drawings.artefacts.pictures import PICTURES, make_picture
+    from drawings.artefacts.sheets import draw_part, draw_whole
     from stagecad.parameters.design import load_design
-    from stagecad.solids.cache import Store
-    from stagecad.solids.made_part import make_part
-    from stagecad.solids.registry import ASSEMBLY, MADE, part_names
+    from stagecad.solids.artefacts.part import make_part
+    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
     from workbench.commands.drawings import procedure_values
 
     design = load_design()
@@ -105,12 +105,12 @@ def clocked(runs: int) -> dict[str, float]:
     Two processes work as those of the command do, the pictures first, then the sheet.
     In their first round they load what is loaded late; the best of the others counts.
     """
-    from drawings.made_pictures import PICTURES
-    from drawings.workers import run_tasks
+    from drawings.artefacts.pictures import PICTURES
+    from drawings.artefacts.workers import run_tasks
     from stagecad.parameters.design import load_design
-    from stagecad.solids.cache import Store
-    from stagecad.solids.made_part import make_part
-    from stagecad.solids.registry import part_names
+    from stagecad.solids.artefacts.part import make_part
+    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.modelling.registry import part_names
     from workbench.commands.drawings import procedure_values
 
     times: dict[str, float] = {}
@@ -141,12 +141,12 @@ def clocked(runs: int) -> dict[str, float]:
 
 def one_of(folder: str, name: str, late: bool) -> None:
     """A picture of the machine, or its sheet, as `clocked` names it."""
-    from drawings.made_pictures import make_picture
-    from drawings.made_sheets import draw_whole
+    from drawings.artefacts.pictures import make_picture
+    from drawings.artefacts.sheets import draw_whole
     from stagecad.parameters.design import load_design
-    from stagecad.solids.cache import Store
-    from stagecad.solids.made_part import make_part
-    from stagecad.solids.registry import part_names
+    from stagecad.solids.artefacts.part import make_part
+    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.modelling.registry import part_names
     from workbench.commands.drawings import procedure_values
 
     place, _, picture = name.partition("/")
@@ -164,13 +164,13 @@ def rendering_seconds(runs: int) -> tuple[float, float]:
     from ezdxf.addons.drawing.frontend import Frontend
     from ezdxf.addons.drawing.properties import RenderContext
 
-    from drawings.document import document_of
-    from drawings.export import render
-    from drawings.made_sheets import describe
-    from drawings.part_sheets import sheets_of
+    from drawings.artefacts.sheets import describe
+    from drawings.export.document import document_of
+    from drawings.export.render import render
+    from drawings.sheets.part import sheets_of
     from stagecad.parameters.design import load_design
-    from stagecad.solids.cache import Store
-    from stagecad.solids.made_part import make_part
+    from stagecad.solids.artefacts.part import make_part
+    from stagecad.solids.artefacts.store import Store
 
     design = load_design()
     with tempfile.TemporaryDirectory() as folder:

@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "hidden_effect")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect")]
 
 from benchmarks.result_table import Names, table  # noqa: E402
 from benchmarks.scoring import (  # noqa: E402
@@ -52,7 +52,7 @@ def _in_process(command: list[str]) -> dict[str, Any]:
     """The command's document, by calling the program inside this process."""
     if command[0] == "diagnose" and importlib.util.find_spec("workbench.commands.diagnose") is None:
         from sysid.diagnose import diagnose
-        from sysid.document import diagnosis_json
+        from sysid.report import diagnosis_json
 
         return diagnosis_json(diagnose(command[1]))
     from workbench.cli import run

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "hidden_effect")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect")]
 
 RIGS = {
     "velocity-drive": "stribeck",
@@ -36,9 +36,9 @@ ASKED_ROWS, ASKED_RANKING, ASKED_DIAGNOSIS, ASKED_MEGABYTES = 20000, 3.0, 10.0, 
 RANK = """
 import json, sys
 from time import perf_counter, process_time
-from sysid.case import load_case
-from sysid.case_fit import fit_case
-from sysid.trials import looks_on
+from sysid.prediction.problem import load_case
+from sysid.estimation.reference_fit import fit_case
+from sysid.diagnosis.trials import looks_on
 case = load_case(sys.argv[1])
 base = fit_case(case)
 clock, processor = perf_counter(), process_time()

@@ -14,7 +14,8 @@ import time
 
 import numpy as np
 
-from sim import compose, drive, simulate
+from sim import compose, simulate
+from sim.integration import drive
 
 EFFECTS = (
     *("lugre_causal", "viscous", "stribeck", "constant_bias", "cable_spring", "quadratic_drag", "run_in"),

@@ -12,8 +12,8 @@ import time
 
 import numpy as np
 
-from sim import drive
-from sim.draws import simulate_draws
+from sim.integration import drive
+from sim.integration.draws import simulate_draws
 
 DRAWS = 1000
 TIME = np.linspace(0.0, 20.0, 2001)

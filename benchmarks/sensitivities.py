@@ -3,11 +3,11 @@
     python -m benchmarks.sensitivities
 
 The record: 200 000 rows at 10 kHz of a mass on a spring whose other end was pulled at an uneven speed, as an encoder
-logged it: linear between rows. Ours is one pass, `sim.sensitivity`. The peer solves the same equations in compiled code
-by scipy's LSODA, once for the residual and once for each parameter, moved by a millionth. Both are given what suits
-them best of one ladder of tolerances (1, 2 and 5 to the decade) that keeps the position within 1e-6 m; the peer also
-the best longest step: one row, so that it meets every corner of the input, or more, or none. Its one solution is timed,
-and counted as often as it would be needed. Processor time, the median of several runs taken in turn.
+logged it: linear between rows. Ours is one pass, `sim.integration.sensitivity`. The peer solves the same equations in
+compiled code by scipy's LSODA, once for the residual and once for each parameter, moved by a millionth. Both are given
+what suits them best of one ladder of tolerances (1, 2 and 5 to the decade) that keeps the position within 1e-6 m; the
+peer also the best longest step: one row, so that it meets every corner of the input, or more, or none. Its one solution
+is timed, and counted as often as it would be needed. Processor time, the median of several runs taken in turn.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from sim import compose, drive, simulate
-from sim.sensitivity import sensitivity
+from sim import compose, simulate
+from sim.integration import drive
+from sim.integration.sensitivity import sensitivity
 
 ROWS = 200_000
 STEP = 1e-4

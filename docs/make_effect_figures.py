@@ -13,9 +13,9 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from sim.effect import Axis, Effect
-from sim.library import library
-from sim.model import Model, compose
+from sim.library.catalogue import library
+from sim.library.effect import Axis, Effect
+from sim.library.model import Model, compose
 from stagecad.parameters.atomic import atomic_write_text
 
 mpl.use("svg")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim.effect import Effect, Parameter
-from sim.library import library
+from sim.library.catalogue import library
+from sim.library.effect import Effect, Parameter
 from stagecad.parameters.atomic import atomic_write_text
 
 PAGE = Path(__file__).parent / "effects.md"

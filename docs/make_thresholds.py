@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
-from sysid import case_fit, intervals, misfit, verdict_limits
+from sysid.diagnosis import verdict_limits
+from sysid.estimation import covariance, misfit, reference_fit
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
@@ -54,13 +55,13 @@ CONSTANTS = (
         "standard errors that are enough for an effect that takes `MOST_OF_IT` of all",
     ),
     (verdict_limits, "MORE_IS_MISSING", "ranking error beside which effects that gain the same to 1 % are a tie"),
-    (case_fit, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
+    (reference_fit, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
     (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
     (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
     (verdict_limits, "NEARLY_ALL_OF_TWO", "share of two from which what they leave may follow the position"),
     (verdict_limits, "AT_STARTS", "effects that an error in the time of a start looks like"),
     (verdict_limits, "AT_REVERSALS", "effects that an error in the time of a reversal looks like"),
-    (intervals, "BLOCKS_PER_RECORD", "blocks of time per record behind an interval"),
+    (covariance, "BLOCKS_PER_RECORD", "blocks of time per record behind an interval"),
 )
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from sysid.case import Case, load_case
-from sysid.case_fit import BaseFit, fit_case
-from sysid.experiment import DesignValues
-from sysid.misfit import ChannelMisfit, misfit
-from sysid.residual_maps import ResidualMap, residual_maps
+from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
+from sysid.estimation.misfit import ChannelMisfit, misfit
+from sysid.estimation.reference_fit import BaseFit, fit_case
+from sysid.experiment.experiment import DesignValues
+from sysid.prediction.problem import Case, load_case
 
 
 @dataclass(frozen=True)

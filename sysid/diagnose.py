@@ -6,23 +6,29 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-from sysid.base_fit import ranking_error
-from sysid.candidates import Candidate
-from sysid.case import Case, load_case
-from sysid.case_fit import BaseFit, fit_case
-from sysid.coarse_steps import coarse_steps
-from sysid.evidence import Evidence, is_worthwhile, misfits_of
-from sysid.experiment import DesignValues
-from sysid.ladder_files import read_ladder
-from sysid.misfit import ChannelMisfit, excess, misfit
-from sysid.model import base_name
-from sysid.pairs import searched_again
-from sysid.residual_maps import ResidualMap, against_time, residual_maps
-from sysid.ringing import ringing, seen_by_the_balance, with_ringing
-from sysid.swaps import Swap, find_swaps
-from sysid.trials import Progress, Search, Trial, explained_share, one_per_family, trial_of, try_all
-from sysid.verdict import EXPLAINS_ALL, Verdict, verdict_on
-from sysid.verdict_limits import ADEQUATE_OVER_NOISE, HARDLY_MORE, LEAST_TEXTURE, NEARLY_NOISE, SHARE_OF_A_PART
+from sysid.diagnosis.evidence import Evidence, is_worthwhile, misfits_of
+from sysid.diagnosis.pairs import searched_again
+from sysid.diagnosis.quantised_channel import coarse_steps
+from sysid.diagnosis.residual_maps import ResidualMap, against_time, residual_maps
+from sysid.diagnosis.structural_modes import ringing, seen_by_the_balance, with_ringing
+from sysid.diagnosis.swaps import Swap, find_swaps
+from sysid.diagnosis.trials import Progress, Search, Trial, explained_share, one_per_family, trial_of, try_all
+from sysid.diagnosis.verdict import EXPLAINS_ALL, Verdict, verdict_on
+from sysid.diagnosis.verdict_limits import (
+    ADEQUATE_OVER_NOISE,
+    HARDLY_MORE,
+    LEAST_TEXTURE,
+    NEARLY_NOISE,
+    SHARE_OF_A_PART,
+)
+from sysid.estimation.base_fit import ranking_error
+from sysid.estimation.misfit import ChannelMisfit, excess, misfit
+from sysid.estimation.reference_fit import BaseFit, fit_case
+from sysid.estimation.screening import Candidate
+from sysid.experiment.experiment import DesignValues
+from sysid.experiment.history import read_ladder
+from sysid.prediction.model import base_name
+from sysid.prediction.problem import Case, load_case
 
 
 @dataclass(frozen=True)

@@ -9,24 +9,24 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from sim.library import find
+from sim.library.catalogue import find
 from stagecad.parameters.errors import InputError, nearest
-from sysid.base_fit import Fitted, fit_model
-from sysid.candidate_list import candidates_of, shows_on
-from sysid.candidates import try_effect
-from sysid.case import Case, load_case, make_case
-from sysid.case_fit import BaseFit, best_laws, clearly_better, fit_case, holds_better, open_laws
-from sysid.document import both_json, noise_json, parameter_unit, parameters_json
-from sysid.driven_stage_valleys import lowest_valley
-from sysid.experiment import DesignValues, Experiment
-from sysid.intervals import intervals
-from sysid.ladder_files import Rung, append_rung, edited_by_hand, read_ladder
-from sysid.linear_scores import target_of
-from sysid.misfit import ChannelMisfit, misfit, weighted_residual, weighting
-from sysid.model import Model, base_name
-from sysid.pairs import added_anew
-from sysid.ringing import ringing, seen_by_the_balance, with_ringing
-from sysid.starts import without_law
+from sysid.diagnosis.pairs import added_anew
+from sysid.diagnosis.structural_modes import ringing, seen_by_the_balance, with_ringing
+from sysid.estimation.base_fit import Fitted, fit_model
+from sysid.estimation.covariance import intervals
+from sysid.estimation.driven_stage_minima import lowest_valley
+from sysid.estimation.misfit import ChannelMisfit, misfit, weighted_residual, weighting
+from sysid.estimation.reference_fit import BaseFit, best_laws, clearly_better, fit_case, holds_better, open_laws
+from sysid.estimation.score_test import target_of
+from sysid.estimation.screening import try_effect
+from sysid.estimation.starting_points import without_law
+from sysid.experiment.experiment import DesignValues, Experiment
+from sysid.experiment.history import Rung, append_rung, edited_by_hand, read_ladder
+from sysid.prediction.model import Model, base_name
+from sysid.prediction.observable import candidates_of, shows_on
+from sysid.prediction.problem import Case, load_case, make_case
+from sysid.report import both_json, noise_json, parameter_unit, parameters_json
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,36 @@
-"""What tests of several folders share."""
+"""Fixtures that tests of several folders share."""
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import pytest
+
+from stagecad.parameters.design import Design, load_design
+
+
+@pytest.fixture(scope="session")
+def design() -> Design:
+    return load_design()
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory: pytest.TempPathFactory):
+    """The artefact store of the session: each solid is made once, by the worker that needs it first."""
+    from stagecad.solids.artefacts.store import Store
+
+    base = tmp_path_factory.getbasetemp()
+    # The workers of one session have sibling folders: the store stands in their parent.
+    shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
+    return Store(Path(shared) / "solids_cache")
+
+
+@pytest.fixture(scope="session")
+def machine(design: Design, store):
+    from stagecad.solids.assembly.machine import make_machine
+
+    return make_machine(design, store)
 
 
 @pytest.fixture(scope="session")

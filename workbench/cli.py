@@ -8,12 +8,12 @@ if TYPE_CHECKING:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run one command line (without the program's name) and return its exit status, as `workbench.command_line` says.
+    """Run one command line (without the program's name) and return its exit status, as `workbench.dispatch` says.
 
     Ctrl-C at any moment: `stopped`, and 130.
     """
     try:
-        from workbench.command_line import run_line
+        from workbench.dispatch import run_line
 
         return run_line(arguments)
     except KeyboardInterrupt:

@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING
 
 from designcalc.checks import (
     actuator,
+    alternatives,
     budget,
-    candidates,
     contact,
     drive,
-    heat,
     height,
     layout,
     pads,
     sensing,
-    smooth,
+    smoothness,
     teeth,
+    thermal,
     ways,
     wear,
 )
 from designcalc.checks.check import Check, Input, Verdict
-from designcalc.checks.reading import Reading, Weighed
+from designcalc.checks.inputs import Reading, Weighed
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,13 +38,13 @@ SUBJECTS: dict[str, Callable[[Reading], Iterator[partial[Check]]]] = {
     "friction drive": drive.checks,
     "piezo actuator": actuator.checks,
     "sliding bearing": pads.checks,
-    "smoothness": smooth.checks,
+    "smoothness": smoothness.checks,
     "wear and heat of the pads": wear.checks,
-    "heat and surroundings": heat.checks,
+    "heat and surroundings": thermal.checks,
     "sensors": sensing.checks,
     "height adjustment": height.checks,
     "layout": layout.checks,
-    "candidates": candidates.checks,
+    "candidates": alternatives.checks,
     "error budget": budget.checks,
 }
 """Checks by subject, in the order of the report."""

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, over, show
 from designcalc.checks.machine import (
     PIEZOS,
     moved_mass,
@@ -17,9 +18,8 @@ from designcalc.checks.machine import (
     usable_ellipse,
     weight,
 )
-from designcalc.checks.reading import Reading, over, show
-from designcalc.friction_drive import frequency_for, resonance, stack_current, stack_heat
-from designcalc.piezo_stack import drive_pull, side_load, stack_tension, tilt_stress
+from designcalc.drive.friction_drive import frequency_for, resonance, stack_current, stack_heat
+from designcalc.drive.piezo_stack import drive_pull, side_load, stack_tension, tilt_stress
 
 _ACTUATOR = "Table 2: actuator"
 

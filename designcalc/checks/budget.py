@@ -9,8 +9,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.bolted_rail import total_stiffness
+from designcalc.bearing.bolted_rail import total_stiffness
+from designcalc.bearing.sliding import averaged_roughness
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
 from designcalc.checks.machine import (
     film,
     heaviest_pad,
@@ -21,12 +23,10 @@ from designcalc.checks.machine import (
     tip_load,
     weight,
 )
-from designcalc.checks.reading import Reading, show
-from designcalc.error_budget import Contribution, budget
-from designcalc.friction_drive import resonance
-from designcalc.sensors import filtered_noise
-from designcalc.sliding_bearing import averaged_roughness
-from designcalc.thermal import vibration_at_tip
+from designcalc.drive.friction_drive import resonance
+from designcalc.errors.error_budget import Contribution, budget
+from designcalc.errors.sensors import filtered_noise
+from designcalc.errors.thermal import vibration_at_tip
 
 Array = NDArray[np.float64]
 AXES = {"along": 0, "across": 1, "normal": 2}

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
 from designcalc.checks.machine import stack_stiffness, stroke_ellipse, tip_contact, tip_load
-from designcalc.checks.reading import Reading, show
-from designcalc.hertz_stress import edge_tension, peak_mises, point_shear_peak
+from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
 

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
 from designcalc.checks.machine import (
     PIEZOS,
     pads,
@@ -18,8 +19,7 @@ from designcalc.checks.machine import (
     usable_ellipse,
     weight,
 )
-from designcalc.checks.reading import Reading, show
-from designcalc.friction_drive import (
+from designcalc.drive.friction_drive import (
     GRAVITY,
     acceleration_limit,
     frequency_for,

@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from designcalc.bearing.fastener import preload_of_torque
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
 from designcalc.checks.machine import stroke_ellipse
-from designcalc.checks.reading import Reading, show
-from designcalc.fastener import preload_of_torque
-from designcalc.height_adjustment import WedgeDrive, clamp_shift, wedge_drive
+from designcalc.drive.height_adjustment import WedgeDrive, clamp_shift, wedge_drive
 from stagecad.parameters.errors import InputError
 
 

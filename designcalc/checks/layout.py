@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from designcalc.checks.check import Check
-from designcalc.checks.reading import Reading, show
+from designcalc.checks.inputs import Reading, show
 
 _SECTION = "thesis 2.2, 'other pertinent issues'"
 

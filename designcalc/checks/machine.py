@@ -7,13 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.bolted_rail import Rail
-from designcalc.checks.reading import Reading
-from designcalc.friction_drive import GRAVITY, TipEllipse, piezo_stiffness, resonance, tip_ellipse
-from designcalc.hertz import PointContact, contact_modulus, point_contact, tangential_stiffness
-from designcalc.magnetic_teeth import MagnetCircuit, MagnetWorkingPoint, TeethField, teeth_field, working_point
-from designcalc.piezo_stack import rocking_stiffness, tip_inertia
-from designcalc.sliding_bearing import (
+from designcalc.bearing.bolted_rail import Rail
+from designcalc.bearing.sliding import (
     FilmContact,
     PadStiffness,
     confined_modulus,
@@ -21,6 +16,11 @@ from designcalc.sliding_bearing import (
     pad_loads,
     pad_stiffness,
 )
+from designcalc.checks.inputs import Reading
+from designcalc.contact.hertz import PointContact, contact_modulus, point_contact, tangential_stiffness
+from designcalc.drive.friction_drive import GRAVITY, TipEllipse, piezo_stiffness, resonance, tip_ellipse
+from designcalc.drive.magnetic_teeth import MagnetCircuit, MagnetWorkingPoint, TeethField, teeth_field, working_point
+from designcalc.drive.piezo_stack import rocking_stiffness, tip_inertia
 
 Array = NDArray[np.float64]
 

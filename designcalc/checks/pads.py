@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
 from designcalc.checks.machine import film, heaviest_pad, pad_forces, pads_stiffness, weight
-from designcalc.checks.reading import Reading, show
-from designcalc.friction_drive import GRAVITY
+from designcalc.drive.friction_drive import GRAVITY
 
 _FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
 

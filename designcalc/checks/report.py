@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from designcalc.checks.alternatives import Candidate
 from designcalc.checks.budget import Budget
-from designcalc.checks.candidates import Candidate
 from designcalc.checks.check import Check
 from stagecad.parameters.quantities import format_quantity
 

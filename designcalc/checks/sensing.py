@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from functools import partial
 
 from designcalc.checks.check import Check
-from designcalc.checks.reading import Reading, over, show
-from designcalc.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
+from designcalc.checks.inputs import Reading, over, show
+from designcalc.errors.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
 
 _DATASHEET = "thesis 2.3.4, data sheets"
 

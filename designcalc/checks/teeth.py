@@ -10,9 +10,9 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
 from designcalc.checks.machine import TeethWork, normal_stiffness, teeth
-from designcalc.checks.reading import Reading, show
-from designcalc.magnetic_teeth import teeth_field, working_point
+from designcalc.drive.magnetic_teeth import teeth_field, working_point
 
 _FIELD = "field of one cell by mode matching (K_x = -d2W/dx2, K_z = d2W/de2)"
 CIRCUITS = 2  # one pocket with its magnet over each of the two bars

@@ -6,11 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from designcalc.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
-from designcalc.checks.check import Check
-from designcalc.checks.machine import moved_mass, rail
-from designcalc.checks.reading import Reading, show
-from designcalc.fastener import (
+from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
+from designcalc.bearing.fastener import (
     UnifiedThread,
     head_pressure,
     preload_of_torque,
@@ -18,7 +15,10 @@ from designcalc.fastener import (
     strip_area_of_bed,
     strip_area_of_screw,
 )
-from designcalc.thermal import preload_change
+from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
+from designcalc.checks.machine import moved_mass, rail
+from designcalc.errors.thermal import preload_change
 
 _APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
 

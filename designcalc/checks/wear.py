@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
+from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
 from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, over, show
 from designcalc.checks.machine import heaviest_pad, weight
-from designcalc.checks.reading import Reading, over, show
-from designcalc.sliding_bearing import crown_wear_depth, crown_wear_distance, friction_heat
 
 
 def checks(r: Reading) -> Iterator[partial[Check]]:

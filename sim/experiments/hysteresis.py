@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim import drive
 from sim.experiments.friction_models import MOST_STEPS, Friction
-from sim.simulation import Simulation, simulate
+from sim.integration import drive
+from sim.integration.simulate import Simulation, simulate
 
 AMPLITUDE = 1e-3
 LEVEL = 1e-3

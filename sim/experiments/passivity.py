@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.drive import Drive
 from sim.experiments.friction_models import MOST_STEPS, Friction
-from sim.simulation import Simulation, simulate
+from sim.integration.drive import Drive
+from sim.integration.simulate import Simulation, simulate
 
 SPEED = 0.2
 START_FREQUENCY = 2.0 * math.pi * 500.0

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim import drive
 from sim.experiments.friction_models import MOST_STEPS, Friction
-from sim.simulation import Simulation, simulate
+from sim.integration import drive
+from sim.integration.simulate import Simulation, simulate
 
 SHARE = 0.95
 """Peak of the force, as a share of the static friction (thesis: 1.425 N of 1.5 N)."""

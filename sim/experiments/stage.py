@@ -10,15 +10,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from sim.stage.coupling import coupling_study
-from sim.stage.ellipse_search import ellipse_search
-from sim.stage.hunting import hunting_study
 from sim.stage.machine import StageMachine
-from sim.stage.planar import planar_study
-from sim.stage.positioning import positioning_study
-from sim.stage.speed import speed_study
-from sim.stage.steps import step_study
-from sim.stage.travel_map import travel_map
+from sim.stage.studies.coupling import coupling_study
+from sim.stage.studies.ellipse import ellipse_search
+from sim.stage.studies.hunting import hunting_study
+from sim.stage.studies.planar import planar_study
+from sim.stage.studies.positioning import positioning_study
+from sim.stage.studies.speed import speed_study
+from sim.stage.studies.steps import step_study
+from sim.stage.studies.travel_map import travel_map
 
 RunAll = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.tip_kinematics import tip_position
+from sim.experiments.tip_kinematics import tip_position
 from stagecad.parameters.errors import InputError
 
 FREQUENCY = math.pi

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from sim.stage.kernel import ELEMENTS
+from sim.stage.dynamics import ELEMENTS
 from sim.stage.machine import StageMachine
-from sim.stage.piezo_response import LAGS, PLAYS, piezo_response
+from sim.stage.piezo import LAGS, PLAYS, piezo_response
 from sim.stage.slip_elements import mindlin, parabola, slip_elements
 from sim.stage.state import Constants, State
 from sim.stage.statics import Rest, contact_depth

@@ -98,13 +98,13 @@ class StageRun:
         return np.diff(self.position[ends], axis=0)[0] / float(np.diff(self.time[ends])[0])
 
     def _actuator(self, actuator: int) -> np.ndarray:
-        from sim.stage.kernel import HEAD, PER_ACTUATOR
+        from sim.stage.dynamics import HEAD, PER_ACTUATOR
 
         at = HEAD + PER_ACTUATOR * actuator
         return self.rows[:, at : at + PER_ACTUATOR]
 
     def _pad(self, pad: int) -> np.ndarray:
-        from sim.stage.kernel import HEAD, PER_ACTUATOR, PER_PAD
+        from sim.stage.dynamics import HEAD, PER_ACTUATOR, PER_PAD
 
         at = HEAD + PER_ACTUATOR * len(self.machine.actuators) + PER_PAD * pad
         return self.rows[:, at : at + PER_PAD]
@@ -112,6 +112,6 @@ class StageRun:
 
 def columns(machine: StageMachine) -> int:
     """Number of columns of a row."""
-    from sim.stage.kernel import HEAD, PER_ACTUATOR, PER_PAD
+    from sim.stage.dynamics import HEAD, PER_ACTUATOR, PER_PAD
 
     return HEAD + PER_ACTUATOR * len(machine.actuators) + PER_PAD * len(machine.pads.places)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.simulation import SimulationError
+from sim.integration.simulate import SimulationError
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun, columns
 from sim.stage.statics import Rest
@@ -67,7 +67,7 @@ class StageSimulation:
         Raises:
             SimulationError: a number that is not finite.
         """
-        from sim.stage.kernel import advance
+        from sim.stage.dynamics import advance
 
         rows = np.empty((commands.shape[0] // stride, columns(self.machine)))
         advance(self.constants, self.state, np.ascontiguousarray(commands, dtype=float), rows, stride)

@@ -15,24 +15,24 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, get_type_hints
 
-from stagecad.parameters import candidate_tables, hardware_tables, part_tables, physics_tables
 from stagecad.parameters.derived import COMPUTED, Derived
 from stagecad.parameters.entry import Entry, bounds_text, kept, read_entry, within
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.parameter_file import FileEntry, ParameterFile, parse_parameter_text, read_parameter_file
 from stagecad.parameters.quantities import to_si
-from stagecad.parameters.table import Declaration, declarations
+from stagecad.parameters.schema import Declaration, declarations
+from stagecad.parameters.tables import alternatives, hardware, parts, physics
 
 MATERIALS = "materials"
 
 
 @dataclass(frozen=True)
-class Materials(Mapping[str, physics_tables.Material]):
+class Materials(Mapping[str, physics.Material]):
     """Materials by name."""
 
-    named: tuple[tuple[str, physics_tables.Material], ...]
+    named: tuple[tuple[str, physics.Material], ...]
 
-    def __getitem__(self, name: str) -> physics_tables.Material:
+    def __getitem__(self, name: str) -> physics.Material:
         for known, material in self.named:
             if known == name:
                 return material
@@ -49,38 +49,38 @@ class Materials(Mapping[str, physics_tables.Material]):
 class Design:
     """Every number of the machine. One attribute per table of the parameter file, as the tables declare them."""
 
-    stage: part_tables.Stage
-    pads: part_tables.Pads
-    sea: part_tables.Sea
-    bearing_way: part_tables.BearingWay
-    base: part_tables.Base
-    actuator: physics_tables.Actuator
-    tip: part_tables.Tip
-    holder: part_tables.Holder
-    height_pin_1: part_tables.HeightPin1
-    height_pin_2: part_tables.HeightPin2
-    teeth: part_tables.Teeth
-    tooth_bar: part_tables.ToothBar
-    tooth_iron: part_tables.ToothIron
-    magnet: part_tables.Magnet
-    preload: physics_tables.Preload
-    payload: physics_tables.Payload
-    piezo: hardware_tables.Piezo
-    amplifier: physics_tables.Amplifier
-    screws: hardware_tables.Screws
-    set_screw: hardware_tables.SetScrew
-    spring: hardware_tables.Spring
-    shim: hardware_tables.Shim
-    threads: hardware_tables.Threads
-    making: part_tables.Making
-    drive: physics_tables.Drive
-    bearing: physics_tables.Bearing
-    friction: physics_tables.Friction
-    sensors: physics_tables.Sensors
-    requirements: physics_tables.Requirements
-    environment: physics_tables.Environment
-    candidates: candidate_tables.Candidates
-    drawing: physics_tables.Drawing
+    stage: parts.Stage
+    pads: parts.Pads
+    sea: parts.Sea
+    bearing_way: parts.BearingWay
+    base: parts.Base
+    actuator: physics.Actuator
+    tip: parts.Tip
+    holder: parts.Holder
+    height_pin_1: parts.HeightPin1
+    height_pin_2: parts.HeightPin2
+    teeth: parts.Teeth
+    tooth_bar: parts.ToothBar
+    tooth_iron: parts.ToothIron
+    magnet: parts.Magnet
+    preload: physics.Preload
+    payload: physics.Payload
+    piezo: hardware.Piezo
+    amplifier: physics.Amplifier
+    screws: hardware.Screws
+    set_screw: hardware.SetScrew
+    spring: hardware.Spring
+    shim: hardware.Shim
+    threads: hardware.Threads
+    making: parts.Making
+    drive: physics.Drive
+    bearing: physics.Bearing
+    friction: physics.Friction
+    sensors: physics.Sensors
+    requirements: physics.Requirements
+    environment: physics.Environment
+    candidates: alternatives.Candidates
+    drawing: physics.Drawing
     materials: Materials
     entries: tuple[Entry, ...] = field(repr=False)
     file: str = "thesis.toml"
@@ -130,7 +130,7 @@ class Design:
         name = {"X": "tolerance_x", "X.X": "tolerance_x_x", "X.XX": "tolerance_x_xx"}.get(self.tolerance(key) or "")
         return getattr(self.drawing, name) if name else 0.0
 
-    def material(self, key: str) -> physics_tables.Material:
+    def material(self, key: str) -> physics.Material:
         """Properties of the material that `key` names (`base.material`)."""
         return self.materials[str(self.value(key))]
 
@@ -170,7 +170,7 @@ def schema() -> dict[str, Declaration]:
         for name, declaration in declarations(table).items()
     }
     keys.update(
-        (f"{MATERIALS}.NAME.{name}", declaration) for name, declaration in declarations(physics_tables.Material).items()
+        (f"{MATERIALS}.NAME.{name}", declaration) for name, declaration in declarations(physics.Material).items()
     )
     return keys
 
@@ -180,7 +180,7 @@ def _declaration(key: str, known_materials: Iterable[str]) -> Declaration | None
     if parts[0] == MATERIALS:
         if len(parts) != 3 or parts[1] not in known_materials:
             return None
-        return declarations(physics_tables.Material).get(parts[2])
+        return declarations(physics.Material).get(parts[2])
     return schema().get(key)
 
 
@@ -232,7 +232,7 @@ def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Desig
         written = {**read_parameter_file().entries, **written}
     materials = sorted({key.split(".")[1] for key in written if key.startswith(f"{MATERIALS}.")})
     known = [key for key in schema() if not key.startswith(f"{MATERIALS}.")]
-    properties = declarations(physics_tables.Material)
+    properties = declarations(physics.Material)
     known += [f"{MATERIALS}.{name}.{item}" for name in materials for item in properties]
     for key in written:
         if _declaration(key, materials) is None:
@@ -254,7 +254,7 @@ def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Desig
     _compute(entries, known, file.name)
     design = _build(entries, known, materials, file.name)
     if rules:
-        from stagecad.parameters.rules import require
+        from stagecad.parameters.rules.registry import require
 
         require(design)
     return design
@@ -317,6 +317,6 @@ def _build(entries: Mapping[str, Entry], known: Sequence[str], materials: Sequen
     hints = get_type_hints(Design)
     names = [item.name for item in fields(Design) if item.name not in (MATERIALS, "entries", "file")]
     tables = {name: group(hints[name], name) for name in names}
-    named = tuple((name, table(physics_tables.Material, f"{MATERIALS}.{name}")) for name in materials)
+    named = tuple((name, table(physics.Material, f"{MATERIALS}.{name}")) for name in materials)
     ordered = tuple(entries[key] for key in known)
     return Design(**tables, materials=Materials(named), entries=ordered, file=file)

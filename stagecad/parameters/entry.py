@@ -10,7 +10,7 @@ from typing import Any
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.parameter_file import FileEntry
 from stagecad.parameters.quantities import from_si, parse_uncertain, quoted
-from stagecad.parameters.table import Declaration
+from stagecad.parameters.schema import Declaration
 
 
 @dataclass(frozen=True)

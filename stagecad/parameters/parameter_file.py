@@ -16,7 +16,7 @@ from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.table import TOLERANCE_CLASSES
+from stagecad.parameters.schema import TOLERANCE_CLASSES
 
 PACKAGED = "thesis"
 """Name of the packaged design, for `extends` at the head of a file."""

@@ -7,19 +7,10 @@ import dataclasses
 import numpy as np
 import pytest
 
-from designcalc import (
-    bolted_rail,
-    fastener,
-    friction_drive,
-    height_adjustment,
-    hertz,
-    magnetic_teeth,
-    piezo_stack,
-    porous_air_bearing,
-    sensors,
-    sliding_bearing,
-    thermal,
-)
+from designcalc.bearing import bolted_rail, fastener, porous_air, sliding
+from designcalc.contact import hertz
+from designcalc.drive import friction_drive, height_adjustment, magnetic_teeth, piezo_stack
+from designcalc.errors import sensors, thermal
 from stagecad.parameters.errors import InputError
 
 RAIL = (0.28, 0.01, 0.07, 0.0254, 9.525e-3, 410e9, 141e9, 207e9, 0.14, 10.0)
@@ -63,17 +54,17 @@ CALLS = [
     (piezo_stack.tilt_stress, (3e-4, 36e-3, 25e-6, 50e9)),
     (piezo_stack.rocking_stiffness, (47e6, 46e-3)),
     (piezo_stack.tip_inertia, (0.03, 0.026, 0.02)),
-    (lambda gap: porous_air_bearing.stiffness_of_gap(gap, 5e-6, 90.0, 25.4e-3, 413e3), (4e-6,)),
+    (lambda gap: porous_air.stiffness_of_gap(gap, 5e-6, 90.0, 25.4e-3, 413e3), (4e-6,)),
     (sensors.count_size, (25.4e-3, 12.0)),
     (sensors.filtered_noise, (25e-9, 5e3, 24.0)),
     (sensors.velocity_noise, (6e-6, 1e3)),
     (sensors.lag_error, (0.2, 500.0)),
     (sensors.abbe_error, (0.02, 1e-5)),
     (sensors.cosine_error, (0.2, 1e-4)),
-    (lambda load: sliding_bearing.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),
-    (sliding_bearing.crown_wear_distance, (1e-6, 2.0, 1e-15, 16.0)),
-    (sliding_bearing.crown_wear_depth, (1200.0, 2.0, 1e-15, 16.0)),
-    (sliding_bearing.friction_heat, (0.05, 33.0, 0.2)),
+    (lambda load: sliding.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),
+    (sliding.crown_wear_distance, (1e-6, 2.0, 1e-15, 16.0)),
+    (sliding.crown_wear_depth, (1200.0, 2.0, 1e-15, 16.0)),
+    (sliding.friction_heat, (0.05, 33.0, 0.2)),
     (thermal.differential_growth, (0.28, 4e-6, 1.3e-6)),
     (thermal.bow_of_layers, (0.28, 0.025, 410e9, 4e-6, 0.09, 141e9, 1.3e-6)),
     (thermal.preload_change, (14e-3, 12e-6, 4e-6, 3e8, 3e9)),
@@ -121,9 +112,9 @@ def test_an_array_gives_what_its_elements_give(call, arguments):
         lambda: sensors.velocity_noise(0.0, 1e3),
         lambda: sensors.abbe_error(0.02, 2.0),
         lambda: sensors.cosine_error(-0.2, 0.0),
-        lambda: sliding_bearing.crown_wear_distance(1.0, 2.0, 1e-15, 16.0),
-        lambda: sliding_bearing.friction_heat(-0.1, 1.0, 1.0),
-        lambda: sliding_bearing.film_contact(0.0, 2.0, 2e-6, 1e9, 60e9),
+        lambda: sliding.crown_wear_distance(1.0, 2.0, 1e-15, 16.0),
+        lambda: sliding.friction_heat(-0.1, 1.0, 1.0),
+        lambda: sliding.film_contact(0.0, 2.0, 2e-6, 1e9, 60e9),
         lambda: thermal.bow_of_layers(0.28, 0.0, 1e9, 0.0, 0.1, 1e9, 0.0),
         lambda: thermal.preload_change(0.01, 0.0, 0.0, 0.0, 1e9),
     ],

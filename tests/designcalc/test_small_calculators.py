@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from designcalc import error_budget, fastener, height_adjustment, sensors, suspension, thermal
+from designcalc.bearing import fastener
+from designcalc.drive import height_adjustment, suspension
+from designcalc.errors import error_budget, sensors, thermal
 from stagecad.parameters.errors import InputError
 
 SENSORS = tomllib.loads((Path(__file__).parents[1] / "reference" / "sensors.toml").read_text())

@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from drawings.annotation import Angular, Annotation, Callout, Linear, Round
-from drawings.part_sheets import Described, sheets_of
-from drawings.sheet import Sheet
+from drawings.annotations.annotation import Angular, Annotation, Callout, Linear, Round
+from drawings.sheets.part import Described, sheets_of
+from drawings.sheets.sheet import Sheet
 from stagecad.parameters.design import Design, load_design
-from stagecad.solids.registry import module_of
+from stagecad.solids.modelling.registry import module_of
 
 
 @cache

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from drawings.annotation import (
+from drawings.annotations.annotation import (
     Angular,
     Annotation,
     Balloon,
@@ -16,9 +16,9 @@ from drawings.annotation import (
     SectionMark,
     SurfaceMark,
 )
-from drawings.sheet import Sheet
-from drawings.title_block import TitleBlock
-from drawings.view import PROJECTIONS, Arc, Polyline, Segment, View
+from drawings.sheets.sheet import Sheet
+from drawings.sheets.title_block import TitleBlock
+from drawings.views.view import PROJECTIONS, Arc, Polyline, Segment, View
 
 TITLE = TitleBlock(
     "plate", "Machine", "FILE_NAME", "Al 6061-T651", "1.25 kg", "1:2", 2, 3, "0.1.0", "a1b2c3d4", "Part drawing",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sysid.case import Case, load_case
+from sysid.prediction.problem import Case, load_case
 
 NOISE = 0.01
 STEP = 1e-3

@@ -10,8 +10,8 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from sysid.base_fit import Fitted
-    from sysid.case import Case
+    from sysid.estimation.base_fit import Fitted
+    from sysid.prediction.problem import Case
 
 
 @click.command("add")
@@ -50,8 +50,8 @@ def command(
 
 
 def _undo(run: Run, experiment: Path) -> None:
-    from sysid.experiment import find_experiment
-    from sysid.ladder_files import undo
+    from sysid.experiment.experiment import find_experiment
+    from sysid.experiment.history import undo
 
     rung, kept = undo(find_experiment(experiment))
     effects_now = ", ".join(rung.effects) or "no effects"
@@ -60,13 +60,13 @@ def _undo(run: Run, experiment: Path) -> None:
 
 
 def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...], drop: tuple[str, ...]) -> None:
-    from sysid.document import both_json
     from sysid.ladder import add_effects
-    from workbench.design_values import design_values
-    from workbench.loop_text import say_step
+    from sysid.report import both_json
+    from workbench.console.loop_text import say_step
+    from workbench.identification.design_values import design_values
 
     if keys:
-        from workbench.write_back import parameter_file
+        from workbench.identification.write_back import parameter_file
 
         # Before the rung is written: a file that cannot take the values stops the command with nothing done.
         parameter_file(run)
@@ -98,11 +98,11 @@ def _change(effects: tuple[str, ...], drop: tuple[str, ...]) -> str:
 
 
 def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
-    from sysid.case import load_case
-    from sysid.case_fit import fit_case
-    from sysid.document import parameters_json
-    from sysid.ladder_files import edited_by_hand, read_ladder
-    from workbench.design_values import design_values
+    from sysid.estimation.reference_fit import fit_case
+    from sysid.experiment.history import edited_by_hand, read_ladder
+    from sysid.prediction.problem import load_case
+    from sysid.report import parameters_json
+    from workbench.identification.design_values import design_values
 
     with run.busy("fitting the model as it stands"):
         case = load_case(experiment, design_values(run))
@@ -115,7 +115,7 @@ def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
 
 
 def _written(run: Run, case: Case, fitted: Fitted, keys: tuple[str, ...], rung: int | None) -> dict[str, Any]:
-    from workbench.write_back import parameter_file, write_back, written_json
+    from workbench.identification.write_back import parameter_file, write_back, written_json
 
     name = case.experiment.folder.resolve().name
     origin = f"measured: {name}" if rung is None else f"measured: {name}, rung {rung:03d}"

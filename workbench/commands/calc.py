@@ -9,14 +9,14 @@ import click
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.quantities import as_json, format_quantity, parse_quantity
-from workbench.bearing_calculators import BEARING_CALCULATORS
-from workbench.calculators import CALCULATORS, Calculator, Values
-from workbench.drive_calculators import DRIVE_CALCULATORS
-from workbench.error_calculators import ERROR_CALCULATORS
+from workbench.calculators.bearing import BEARING_CALCULATORS
+from workbench.calculators.catalogue import CALCULATORS, Calculator, Values
+from workbench.calculators.drive import DRIVE_CALCULATORS
+from workbench.calculators.errors import ERROR_CALCULATORS
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from designcalc.checks.reading import Reading
+    from designcalc.checks.inputs import Reading
 
 ALL = {**CALCULATORS, **DRIVE_CALCULATORS, **BEARING_CALCULATORS, **ERROR_CALCULATORS}
 """By the name they are called with."""
@@ -76,7 +76,7 @@ def _written(name: str, calculator: Calculator, arguments: Sequence[str]) -> dic
 
 def _values(run: Run, name: str, calculator: Calculator, written: Mapping[str, str]) -> Values:
     """SI values of all options: as written, else from the design."""
-    from designcalc.checks.reading import Reading
+    from designcalc.checks.inputs import Reading
 
     values: Values = {}
     reading: Reading | None = None

@@ -44,7 +44,7 @@ def command(
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks import run_checks
     from designcalc.checks.sweep import read_range
-    from workbench.check_report import write_check_files
+    from workbench.report.checks import write_check_files
 
     if scheduler is not None and swept is None and not tolerance:
         raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
@@ -60,13 +60,13 @@ def command(
         document = {"checks": document}
     if wanted is not None:
         from designcalc.checks.sweep import table
-        from workbench.margin_runs import sweep
+        from workbench.machine.margins import sweep
 
         points = sweep(run, wanted, weighed is not None, scheduler)
         document["sweep"] = table(wanted, points)
         drawn |= _print_sweep(run, wanted, points, folder)
     if tolerance:
-        from workbench.margin_runs import tolerance as tolerance_study
+        from workbench.machine.margins import tolerance as tolerance_study
 
         study = tolerance_study(run, weighed, samples, scheduler)
         document["tolerance"] = study.as_json()
@@ -80,7 +80,7 @@ def command(
 
 def weighed_solids(run: Run) -> Weighed | None:
     """What the solids weigh, made when missing; None where they cannot be made."""
-    from workbench.weighing import weigh
+    from workbench.machine.weighing import weigh
 
     try:
         return weigh(run.design)
@@ -91,7 +91,7 @@ def weighed_solids(run: Run) -> Weighed | None:
 
 def draw_figures(run: Run, weighed: Weighed | None, folder: Path) -> dict[str, Path]:
     """Every figure of the checks that this design has, by title."""
-    from workbench.check_figures import FIGURES
+    from workbench.report.check_figures import FIGURES
 
     drawn: dict[str, Path] = {}
     for title, (name, draw) in FIGURES.items():
@@ -157,7 +157,7 @@ def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path)
     if not names:
         run.say(f"no margin moves with {wanted.key}")
         return {}
-    from workbench.check_figures import sweep_figure
+    from workbench.report.check_figures import sweep_figure
 
     path = folder / f"sweep_{wanted.key.replace('.', '_')}.png"
     sweep_figure(wanted, points, names[:8], path)
@@ -167,7 +167,7 @@ def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path)
 def _print_tolerance(run: Run, study: ToleranceStudy, folder: Path) -> dict[str, Path]:
     from rich.table import Table
 
-    from workbench.check_figures import tolerance_figure
+    from workbench.report.check_figures import tolerance_figure
 
     table = Table(title=f"margins of {study.samples} machines", pad_edge=False)
     for column in ("check", "nominal", "5 %", "95 %", "failing", "moved most by"):

@@ -28,16 +28,16 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     if scheduler is not None and bootstrap is None:
         raise InputError("--scheduler: only --bootstrap has many independent runs")
     from sysid.compare import compare
-    from sysid.document import comparison_json
-    from workbench.design_values import design_values
-    from workbench.loop_text import say_comparison
+    from sysid.report import comparison_json
+    from workbench.console.loop_text import say_comparison
+    from workbench.identification.design_values import design_values
 
     with run.busy("fitting the model as it stands"):
         found = compare(experiment, design_values(run))
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
     say_comparison(run, found, document)
     if bootstrap is not None:
-        from workbench.bootstrap_runs import bootstrap_case, bootstrap_json, draw_bootstrap, say_bootstrap
+        from workbench.identification.bootstrap import bootstrap_case, bootstrap_json, draw_bootstrap, say_bootstrap
 
         drawn = bootstrap_case(run, found.case, found.base.fitted, bootstrap, seed, scheduler)
         document["bootstrap"] = bootstrap_json(found.case, drawn, seed)
@@ -45,7 +45,7 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
         if figures:
             run.say(f"figure: {draw_bootstrap(run, found.case, drawn, document)}")
     if figures:
-        from workbench.loop_report import write_comparison
+        from workbench.report.page import write_comparison
 
         run.say(f"report: {write_comparison(run, found, document)}")
     run.emit(document)

@@ -65,9 +65,9 @@ def fresh_copy(folder: Path) -> Path:
 
 def _compare(run: Run, folder: Path) -> dict[str, Any]:
     from sysid.compare import compare
-    from sysid.document import comparison_json
-    from workbench.loop_report import write_comparison
-    from workbench.loop_sections import comparison_sentence
+    from sysid.report import comparison_json
+    from workbench.report.page import write_comparison
+    from workbench.report.sections import comparison_sentence
 
     run.say(f"$ stagecad compare {folder}")
     with run.busy("fitting the model as it stands"):
@@ -80,10 +80,10 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
 
 def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
     from sysid.diagnose import diagnose
-    from sysid.document import diagnosis_json
-    from workbench.loop_progress import shown_on
-    from workbench.loop_report import write_diagnosis
-    from workbench.loop_sections import rivals_sentence, verdict_sentence
+    from sysid.report import diagnosis_json
+    from workbench.console.progress import shown_on
+    from workbench.report.page import write_diagnosis
+    from workbench.report.sections import rivals_sentence, verdict_sentence
 
     run.say(f"$ stagecad diagnose {folder}")
     with run.progress() as progress:
@@ -99,9 +99,9 @@ def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
 
 
 def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
-    from sysid.document import both_json
     from sysid.ladder import add_effects
-    from workbench.loop_text import parameter_table
+    from sysid.report import both_json
+    from workbench.console.loop_text import parameter_table
 
     run.say(f"$ stagecad add {folder} {effect}")
     with run.busy(f"fitting the model with {effect}"):
@@ -118,9 +118,9 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
 
 
 def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
-    from sysid.suggest import motions_for, weigh
-    from workbench.loop_report import write_section
-    from workbench.loop_suggestion import sentences, suggestion_section, worth_json, write_motions
+    from sysid.experiment_design.suggest import motions_for, weigh
+    from workbench.report.page import write_section
+    from workbench.report.suggestion import sentences, suggestion_section, worth_json, write_motions
 
     run.say(f"$ stagecad suggest {folder}")
     # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
@@ -135,10 +135,10 @@ def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
 
 
 def _ladder(run: Run, folder: Path) -> dict[str, Any]:
-    from sysid.experiment import load_experiment
+    from sysid.experiment.experiment import load_experiment
     from sysid.ladder import current_ladder
-    from workbench.loop_report import write_ladder
-    from workbench.loop_text import ladder_table
+    from workbench.console.loop_text import ladder_table
+    from workbench.report.page import write_ladder
 
     run.say(f"$ stagecad ladder {folder}")
     rungs, _ = current_ladder(load_experiment(folder))

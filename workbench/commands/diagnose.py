@@ -17,17 +17,17 @@ from workbench.options import Run, common_options
 def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:
     """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
     from sysid.diagnose import diagnose
-    from sysid.document import diagnosis_json
-    from workbench.design_values import design_values
-    from workbench.loop_progress import shown_on
-    from workbench.loop_text import say_diagnosis
+    from sysid.report import diagnosis_json
+    from workbench.console.loop_text import say_diagnosis
+    from workbench.console.progress import shown_on
+    from workbench.identification.design_values import design_values
 
     with run.progress() as progress:
         found = diagnose(experiment, all_effects, design_values(run), shown_on(progress))
     document = diagnosis_json(found)
     say_diagnosis(run, found, document)
     if figures:
-        from workbench.loop_report import write_diagnosis
+        from workbench.report.page import write_diagnosis
 
         run.say(f"report: {write_diagnosis(run, found, document)}")
     run.emit(document)

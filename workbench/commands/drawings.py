@@ -9,10 +9,10 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from drawings.made_sheets import MadeSheet
-    from drawings.procedure_figures import ProcedureValues
+    from drawings.artefacts.sheets import MadeSheet
+    from drawings.procedure.figures import ProcedureValues
     from stagecad.parameters.design import Design
-    from stagecad.solids.cache import Store
+    from stagecad.solids.artefacts.store import Store
 
 MANIFEST = "drawings_manifest.json"
 
@@ -42,10 +42,10 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     Raises:
         InputError: a name that is neither a part with a drawing nor one of its sheets.
     """
-    from drawings.drawing_tasks import make_sheets
-    from drawings.sheet_names import chosen_sheets
-    from stagecad.solids.cache import Store
-    from stagecad.solids.outputs import DamagedError, write_manifest, write_stored
+    from drawings.artefacts.names import chosen_sheets
+    from drawings.artefacts.tasks import make_sheets
+    from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
+    from stagecad.solids.artefacts.store import Store
 
     wanted = chosen_sheets(names, run.design)
     store = Store()
@@ -96,8 +96,8 @@ def _files(sheet: MadeSheet) -> tuple[str, ...]:
 
 def procedure_values(store: Store, design: Design) -> ProcedureValues:
     """The calculated numbers of the assembly procedure, kept in the store."""
-    from workbench.procedure_values import stored_values
-    from workbench.weighing import moving_and_tip
+    from workbench.machine.procedure_values import stored_values
+    from workbench.machine.weighing import moving_and_tip
 
     return stored_values(store, design, *moving_and_tip(design))
 

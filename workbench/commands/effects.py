@@ -30,11 +30,11 @@ from workbench.options import Run, common_options
 @common_options
 def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:
     """List the physical effects, or tell all about one: NAME, NAME:VARIANT."""
-    from sim.custom import load_all_custom
-    from sim.library import find, library
+    from sim.library.catalogue import find, library
+    from sim.library.custom import load_all_custom
 
     if target is not None:
-        from workbench.own_effect import write_own_effect
+        from workbench.identification.own_effect import write_own_effect
 
         name = write_own_effect(target)
         run.note(

@@ -15,10 +15,10 @@ from workbench.options import Run, common_options
 @common_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show the error after each effect added so far to the model of EXPERIMENT."""
-    from sysid.experiment import load_experiment
+    from sysid.experiment.experiment import load_experiment
     from sysid.ladder import current_ladder
-    from workbench.design_values import design_values
-    from workbench.loop_text import ladder_table
+    from workbench.console.loop_text import ladder_table
+    from workbench.identification.design_values import design_values
 
     found = load_experiment(experiment, design_values(run))
     rungs, edited = current_ladder(found)
@@ -29,7 +29,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
         if edited:
             run.note("note: [model] was edited by hand since the last rung")
         if figures:
-            from workbench.loop_report import write_ladder
+            from workbench.report.page import write_ladder
 
             run.say(f"figure: {write_ladder(run, found.folder.name, rungs)}")
     run.emit(rungs)

@@ -29,19 +29,19 @@ def command(run: Run, simulations: bool) -> None:
     """
     from designcalc.checks import Weighed, run_checks
     from designcalc.checks.report import counted
-    from drawings.procedure import procedure
-    from stagecad.solids.bill_of_materials import document as bill_document
-    from stagecad.solids.cache import Store
-    from stagecad.solids.interference import clashes, make_meetings
-    from stagecad.solids.machine import find_machine
-    from stagecad.solids.made_pictures import make_pictures
-    from stagecad.solids.outputs import write_stored
-    from stagecad.solids.registry import chosen
-    from workbench.check_report import write_check_files
+    from drawings.procedure.procedure import procedure
+    from stagecad.solids.artefacts.outputs import write_stored
+    from stagecad.solids.artefacts.pictures import make_pictures
+    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.assembly.bill_of_materials import document as bill_document
+    from stagecad.solids.assembly.interference import clashes, make_meetings
+    from stagecad.solids.assembly.machine import find_machine
+    from stagecad.solids.modelling.registry import chosen
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
-    from workbench.machine_report import write_report
-    from workbench.procedure_values import procedure_values
+    from workbench.machine.procedure_values import procedure_values
+    from workbench.report.checks import write_check_files
+    from workbench.report.machine import write_report
 
     design = run.design
     document = write_parts(run, chosen((), design))
@@ -116,7 +116,7 @@ def _source_of(*packages: str) -> str:
 
 
 def _check_figures(run: Run, weighed: Weighed) -> dict[str, Path]:
-    from workbench.check_figures import FIGURES
+    from workbench.report.check_figures import FIGURES
 
     folder = run.out / "checks"
     inputs = [run.design.digest, _source_of("designcalc", "workbench")]
@@ -135,7 +135,7 @@ def _simulate(run: Run) -> list[Path]:
     from dataclasses import asdict
 
     from workbench.commands.simulate import simulate_into
-    from workbench.simulation_inputs import friction_of, tip_dimensions
+    from workbench.simulation.inputs import friction_of, tip_dimensions
 
     folder = run.out / "simulate"
     inputs: list[Any] = [asdict(friction_of(run)), tip_dimensions(run), SIMULATED, _source_of("sim")]

@@ -10,7 +10,7 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from stagecad.parameters.mass_properties import MassProperties
-    from stagecad.solids.machine import Machine
+    from stagecad.solids.assembly.machine import Machine
 
 MANIFEST = "parts_manifest.json"
 BILL = "bill_of_materials"
@@ -21,7 +21,7 @@ BILL = "bill_of_materials"
 @common_options
 def command(run: Run, names: tuple[str, ...]) -> None:
     """Write STEP, STL and GLB of the parts and the assembly, or of those NAMEd only, and print their mass."""
-    from stagecad.solids.registry import chosen
+    from stagecad.solids.modelling.registry import chosen
 
     wanted = chosen(names, run.design)
     document = write_parts(run, wanted)
@@ -31,9 +31,9 @@ def command(run: Run, names: tuple[str, ...]) -> None:
 
 def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Make what is missing, write the files of `wanted` that differ, and return the document of the command."""
-    from stagecad.solids.cache import Store
-    from stagecad.solids.outputs import DamagedError
-    from workbench.made_machine import made_machine
+    from stagecad.solids.artefacts.outputs import DamagedError
+    from stagecad.solids.artefacts.store import Store
+    from workbench.machine.machine import made_machine
 
     store = Store()
     machine = made_machine(run, store)
@@ -50,10 +50,10 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
     import json
     from dataclasses import asdict
 
-    from stagecad.solids.bill_of_materials import csv_text
-    from stagecad.solids.bill_of_materials import document as bill_document
-    from stagecad.solids.outputs import write_manifest, write_stored, write_text
-    from stagecad.solids.registry import ASSEMBLY
+    from stagecad.solids.artefacts.outputs import write_manifest, write_stored, write_text
+    from stagecad.solids.assembly.bill_of_materials import csv_text
+    from stagecad.solids.assembly.bill_of_materials import document as bill_document
+    from stagecad.solids.modelling.registry import ASSEMBLY
 
     files: dict[str, Any] = {}
     parts: dict[str, Any] = {}
@@ -67,7 +67,7 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
     if ASSEMBLY in wanted:
         rows = machine.bill_of_materials
         texts = {f"{BILL}.csv": csv_text(rows), f"{BILL}.json": json.dumps(bill_document(rows), indent=1) + "\n"}
-        from stagecad.solids.cache import sha256
+        from stagecad.solids.artefacts.store import sha256
 
         for name, text in texts.items():
             if write_text(run.out / name, text):

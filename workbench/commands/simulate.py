@@ -9,11 +9,11 @@ from typing import Any
 import click
 
 from stagecad.parameters.errors import InputError, nearest
-from workbench.feature_text import feature_text
+from workbench.console.feature_text import feature_text
 from workbench.options import Run, common_options
-from workbench.simulation_inputs import mass_given, moving_mass
-from workbench.simulation_jobs import Job, features_document
-from workbench.simulation_sweep import Wanted
+from workbench.simulation.inputs import mass_given, moving_mass
+from workbench.simulation.jobs import Job, features_document
+from workbench.simulation.sweep import Wanted
 
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity",)
@@ -77,7 +77,7 @@ def command(
     models.
     """
     from sim.experiments.friction_models import MODELS
-    from sim.simulation import SimulationError
+    from sim.integration.simulate import SimulationError
 
     for name in names:
         if name not in (*EXPERIMENTS, *EXTRA):
@@ -140,7 +140,7 @@ def command(
 
 def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, progress: Any) -> dict[str, Any]:
     """The studies of the stage, written and drawn; their features."""
-    from workbench.stage_simulation import run_studies, stage_drive
+    from workbench.simulation.stage import run_studies, stage_drive
 
     drive = stage_drive(run.design)
     task = progress.add_task("stage: cases", total=None)
@@ -148,12 +148,12 @@ def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, 
         drive, studies, scheduler, lambda done, total: progress.update(task, completed=done, total=total)
     )
     if job.forms:
-        from workbench.stage_tables import stage_tables
+        from workbench.simulation.stage_tables import stage_tables
 
         for name, columns in stage_tables(found).items():
             job.write(name, columns)
     if job.figures:
-        from workbench.stage_figures import draw_stage
+        from workbench.simulation.stage_figures import draw_stage
 
         job.written += draw_stage(job.folder, found)
     return features_document(found)
@@ -169,8 +169,8 @@ def _sweep(
 ) -> None:
     """Features at every value of a range; the table goes to OUT/simulate/sweep."""
     from designcalc.checks.sweep import read_range
-    from workbench.simulation_data import write_table
-    from workbench.simulation_sweep import sweep, sweep_columns, sweep_document
+    from workbench.simulation.data import write_table
+    from workbench.simulation.sweep import sweep, sweep_columns, sweep_document
 
     swept = read_range(text, run.design)
     points = sweep(run, swept, wanted, scheduler)
@@ -196,16 +196,16 @@ def _draws(
     figures: bool,
 ) -> None:
     """Simulate drawn machines; a row for each goes to OUT/simulate/draws."""
-    from workbench.draw_tables import study_columns, study_document
-    from workbench.draw_text import say_study
-    from workbench.simulation_data import write_table
-    from workbench.simulation_draws import draw_machines
+    from workbench.console.monte_carlo import say_study
+    from workbench.simulation.data import write_table
+    from workbench.simulation.monte_carlo import draw_machines
+    from workbench.simulation.monte_carlo_tables import study_columns, study_document
 
     study = draw_machines(run, wanted, *drawn, scheduler)
     folder.mkdir(parents=True, exist_ok=True)
     written = write_table(folder / "draws", study_columns(study), forms) if forms else []
     if figures:
-        from workbench.draw_figures import draw_study
+        from workbench.simulation.monte_carlo_figures import draw_study
 
         written += draw_study(folder, study)
     say_study(run, study)

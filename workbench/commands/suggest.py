@@ -15,10 +15,10 @@ from workbench.options import Run, common_options
 @common_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate what the records of EXPERIMENT leave open; write it as CSV into OUT."""
-    from sysid.suggest import suggest
-    from workbench.design_values import design_values
-    from workbench.loop_progress import shown_on
-    from workbench.loop_suggestion import sentences, suggestion_section, suggestion_table, worth_json, write_motions
+    from sysid.experiment_design.suggest import suggest
+    from workbench.console.progress import shown_on
+    from workbench.identification.design_values import design_values
+    from workbench.report.suggestion import sentences, suggestion_section, suggestion_table, worth_json, write_motions
 
     with run.progress() as progress:
         found = suggest(experiment, design_values(run), shown_on(progress))
@@ -28,7 +28,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
         run.say(line)
     run.say(f"motions to run: {paths[0].parent}")
     if figures:
-        from workbench.loop_report import write_section
+        from workbench.report.page import write_section
 
         run.say(f"report: {write_section(run, found.case.experiment.folder.name, suggestion_section(found))}")
     run.emit([worth_json(worth, path) for worth, path in zip(found.motions, paths, strict=True)])

@@ -1,0 +1,107 @@
+"""Profiles of a lapped way, measured or made up, and the height of a stage carried over them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from designcalc.bearing.sliding import averaged_profile
+from stagecad.parameters.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What a lap leaves: random roughness, and waves. SI."""
+
+    roughness: float
+    """Ra, m"""
+    correlation_length: float
+    """l of the roughness, correlation exp(-r^2/l^2), m"""
+    waviness: float
+    """amplitude of the waves, m"""
+    wavelength: float
+    """of the waves, m"""
+
+    def __post_init__(self) -> None:
+        for name in ("correlation_length", "wavelength"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"way profile: {name.replace('_', ' ')} must be above 0")
+        for name in ("roughness", "waviness"):
+            if not getattr(self, name) >= 0:
+                raise InputError(f"way profile: {name} must be 0 or more")
+
+    def without_waves(self) -> Surface:
+        """The same, rough alone."""
+        return replace(self, waviness=0.0)
+
+    def without_roughness(self) -> Surface:
+        """The same, its waves alone."""
+        return replace(self, roughness=0.0)
+
+
+def synthetic_profiles(
+    surface: Surface,
+    length: float,
+    contact_length: float,
+    contact_width: float,
+    count: int,
+    phase: float = 0.0,
+    seed: int = 1,
+) -> tuple[Array, float]:
+    """Profiles along several tracks of a way, each already averaged across the width of the contact.
+
+    Roughness is a Gaussian random line of rms ``Ra sqrt(pi/2)``; the mean across a width w much larger than l leaves
+    ``sqrt(sqrt(pi) l/w)`` of it. Waves are a sine of the given amplitude.
+
+    Args:
+        surface: what the lap leaves.
+        length: over which the pads' middles run, m; at least twenty correlation lengths.
+        contact_length, contact_width: of a pad's contact, m.
+        count: of the tracks.
+        phase: of the waves on the second track and those after it against the first, rad.
+        seed: of the random numbers: the same profiles each time.
+
+    Returns:
+        heights, m, shape (count, n), and their spacing, m.
+
+    Raises:
+        InputError: a correlation length above a third of the contact, for which the mean across does not hold.
+    """
+    l = surface.correlation_length  # noqa: E741
+    if not l <= min(contact_length, contact_width) / 3:
+        raise InputError("way profile: correlation length: must be at most a third of the contact's sides")
+    if not (length >= 20 * l and count >= 1):
+        raise InputError("way profile: length: must be at least twenty correlation lengths")
+    step = l / 4
+    n = int(np.ceil((length + contact_length) / step)) + 1
+    rng = np.random.default_rng(seed)
+    wave_number = 2 * np.pi * np.fft.rfftfreq(n, step)
+    # A line with correlation exp(-x^2/l^2) is white noise through a filter exp(-k^2 l^2/8).
+    gain = np.exp(-((wave_number * l) ** 2) / 8)
+    white = np.fft.rfft(rng.standard_normal((count, n)), axis=-1)
+    rough = np.fft.irfft(white * gain, n, axis=-1)
+    expected = np.sqrt(np.mean(np.concatenate([gain, gain[1 : (n + 1) // 2]]) ** 2))
+    sigma = surface.roughness * np.sqrt(np.pi / 2) * np.sqrt(np.sqrt(np.pi) * l / contact_width)
+    x = step * np.arange(n)
+    shift = np.where(np.arange(count) > 0, phase, 0.0)[:, None]
+    waves = surface.waviness * np.sin(2 * np.pi * x / surface.wavelength + shift)
+    return rough * sigma / expected + waves, step
+
+
+def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> Array:
+    """Height of a stage on pads that each ride their own profile, over the travel, m.
+
+    Each pad takes the mean over its contact, its pressure falling as a parabola (`averaged_profile`); the stage takes
+    the mean of its pads.
+
+    Args:
+        profiles: heights along the track of each pad, m, shape (pads, n); measured ones serve as well.
+        step: spacing of the heights, m.
+        contact_length: of a pad along the travel, m, at least two steps.
+    """
+    rows = np.atleast_2d(np.asarray(profiles, float))
+    return np.mean([averaged_profile(row, step, contact_length) for row in rows], axis=0)

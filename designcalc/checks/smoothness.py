@@ -1,0 +1,130 @@
+"""Smoothness: what the pads make of the way's surface, by formula and by riding a profile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designcalc.bearing.sliding import averaged_roughness
+from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
+from designcalc.checks.check import Check
+from designcalc.checks.inputs import Reading, show
+from designcalc.checks.machine import film, heaviest_pad, pads
+
+_AVERAGING = "averaging of a random surface over the pads' contact"
+
+
+def checks(r: Reading) -> Iterator[partial[Check]]:
+    """Roughness under the film, smoothness of the way as drawn, as proposed, and with the waves that lapping leaves."""
+    yield partial(roughness_under_film, r)
+    yield partial(smoothness, r, "way_roughness", "way as drawn")
+    yield partial(smoothness, r, "proposed_way_roughness", "way as proposed")
+    yield partial(ridden, r)
+
+
+def roughness_under_film(r: Reading) -> Check:
+    rough, thickness = r("bearing.way_roughness"), r("bearing.film_thickness")
+    peak = 4 * rough
+    return r.check(
+        "way roughness against the PTFE film",
+        peak,
+        0.25 * thickness,
+        "m",
+        "at most",
+        "Rz about 4 Ra; a quarter of the film, so that no peak cuts through",
+        "4 Ra <= t/4",
+        f"4 x {show(rough, 'm')} against {show(thickness / 4, 'm')}",
+        f"lap the way to {show(r('bearing.proposed_way_roughness'), 'm')} Ra, as Nanosurf 2 did (nanometres)",
+        thesis="Ra 1 um under a film of 1-2 um contradicts Nanosurf's way, lapped to nanometres",
+        requirement="Table 1: smoothness",
+    )
+
+
+def spot(r: Reading) -> float:
+    """Length along the travel over which a pad touches the way, m."""
+    return 2 * float(film(r, heaviest_pad(r)).radius)
+
+
+def lapped_surface(r: Reading) -> Surface:
+    """The way lapped as proposed."""
+    return Surface(
+        roughness=r("bearing.proposed_way_roughness"),
+        correlation_length=r("bearing.roughness_correlation"),
+        waviness=r("bearing.way_waviness"),
+        wavelength=r("bearing.waviness_length"),
+    )
+
+
+def smoothness(r: Reading, key: str, label: str) -> Check:
+    side = spot(r)
+    rough = r(f"bearing.{key}")
+    number = int(r("pads.count"))
+    left = float(averaged_roughness(rough, r("bearing.roughness_correlation"), side, side, number))
+    limit = r("requirements.smoothness")
+    return r.check(
+        f"smoothness of the {label}",
+        left,
+        limit,
+        "m",
+        "at most",
+        _AVERAGING,
+        "Ra sqrt(pi/2) sqrt(pi) l/(2a sqrt(n)) <= 1 nm rms",
+        f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
+        f"Ra of {show(rough * limit / left, 'm')}, or flatter pads",
+        thesis=_printed_rule(rough) if key == "way_roughness" else "",
+        requirement="Table 1: smoothness",
+    )
+
+
+def _printed_rule(roughness: float) -> str:
+    """What 'smoothness in the order of sqrt(Ra^3)' comes to: it depends on the unit, for it is no length."""
+    in_metres, in_millimetres = np.sqrt(roughness**3), np.sqrt((roughness * 1e3) ** 3) * 1e-3
+    return (
+        f"'smoothness in the order of sqrt(Ra^3)' is no length: worked in metres it reads {show(in_metres, 'm')}, "
+        f"in millimetres {show(in_millimetres, 'm')}; average the surface over the pad instead"
+    )
+
+
+def ridden(r: Reading) -> Check:
+    """The stage carried over profiles of roughness and waves, its bow left to the straightness."""
+    side, places = spot(r), pads(r)
+    surface = lapped_surface(r)
+    rough, waves = (_ridden_rms(r, one, side, places) for one in (surface.without_waves(), surface.without_roughness()))
+    both = float(np.hypot(rough, waves))
+    limit = r("requirements.smoothness")
+    may = surface.waviness * np.sqrt(max(limit**2 - rough**2, 0.0)) / waves if waves > 0 else np.inf
+    return r.check(
+        "smoothness over a lapped way with its waves",
+        both,
+        limit,
+        "m",
+        "at most",
+        "profiles averaged over each pad's contact as its pressure weighs them; mean of the pads; rms over the travel",
+        "rms over x of mean over pads of the height averaged over 2a",
+        f"contact {show(side, 'm')} long, {len(places)} pads, Ra {show(surface.roughness, 'm')}, waves of "
+        f"{show(surface.waviness, 'm')} at {show(surface.wavelength, 'm')}: {show(waves, 'm')}, and "
+        f"{show(rough, 'm')} of roughness",
+        f"waves of at most {show(may, 'm')}, or pads that touch over several of their lengths: a convex pad averages "
+        "roughness, not waves longer than its contact",
+        requirement="Table 1: smoothness",
+    )
+
+
+def _ridden_rms(r: Reading, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
+    """Rms height of the stage over its travel, m; pads in one line ride the same track one after another.
+
+    Nobody sets the waves of one way against the other's: the worse of in step and opposed counts.
+    """
+    travel, spacing = r("stage.travel"), r("pads.spacing_along")
+    tracks, track_of = np.unique(places[:, 1], return_inverse=True)
+    found = []
+    for phase in (0.0, np.pi):
+        profiles, step = synthetic_profiles(surface, travel + spacing, side, side, len(tracks), phase)
+        count = int((travel + side) / step)
+        starts = np.rint((places[:, 0] - places[:, 0].min()) / step).astype(int)
+        ridden = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]
+        found.append(float(np.std(carried_height(ridden, step, side))))
+    return max(found)

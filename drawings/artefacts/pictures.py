@@ -1,0 +1,79 @@
+"""The pictures of the machine as they were made, from the cache when it has them.
+
+They are most of the work on the machine's sheets, two of them stand on both sheets, and each can be worked out in a
+process of its own.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drawings.artefacts.uncollected import uncollected
+from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.assembly.assemble import assemble
+from stagecad.solids.modelling.registry import ASSEMBLY
+
+if TYPE_CHECKING:
+    from drawings.pictures.picture import Picture
+
+PROCEDURE = "procedure"
+"""The sheet that tells how the machine is put together."""
+PICTURES = {
+    ASSEMBLY: ("section A-A", "exploded", "from below", "top"),
+    PROCEDURE: ("exploded", "from below"),
+}
+"""What each sheet of the whole machine shows, the slowest first."""
+_HEAD, _NUMBERS = "picture.json", "picture.npy"
+"""Files of a picture: what it is, and the numbers of its curves."""
+_MODULES = ("drawings.pictures.machine", "stagecad.solids.assembly.assemble", __name__)
+
+
+def find_picture(store: Store, name: str, parts: Mapping[str, MadePart], design: Any) -> Entry | None:
+    """A picture in the cache, or None where it has to be made."""
+    return store.find(_named(name), design, _MODULES, _keys(parts))
+
+
+def make_picture(
+    store: Store, name: str, parts: Mapping[str, MadePart], design: Any, *, exact: bool = True
+) -> Picture | None:
+    """A picture from the cache, worked out now when it lacks it; none where the machine has nothing to show there.
+
+    Args:
+        name: as in `drawings.pictures.machine`.
+        parts: all of the machine's.
+        exact: how lines are hidden (`drawings.views.projection.project`).
+    """
+    from drawings.pictures.picture import packed, unpacked
+
+    def make(reading: Any, folder: Path) -> None:
+        from drawings.pictures.machine import machine_picture
+        from drawings.pictures.visibility import Scene
+        from stagecad.solids.artefacts.assembly import shapes_of
+
+        instances = assemble(dict(parts), reading)
+        shapes = {shape: solid.wrapped for shape, solid in shapes_of(instances, parts, reading).items()}
+        scene = Scene(shapes, {part: made.mesh for part, made in parts.items()})
+        picture = machine_picture(name, instances, scene, exact=exact)
+        head, numbers = packed(picture) if picture else (None, np.empty(0))
+        (folder / _HEAD).write_text(json.dumps(head), "utf-8")
+        np.save(folder / _NUMBERS, numbers, allow_pickle=False)
+
+    with uncollected():
+        entry = store.make(_named(name), design, _MODULES, make, _keys(parts))
+        head = entry.document(_HEAD)
+        return unpacked(head, np.load(io.BytesIO(entry.data(_NUMBERS)), allow_pickle=False)) if head else None
+
+
+def _named(picture: str) -> str:
+    return f"picture {picture} of the machine"
+
+
+def _keys(parts: Mapping[str, MadePart]) -> list[str]:
+    return [made.entry.key for made in parts.values()]

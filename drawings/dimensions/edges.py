@@ -1,0 +1,76 @@
+"""Where a face is seen as a line, so that a datum letter, a tolerance or a surface texture can stand on it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from drawings.views.view import Point2, View, degrees_of, dot
+from stagecad.parameters.dimension import DatumFeature, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
+from stagecad.solids.assembly.verification import Gauge
+
+SQUARE = 1e-6
+"""Sine of the angle under which two directions still count as square or parallel."""
+
+LONGEST = 40.0
+"""How far to either side of its point a face is followed, mm on paper."""
+
+
+def face_line(view: View, requirement: FaceRequirement, gauge: Gauge) -> tuple[Point2, Point2, float] | None:
+    """Ends of the line as which a face is seen, and the direction out of it, degrees; none where it is seen otherwise.
+
+    Args:
+        view: what it is to be seen in.
+        requirement: says where the face is.
+        gauge: of the part's solid.
+    """
+    eye = view.projection.towards_eye
+    point = next((p for p in requirement.points if view.cut and view.cut.holds(p)), requirement.points[0])
+    if not isinstance(requirement, SurfaceTexture) and requirement.round:
+        return _outline(view, requirement, gauge)
+    if abs(dot(requirement.normal, eye)) > SQUARE:
+        return None
+    for surface in gauge.surfaces:
+        if surface.holds(point):
+            u, v = view.projection.to_view(requirement.normal)
+            at, side = view.projection.to_view(point), (-v, u)
+            reach = [
+                _along(view.projection.to_view(corner), at, side) for corner in _corners(surface.low, surface.high)
+            ]
+            low, high = max(min(reach), -LONGEST / view.scale), min(max(reach), LONGEST / view.scale)
+            ends = [(at[0] + r * side[0], at[1] + r * side[1]) for r in (low, high)]
+            return ends[0], ends[1], degrees_of((u, v))
+    return None
+
+
+def _outline(
+    view: View, requirement: DatumFeature | GeometricTolerance, gauge: Gauge
+) -> tuple[Point2, Point2, float] | None:
+    """The outline, to the right or above, of a round face seen from the side."""
+    axis = requirement.normal
+    if abs(dot(axis, view.projection.towards_eye)) > SQUARE:
+        return None
+    for surface in gauge.surfaces:
+        if surface.kind == "CYLINDER" and surface.off_axis(requirement.points[0]) < 1e-6:
+            low, high = surface.extent(axis)
+            at = dot(requirement.points[0], axis)
+            if not low - 1e-6 <= at <= high + 1e-6:
+                continue
+            u, v = view.projection.to_view(axis)
+            middle = view.projection.to_view(requirement.points[0])
+            corners = [view.projection.to_view(corner) for corner in _corners(surface.low, surface.high)]
+            for square in ((v, -u), (-v, u)):
+                # A flat may have taken the outline away on one side.
+                if max(_along(corner, middle, square) for corner in corners) > surface.radius - 1e-6:
+                    break
+            rim = (middle[0] + surface.radius * square[0], middle[1] + surface.radius * square[1])
+            ends = [(rim[0] + (end - at) * u, rim[1] + (end - at) * v) for end in (low, high)]
+            return ends[0], ends[1], degrees_of(square)
+    return None
+
+
+def _corners(low: Point, high: Point) -> Iterable[Point]:
+    return ((x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2]))
+
+
+def _along(point: Point2, origin: Point2, direction: Point2) -> float:
+    return (point[0] - origin[0]) * direction[0] + (point[1] - origin[1]) * direction[1]

@@ -1,0 +1,278 @@
+"""STEP AP242 of a part with its tolerances as data: what its sheet says, attached to the faces it is said of.
+
+Sizes, distances and angles with their limits, datum letters, form and direction tolerances (ISO 10303-242, semantic
+representation), material and density. Threads, counts and notes go along as `dimensional note` of the dimension they
+belong to, and what belongs to none as a named property of the product. Nothing is drawn: a viewer that shows only
+graphical annotations shows none.
+"""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from __future__ import annotations
+
+import math
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from drawings.pmi.content import ManufacturingInformation, ToleratedDimension, manufacturing_information
+from drawings.pmi.faces import Attachment, attachment, faces_at
+from drawings.pmi.step_text import directed_distances, typed_limits, with_properties
+from drawings.pmi.unique_shapes import Unshared
+from stagecad.parameters.atomic import atomic_write_bytes
+from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
+from stagecad.solids.assembly.verification import Gauge
+from stagecad.solids.export.step_stl_glb import constant_text
+from stagecad.solids.modelling.part import PartModule
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME, NOTE = "dimension name", "dimensional note"
+"""Names of the texts that go with a dimension: its own name, and what stands beside it on the sheet."""
+
+
+def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, gauge: Gauge | None = None) -> None:
+    """Write a made part with its tolerances as data.
+
+    Args:
+        part: name in `stagecad.solids.modelling.registry.MADE`.
+        design: the design.
+        solid: of the part.
+        path: of the file; its folder exists.
+        gauge: of the solid, where it has been read before.
+
+    Raises:
+        LookupError: a declaration points at nothing on the solid.
+        ValueError: OCCT could not write it.
+    """
+    from stagecad.solids.modelling.registry import module_of
+
+    atomic_write_bytes(path, ap242_bytes(part, module_of(part), design, solid, gauge))
+
+
+def ap242_bytes(part: str, module: PartModule, design: Any, solid: cq.Shape, gauge: Gauge | None = None) -> bytes:
+    """The STEP file as bytes, the same for the same solid and declarations."""
+    information = information_of(module, design)
+    material = design.materials[module.material(design)]
+    text = _written(part, solid, gauge or Gauge(solid), information, material)
+    text = directed_distances(typed_limits(constant_text(text, part)))
+    return with_properties(text, information.texts).encode()
+
+
+def information_of(module: PartModule, design: Any) -> ManufacturingInformation:
+    """What the file of a made part says beside its shape."""
+    requirements = getattr(module, "requirements", lambda design: ())(design)
+    return manufacturing_information(design, module.dimensions(design), requirements, getattr(module, "NOTES", ()))
+
+
+def _written(part: str, solid: cq.Shape, gauge: Gauge, information: ManufacturingInformation, material: Any) -> str:
+    from OCP.IFSelect import IFSelect_RetDone
+    from OCP.Interface import Interface_Static
+    from OCP.Message import Message, Message_Gravity
+    from OCP.STEPCAFControl import STEPCAFControl_Writer
+    from OCP.STEPControl import STEPControl_StepModelType
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDataStd import TDataStd_Name
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFApp import XCAFApp_Application
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    for printer in Message.DefaultMessenger_s().Printers():
+        printer.SetTraceLevel(Message_Gravity.Message_Fail)
+    document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
+    XCAFApp_Application.GetApplication_s().InitDocument(document)
+    shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+    unshared = Unshared(solid.wrapped)
+    label = shapes.AddShape(unshared.solid, False)
+    TDataStd_Name.Set_s(label, TCollection_ExtendedString(part))
+    _add_material(document, label, material)
+    _Annotated(document, label, unshared).add(gauge, information)
+    writer = STEPCAFControl_Writer()
+    # Only once there is a writer does the kernel know this setting.
+    Interface_Static.SetCVal_s("write.step.schema", "AP242DIS")
+    Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
+    writer.SetNameMode(True)
+    writer.SetDimTolMode(True)
+    writer.SetMaterialMode(True)
+    if not writer.Transfer(document, STEPControl_StepModelType.STEPControl_AsIs):
+        raise ValueError(f"'{part}' could not be translated to STEP")
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "part.step"
+        if writer.Write(str(path)) != IFSelect_RetDone:
+            raise ValueError(f"'{part}' could not be written as STEP")
+        return path.read_text("utf-8")
+
+
+def _add_material(document: Any, label: Any, material: Any) -> None:
+    from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+    # The kernel writes the density's unit as g/cm^3, whatever it is told.
+    XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).SetMaterial(
+        label,
+        _ascii(material.description),
+        _ascii(material.description),
+        material.density * 1e-3,
+        _ascii("density measure"),
+        _ascii("POSITIVE_RATIO_MEASURE"),
+    )
+
+
+class _Annotated:
+    """A part in an XCAF document, to whose faces dimensions, datums and tolerances are attached."""
+
+    def __init__(self, document: Any, label: Any, unshared: Unshared) -> None:
+        from OCP.XCAFDoc import XCAFDoc_DocumentTool
+
+        self._label, self._unshared = label, unshared
+        self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
+        self._tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
+
+    def add(self, gauge: Gauge, information: ManufacturingInformation) -> None:
+        for dimension in information.dimensions:
+            self._add_dimension(dimension, attachment(gauge, dimension.declaration))
+        datums = {datum.letter: faces_at(gauge, datum.points, datum.normal) for datum in information.datums}
+        for tolerance in information.tolerances:
+            self._add_tolerance(tolerance, faces_at(gauge, tolerance.points, tolerance.normal), datums)
+        referred = {letter for tolerance in information.tolerances for letter in tolerance.datums}
+        for letter, faces in datums.items():
+            if letter not in referred:
+                self._add_datum(letter, faces, 0)
+
+    def _labels(self, shapes: Iterable[cq.Shape]) -> Any:
+        from OCP.TDF import TDF_LabelSequence
+
+        sequence = TDF_LabelSequence()
+        for shape in shapes:
+            sequence.Append(self._shapes.AddSubShape(self._label, self._unshared.of(shape.wrapped)))
+        return sequence
+
+    def _add_dimension(self, dimension: ToleratedDimension, attached: Attachment) -> None:
+        from OCP.gp import gp_Dir
+        from OCP.TColStd import TColStd_HArray1OfReal
+        from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionObject
+        from OCP.XCAFDoc import XCAFDoc_Dimension
+
+        declaration = dimension.declaration
+        label = self._tool.AddDimension()
+        self._tool.SetDimension(self._labels(attached.first), self._labels(attached.second), label)
+        content = XCAFDimTolObjects_DimensionObject()
+        content.SetType(_dimension_type(declaration, attached))
+        value = _value(declaration)
+        limits = [value] if dimension.plus_minus is None else [value, dimension.plus_minus, dimension.plus_minus]
+        values = TColStd_HArray1OfReal(1, len(limits))
+        for index, number in enumerate(limits, start=1):
+            values.SetValue(index, number)
+        content.SetValues(values)
+        # OCCT reads an angle that tells its decimals as degrees though it stands there in radians.
+        if dimension.decimals is not None and declaration.kind != "angle":
+            content.SetNbOfDecimalPlaces(len(str(int(abs(declaration.value)))), dimension.decimals)
+        notes = list(dimension.notes)
+        if attached.from_middle:
+            notes.append("from the middle of the two faces")
+        if attached.oriented and declaration.direction:
+            content.SetDirection(gp_Dir(*declaration.direction))
+            notes.append(f"along {_direction(declaration.direction)}")
+        content.SetSemanticName(_aspect_name(declaration.name))
+        content.AddDescription(_ascii(declaration.name), _ascii(NAME))
+        for note in notes:
+            content.AddDescription(_ascii(note), _ascii(NOTE))
+        XCAFDoc_Dimension.Set_s(label).SetObject(content)
+
+    def _add_tolerance(
+        self, tolerance: GeometricTolerance, faces: tuple[cq.Face, ...], datums: dict[str, tuple[cq.Face, ...]]
+    ) -> None:
+        from OCP import XCAFDimTolObjects as Objects
+        from OCP.XCAFDoc import XCAFDoc_GeomTolerance
+
+        label = self._tool.AddGeomTolerance()
+        self._tool.SetGeomTolerance(self._labels(faces), label)
+        content = Objects.XCAFDimTolObjects_GeomToleranceObject()
+        content.SetType(
+            getattr(
+                Objects.XCAFDimTolObjects_GeomToleranceType,
+                f"XCAFDimTolObjects_GeomToleranceType_{tolerance.characteristic.capitalize()}",
+            )
+        )
+        # The axis of a round face lies in a cylinder; everything else between two faces.
+        zone = "Diameter" if tolerance.round and tolerance.characteristic == "perpendicularity" else "None"
+        content.SetTypeOfValue(
+            getattr(
+                Objects.XCAFDimTolObjects_GeomToleranceTypeValue, f"XCAFDimTolObjects_GeomToleranceTypeValue_{zone}"
+            )
+        )
+        content.SetValue(tolerance.value)
+        content.SetSemanticName(_aspect_name(tolerance.name))
+        if tolerance.combined:
+            content.AddModifier(
+                Objects.XCAFDimTolObjects_GeomToleranceModif.XCAFDimTolObjects_GeomToleranceModif_Common_Zone
+            )
+        XCAFDoc_GeomTolerance.Set_s(label).SetObject(content)
+        # OCCT wants a datum for each reference; those of one letter become one when it writes them.
+        for position, letter in enumerate(tolerance.datums, start=1):
+            self._tool.SetDatumToGeomTol(self._add_datum(letter, datums[letter], position), label)
+
+    def _add_datum(self, letter: str, faces: tuple[cq.Face, ...], position: int) -> Any:
+        from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DatumObject
+        from OCP.XCAFDoc import XCAFDoc_Datum
+
+        label = self._tool.AddDatum()
+        self._tool.SetDatum(self._labels(faces), label)
+        content = XCAFDimTolObjects_DatumObject()
+        content.SetName(_ascii(letter))
+        content.SetPosition(position)
+        XCAFDoc_Datum.Set_s(label).SetObject(content)
+        return label
+
+
+def _ascii(text: str) -> Any:
+    from OCP.TCollection import TCollection_HAsciiString
+
+    return TCollection_HAsciiString(text)
+
+
+def _aspect_name(name: str) -> Any:
+    """Name for the faces meant; the writer drops the first word of what it is given."""
+    return _ascii(f"of {name}")
+
+
+def _direction(direction: Point) -> str:
+    """A direction in words where it is an axis of the part, else by its components."""
+    for axis, component in zip("xyz", direction, strict=True):
+        if abs(abs(component) - 1) < 1e-9:
+            return axis
+    return "(" + ", ".join(f"{component:.4f}" for component in direction) + ")"
+
+
+def _value(declaration: Dimension) -> float:
+    """The nominal value in the unit of the kernel's data: mm; radians for an angle."""
+    match declaration.kind:
+        case "angle":
+            return math.radians(declaration.value)
+        case "slope":
+            return math.atan(declaration.value)
+        case _:
+            return declaration.value
+
+
+def _dimension_type(declaration: Dimension, attached: Attachment) -> Any:
+    from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionType as Type
+
+    match declaration.kind:
+        case "diameter" | "tap_drill" | "thread":
+            name = "Size_Diameter"
+        case "radius":
+            of = attached.first[0].geomType()
+            name = {"SPHERE": "Size_SphericalRadius", "TORUS": "Size_ToroidalMinorRadius"}.get(of, "Size_Radius")
+        case "angle" | "slope":
+            name = "Location_Angular"
+        case _ if attached.sides != ("centre", "centre"):
+            start, end = (side.replace("centre", "center").capitalize() for side in attached.sides)
+            name = f"Location_LinearDistance_From{start}To{end}"
+        case _ if attached.oriented:
+            name = "Location_Oriented"
+        case _:
+            name = "Location_LinearDistance"
+    return getattr(Type, f"XCAFDimTolObjects_DimensionType_{name}")

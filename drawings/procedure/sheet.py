@@ -1,0 +1,187 @@
+"""The sheet of the assembly procedure: a table of steps in two columns, in the frame of every other sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from drawings.annotations.annotation_ink import BALLOON
+from drawings.annotations.extent import view_box
+from drawings.annotations.font import LINE_PITCH, SMALL, TEXT, text_width
+from drawings.annotations.ink import Ink, Stroke, Words, rectangle
+from drawings.pictures.picture import Picture
+from drawings.procedure.procedure import PartUse, Procedure, Step
+from drawings.sheets.assembly import all_balloons
+from drawings.sheets.frame import CENTRING, PAPERS, Paper, drawing_space
+from drawings.sheets.sheet import Sheet, scale_text
+from drawings.sheets.title_block import HEIGHT, TitleBlock
+from drawings.views.view import Box2
+from stagecad.solids.assembly.bill_of_materials import Row
+
+NAME = "procedure"
+
+SCALES = (0.5, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05)
+SIZES: tuple[Paper, ...] = ("A2", "A1")
+SIDE, MARGIN, GUTTER = CENTRING + 2.0, 6.0, 8.0
+"""From the frame's sides to the table, clear of the centring marks; from its top; between two columns, mm."""
+PAD = 2.0
+"""From a cell's edge to its text, mm."""
+NUMBER, NEEDS = 11.0, 86.0
+"""Widths of the cells for a step's number, and for its parts, tools and torque, mm."""
+HEAD = 8.0
+"""Height of the row of headings, mm."""
+
+
+@dataclass(frozen=True)
+class _Line:
+    """One line of a cell."""
+
+    text: str
+    height: float = SMALL
+
+    @property
+    def pitch(self) -> float:
+        return LINE_PITCH * self.height
+
+
+def procedure_sheet(
+    procedure: Procedure, title: TitleBlock, pictures: Sequence[Picture] = (), rows: Sequence[Row] = ()
+) -> Sheet:
+    """The sheet, on the smallest paper that holds the table.
+
+    Args:
+        procedure: the steps.
+        title: its title block; the scale is that of the pictures.
+        pictures: of the machine taken apart, beside the table at a scale that fits, where it leaves a column for them.
+        rows: of the parts list, to be pointed at in the pictures.
+
+    Raises:
+        ValueError: the table is too long for the largest paper.
+    """
+    for paper in SIZES:
+        table = _Table(procedure.steps, paper)
+        if table.complete:
+            placed = _placed(pictures, table.free) if table.free else []
+            scale = placed[0].view.scale if placed else 1.0
+            return Sheet(
+                NAME,
+                NAME,
+                paper,
+                scale,
+                replace(title, scale=scale_text(scale) if placed else "-"),
+                tuple(one.view for one in placed),
+                tuple(all_balloons(placed, rows)),
+                (),
+                tuple(table.inks),
+            )
+    raise ValueError(f"the procedure has {len(procedure.steps)} steps, more than a sheet of {SIZES[-1]} holds")
+
+
+class _Table:
+    """The steps in two columns, the second one above the title block.
+
+    Attributes:
+        inks: lines and texts.
+        complete: whether all steps found room.
+        free: box of the second column where no step stands in it.
+    """
+
+    def __init__(self, steps: Sequence[Step], paper: Paper) -> None:
+        x0, y0, x1, y1 = drawing_space(paper)
+        # The gutter lies under the centring mark, in the middle of the paper.
+        middle, top = PAPERS[paper][0] / 2, y1 - MARGIN
+        second, width = middle + GUTTER / 2, middle - GUTTER / 2 - x0 - SIDE
+        left = list(steps)
+        self.inks: list[Ink] = []
+        self.free: Box2 | None = (second, y0 + HEIGHT + MARGIN, x1 - SIDE, y1 - SIDE)
+        for start, floor in ((x0 + SIDE, y0 + MARGIN), (second, y0 + HEIGHT + MARGIN)):
+            if not left:
+                break
+            if start == second:
+                self.free = None
+            self.inks += _headings((start, top - HEAD, start + width, top))
+            height = top - HEAD
+            while left:
+                row = _Row(left[0], width)
+                if height - row.height < floor:
+                    break
+                self.inks += row.ink(start, height)
+                height -= row.height
+                left.pop(0)
+        self.complete = not left
+
+
+def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
+    """The views one above the other in an area, the first above, all at the largest scale at which they fit."""
+    x0, y0, x1, y1 = area
+    room = 8 * BALLOON
+    for scale in SCALES:
+        scaled = [replace(one, view=replace(one.view, scale=scale, place=(0.0, 0.0), label="")) for one in pictures]
+        boxes = [view_box(one.view) or (0.0, 0.0, 0.0, 0.0) for one in scaled]
+        gap = (y1 - y0 - sum(box[3] - box[1] for box in boxes)) / (len(boxes) + 1)
+        if gap < BALLOON or any(box[2] - box[0] + room > x1 - x0 for box in boxes):
+            continue
+        placed, top = [], y1
+        for one, box in zip(scaled, boxes, strict=True):
+            top -= gap
+            at = ((x0 + x1 - box[0] - box[2]) / 2, top - box[3])
+            placed.append(replace(one, view=replace(one.view, place=at)))
+            top -= box[3] - box[1]
+        return placed
+    return []
+
+
+def _headings(box: Box2) -> Iterator[Ink]:
+    x0, y0, x1, y1 = box
+    yield rectangle(box, "FRAME")
+    base = y0 + (y1 - y0 - TEXT) / 2
+    for text, left in (("No.", x0), ("Step", x0 + NUMBER), ("Parts, tools, torque", x1 - NEEDS)):
+        yield Words(text, (left + PAD, base), TEXT)
+
+
+class _Row:
+    """One step, its texts broken into lines."""
+
+    def __init__(self, step: Step, width: float) -> None:
+        self._step, self._width = step, width
+        self._words = [_Line(step.title, TEXT)]
+        for sentence in step.sentences:
+            self._words += [_Line(text) for text in broken(sentence, width - NUMBER - NEEDS - 2 * PAD, SMALL)]
+        self._needs: list[_Line] = [_Line(_part(use)) for use in step.parts]
+        for text in ("; ".join(step.tools), f"Torque {step.torque.text}" if step.torque else ""):
+            self._needs += [_Line(line) for line in broken(text, NEEDS - 2 * PAD, SMALL)] if text else []
+
+    @property
+    def height(self) -> float:
+        """Of the row, mm."""
+        return 2 * PAD + max(sum(line.pitch for line in cell) for cell in (self._words, self._needs))
+
+    def ink(self, left: float, top: float) -> Iterator[Ink]:
+        """The row with its upper left corner there."""
+        right, bottom = left + self._width, top - self.height
+        yield rectangle((left, bottom, right, top))
+        for x in (left + NUMBER, right - NEEDS):
+            yield Stroke(((x, bottom), (x, top)))
+        yield Words(str(self._step.number), (left + NUMBER / 2, top - PAD - TEXT), TEXT, "middle")
+        for cell, x in ((self._words, left + NUMBER), (self._needs, right - NEEDS)):
+            base = top - PAD
+            for line in cell:
+                yield Words(line.text, (x + PAD, base - line.height), line.height)
+                base -= line.pitch
+
+
+def _part(use: PartUse) -> str:
+    number = f", {use.part_number}" if use.part_number else ""
+    return f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}"
+
+
+def broken(text: str, width: float, height: float) -> list[str]:
+    """A text broken at its spaces into lines no wider than a width, mm; a word wider than that stands alone."""
+    lines: list[str] = []
+    for word in text.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and text_width(longer, height) <= width:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines

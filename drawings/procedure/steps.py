@@ -1,0 +1,191 @@
+"""The steps of the assembly in words, their numbers left open: each sentence names its figures in braces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from drawings.procedure.figures import ProcedureValues
+
+
+@dataclass(frozen=True)
+class Draft:
+    """A step before its figures are put in: `tools` and `sentences` name them in braces."""
+
+    title: str
+    parts: tuple[str, ...]
+    tools: tuple[str, ...]
+    sentences: tuple[str, ...]
+    torque: str = ""
+
+
+_PULLED = (
+    "The magnets pull it down with {magnet_pull} at a gap of {teeth_gap} (asked for: {preload}); let it down by the "
+    "wedges, fingers out.",
+)
+
+
+def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
+    """The steps in the order in which the parts go in."""
+    yield Draft(
+        "Set up the base",
+        ("base",),
+        ("{eye_bolts} eye bolts {eye_bolt}", "{feet} feet {eye_bolt}"),
+        (
+            "Lift the base by its corners ({base_mass}) and set it on its feet.",
+            "Wipe the lapped top; a hard stone finds burrs at the holes.",
+        ),
+    )
+    yield Draft(
+        "Bolt the bearing ways",
+        ("bearing_way", "way_screw"),
+        ("{setting_pins} setting pins {setting_pin}", "key {way_key}", "torque wrench"),
+        (
+            "Put the setting pins into the reamed holes and lay each way on its bed, ledge outwards, both faces wiped.",
+            "Push the way against its pins and put the screws in by hand ({way_thread}, {way_engagement} engaged).",
+            "Tighten from the middle outwards, alternating sides, in thirds to {way_torque} ({way_preload} a "
+            "screw); no more, or the ceramic warps.",
+            "Draw the pins out. Inner edges are {way_gap} apart.",
+        ),
+        "way_torque",
+    )
+    if design.teeth.fitted:
+        yield Draft(
+            "Screw the tooth bars down",
+            ("tooth_bar", "bar_screw"),
+            ("key {bar_key}", "torque wrench"),
+            (
+                "Stand each bar on its feet, teeth up and along the travel, {bar_spacing} from middle to middle.",
+                "Set them parallel to the ways' inner edges by a dial on a way, then tighten {bar_thread} to "
+                "{bar_torque} ({bar_preload} a screw).",
+            ),
+            "bar_torque",
+        )
+    yield Draft(
+        "Put in spring, height pins and set screw",
+        ("spring", "height_pin_1", "set_screw", "height_pin_2"),
+        ("key {set_key}", "grease"),
+        (
+            "From the side face: the spring, then height pin 1, greased, spigot into the spring and wedge face up, "
+            "then the set screw ({set_thread}).",
+            "From above into the pocket's floor: height pin 2, greased, sloping end down; it lies flat on the wedge.",
+            "At the middle of its stroke of {stroke} the spring is {spring_length} long. From there turn the set "
+            "screw out by {half_range_turns} turns: the tip will stand {adjustment} below its middle.",
+        ),
+    )
+    yield Draft(
+        "Put the piezos into their holder",
+        ("holder", "piezo"),
+        ("{piezo_screws} soft-tipped set screws {piezo_screw} a holder", "gauge"),
+        (
+            "Stand each piezo on the floor of its bore, leads through the slot into the well and out at the top.",
+            "Draw the soft-tipped screws finger tight against the piezos' feet: they hold the foot and leave the "
+            "stroke free.",
+            "All ends stand {piezo_proud} proud of the holder, alike.",
+        ),
+    )
+    yield Draft(
+        "Bond the tip",
+        ("tip",),
+        ("stiff adhesive", "flat plate"),
+        (
+            "A drop of adhesive in each seat; set the tip on the piezos' domes ({piezo_spacing} apart), nose up, "
+            "and let it cure with the seats touching metal to metal.",
+            "The apex stands {tip_height} above the piezos' ends.",
+        ),
+    )
+    yield Draft(
+        "Lower the holder into its pocket",
+        (),
+        ("lifting screws {piezo_screw}", "gauge {index_gauge}"),
+        (
+            "Clamps open. Lower the holder (play {play}) until it rests on height pin 2 alone.",
+            "Turn it until the gauge, laid in the base's lead channel, enters the index notch: piezos 1 and 2 then "
+            "lie along the travel. Lay the leads in the channel.",
+        ),
+    )
+    if design.teeth.fitted:
+        yield Draft(
+            "Bond irons and magnets into the stage",
+            ("tooth_iron", "magnet"),
+            ("adhesive", "non-magnetic clamps"),
+            (
+                "Two irons to a pocket, teeth down and along the travel, seated on the pocket's floor; the magnet "
+                "between them pulls them together.",
+                "Crests of all irons in one plane. Iron comes out again by a jack screw {jack_screw} from the "
+                "payload face.",
+            ),
+        )
+    yield Draft(
+        "Coat the pads",
+        (),
+        ("PTFE film", "film gauge"),
+        ("Put the film on the crowns of the {pads} pads, {film} thick; mask the sea.",),
+    )
+    yield Draft(
+        "Lower the stage onto the ways",
+        ("stage",),
+        ("wooden wedges",) if design.teeth.fitted else (),
+        (
+            "Tip at its lowest. Lower the stage square onto the ways, pads on the running faces.",
+            *(_PULLED if design.teeth.fitted else ()),
+            "It slides freely over the whole travel of {travel}.",
+        ),
+    )
+    yield Draft(
+        "Set the height of the tip",
+        (),
+        ("shim {shim}", "key {set_key}"),
+        (
+            "Piezos at {bias_voltage}, the middle of their stroke. Shim between nose and sea; turn the set screw "
+            "in until the shim just drags. A turn lifts the tip by {lift_per_turn}, a degree by {lift_per_degree}; "
+            "always come from below.",
+            "Draw the shim out and turn on by {shim_angle}: the nose now touches at mid-stroke.",
+            "The tip's path is {ellipse_height} high, so the height has to be right to {half_ellipse}: "
+            "{half_ellipse_angle} of the key; a hand sets it to {key_angle}.",
+        ),
+    )
+    yield Draft(
+        "Close the clamps",
+        ("clamp_screw_long", "clamp_screw_short"),
+        ("key {clamp_key}", "torque wrench"),
+        (
+            "At each fitted pocket, in thirds to {clamp_torque} ({clamp_thread}, {clamp_force}); at pocket 1 both "
+            "fingers in turn, so that the holder stays in the middle.",
+            "Screws of empty pockets by hand only: a finger with nothing to hold would be bent.",
+        ),
+        "clamp_torque",
+    )
+    yield Draft(
+        "Look what has shifted",
+        (),
+        ("electronics that show the piezos' contact signal",),
+        (
+            "As the clamp closes the tip rises by {clamp_squeeze} (the holder is squeezed), sinks by {clamp_drop} "
+            "at most and goes sideways by {clamp_sideways} at most (it tilts within its play).",
+            "Contact must begin within {half_ellipse} of mid-stroke. If not: open the clamps, turn the set screw "
+            "by what is missing ({lift_per_degree} a degree), close them again.",
+        ),
+    )
+    run_in = (
+        "{run_in_cycles} strokes there and back over {travel} at up to {run_in_speed}: "
+        "{run_in_distance}, {run_in_time}."
+    )
+    if values.film_strokes >= design.bearing.run_in_cycles:
+        left = "The film wears by {run_in_wear} of its {film}."
+    else:
+        left = (
+            "They would wear the film by {run_in_wear} of its {film}: stop after {film_strokes}, when half of it "
+            "is left, and look at the crowns."
+        )
+    yield Draft(
+        "Run in",
+        (),
+        ("drive or hand",),
+        (
+            f"{run_in} {left}",
+            "Wipe the ways. Friction is then {dynamic_low} to {dynamic_high} moving, {static_low} to {static_high} "
+            "from rest; check the height once more.",
+        ),
+    )

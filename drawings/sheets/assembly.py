@@ -1,0 +1,246 @@
+"""The assembly's sheet: the machine from above, cut through actuator 1, and apart with balloons; its parts list."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMark
+from drawings.annotations.annotation_ink import BALLOON
+from drawings.annotations.extent import view_box
+from drawings.annotations.font import LARGE, LINE_PITCH, SMALL, TEXT, text_width
+from drawings.annotations.ink import Ink, Stroke, Words
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
+from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, Extent, overall, reach_of
+from drawings.sheets.frame import Paper
+from drawings.sheets.sheet import Sheet, scale_text, sheet_area
+from drawings.sheets.title_block import TitleBlock, title_box
+from drawings.views.view import Box2, Curve, Point2, Segment, View
+
+if TYPE_CHECKING:
+    from stagecad.solids.assembly.bill_of_materials import Row
+
+PAPER: Paper = "A1"
+COLUMNS = ((10.0, "item"), (10.0, "qty"), (62.0, "part"), (34.0, "number"), (44.0, "material"), (20.0, "mass"))
+"""Widths and headings of the parts list, mm."""
+ROW = 6.5
+"""Height of its rows, mm."""
+
+
+@dataclass(frozen=True)
+class Assembled:
+    """The machine as its sheet needs it.
+
+    Args:
+        rows: bill of materials.
+        extent: its room, and that of the stage.
+        mass: of the whole, with its unit.
+        digest: hash of the parameters.
+        revision: of the program.
+    """
+
+    rows: tuple[Row, ...]
+    extent: Extent
+    mass: str
+    digest: str
+    revision: str
+
+
+def assembly_sheet(machine: Assembled, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
+    """The sheet of the whole machine.
+
+    Args:
+        pictures: of it, by name (`drawings.pictures.machine`).
+    """
+    taken_apart = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
+    cut = pictures[SECTION]
+    reach = reach_of([line for part, lines in cut.pieces if part == "stage" for line in lines], machine.extent.travel)
+    front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": reach.lines})
+    notes = (*_NOTES, f"- Travel {machine.extent.travel:.1f} mm; chain lines with two dots show its ends.")
+    views = _placed([pictures[TOP].view, front, *(one.view for one in taken_apart)], len(machine.rows), len(notes))
+    marks: list[Annotation] = [_mark(views[0]), *overall(machine.extent, views[0], views[1], reach)]
+    placed = [replace(one, view=view) for one, view in zip(taken_apart, views[2:], strict=True)]
+    marks += all_balloons(placed, machine.rows)
+    return Sheet(
+        name="assembly",
+        part="assembly",
+        paper=PAPER,
+        scale=SCALE,
+        title=title_of(machine, design, "assembly"),
+        views=tuple(views),
+        annotations=tuple(marks),
+        notes=(Note(sheet_area(PAPER).space[:2], notes),),
+        tables=tuple(parts_list(machine.rows, PAPER)),
+    )
+
+
+def all_balloons(pictures: Sequence[Picture], rows: Sequence[Row]) -> list[Balloon]:
+    """A balloon for each row of the parts list, in the first of the placed views that shows its part."""
+    found: list[Balloon] = []
+    for one in pictures:
+        shown = {balloon.number for balloon in found}
+        found += balloons(one, [row for row in rows if row.item not in shown])
+    return found
+
+
+_NOTES = (
+    "NOTES",
+    "- Shown at the middle of travel and of height adjustment.",
+    "- Order, torques and settings: see the procedure.",
+    "- Fasteners, pins, piezos and spring are not cut.",
+)
+
+
+def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
+    """Views on the paper: top over section on the left, the exploded one in the middle, the one from below under it.
+
+    Where there is no room for that one under the exploded one, it stands at half the scale above the parts list.
+    """
+    x0, y0, x1, y1 = sheet_area(PAPER).space
+    boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
+    upper, lower = boxes[:2]
+    room = 24.0
+    low_x, high_x = min(upper[0] - SIDE, lower[0]), max(upper[2], lower[2] + FIRST)
+    column = high_x - low_x + 2 * room
+    left = x0 + room - low_x
+    floor = y0 + (notes + 2) * LINE_PITCH * TEXT
+    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + room + 2 * DIMENSIONED
+    gap = max(room, (y1 - floor - height) / 3)
+    top_at = (left, y1 - gap - DIMENSIONED - upper[3])
+    places = [top_at, (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])]
+    list_left, list_top = title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW
+    middle = (x0 + column, y0, list_left, y1)
+    apart = [replace(view, place=place) for view, place in zip(views, places, strict=False)]
+    if len(views) > 3:
+        stacked = _stacked(boxes[2], boxes[3], middle)
+        if stacked:
+            below = replace(views[3], label=FROM_BELOW.upper())
+            return [*apart, *(replace(v, place=place) for v, place in zip((views[2], below), stacked, strict=True))]
+        half = replace(views[3], scale=SCALE / 2, label=f"{FROM_BELOW.upper()} ({scale_text(SCALE / 2)})")
+        box = view_box(half) or (0.0, 0.0, 0.0, 0.0)
+        views, boxes = [*views[:3], half], [*boxes[:3], box]
+    areas = (middle, (list_left, list_top, x1, y1))
+    beside = zip(views[2:], boxes[2:], areas, strict=False)
+    return [*apart, *(replace(view, place=_centred(box, area)) for view, box, area in beside)]
+
+
+def _stacked(upper: Box2, lower: Box2, area: Box2) -> tuple[Point2, Point2] | None:
+    """Places of two views one above the other in an area, the lower with a label; none where they do not fit."""
+    label = 2 * LARGE
+    gap = (area[3] - area[1] - (upper[3] - upper[1]) - (lower[3] - lower[1]) - label) / 3
+    wide = max(box[2] - box[0] for box in (upper, lower)) + 8 * BALLOON
+    if gap < 2 * BALLOON or wide > area[2] - area[0]:
+        return None
+    x, _ = _centred(upper, area)
+    u, _ = _centred(lower, area)
+    return (x, area[3] - gap - upper[3]), (u, area[1] + gap + label - lower[1])
+
+
+def _centred(box: Box2, area: Box2) -> Point2:
+    return ((area[0] + area[2] - box[0] - box[2]) / 2, (area[1] + area[3] - box[1] - box[3]) / 2)
+
+
+def _mark(top: View) -> SectionMark:
+    x0, _, x1, _ = view_box(top) or (0.0, 0.0, 0.0, 0.0)
+    return SectionMark(top.name, (x0 - 8.0, top.place[1]), (x1 + 8.0, top.place[1]), (0.0, 1.0), "A")
+
+
+def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
+    """A balloon for each row of the parts list, in two columns beside the view, in the order of what they point at.
+
+    Args:
+        shown: its view placed.
+        rows: of the parts list that are to have one.
+    """
+    view = shown.view
+    x0, y0, x1, y1 = view_box(view) or (0.0, 0.0, 0.0, 0.0)
+    middle = (x0 + x1) / 2
+    ends: dict[int, list[Point2]] = {
+        row.item: [at for part, piece in shown.pieces if part == row.part for at in _points(piece)] for row in rows
+    }
+    # What lies farthest to one side gets its balloon on that side.
+    chosen: list[tuple[float, int, Point2]] = []
+    for item, points in ends.items():
+        if points:
+            at = max(points, key=lambda p: (round(abs(view.to_paper(p)[0] - middle), 3), p))
+            chosen.append((view.to_paper(at)[0], item, at))
+    chosen.sort()
+    half = len(chosen) // 2
+    for column, x in ((chosen[:half], x0 - 3 * BALLOON), (chosen[half:], x1 + 3 * BALLOON)):
+        ordered = sorted(column, key=lambda entry: view.to_paper(entry[2])[1])
+        heights = spread([view.to_paper(at)[1] for _, _, at in ordered], 2.6 * BALLOON, y0, y1)
+        for (_, item, at), y in zip(ordered, heights):
+            yield Balloon(view.name, at, (x, y), item)
+
+
+def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
+    """Middles of the straight lines of a piece that are long enough to be seen, else points amid all its curves."""
+    from drawings.annotations.extent import outermost
+
+    straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
+    if straight:
+        yield from (((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2) for c in straight)
+    else:
+        # A curve's ends may be where something else begins to hide it.
+        yield from (points[len(points) // 2] for points in map(outermost, piece))
+
+
+def spread(wished: Sequence[float], apart: float, low: float, high: float) -> list[float]:
+    """Heights near the wished ones, in their order, at least `apart` from each other, within the limits if they fit."""
+    places = list(wished)
+    for i in range(1, len(places)):
+        places[i] = max(places[i], places[i - 1] + apart)
+    if places and places[-1] > high:
+        places[-1] = high
+        for i in range(len(places) - 2, -1, -1):
+            places[i] = min(places[i], places[i + 1] - apart)
+    shift = max(0.0, low - places[0]) if places else 0.0
+    return [place + shift for place in places]
+
+
+def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Ink]:
+    """The parts list on top of the title block, counted from below (ISO 7573)."""
+    x0, _, x1, y0 = title_box(paper)
+    cells = [["Item", "Qty", "Part", "Number", "Material", "Mass each"]]
+    for row in rows:
+        mass = f"{row.mass:.2f} kg" if row.mass >= 1.0 else f"{1000 * row.mass:.3g} g"
+        name = row.part.replace("_", " ")
+        cells.append([str(row.item), str(row.quantity), name, row.part_number, row.material, mass])
+    for index, texts in enumerate(cells):
+        y = y0 + index * ROW
+        yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
+        left = x0
+        for (width, _), text in zip(COLUMNS, texts):
+            height = SMALL if index == 0 else TEXT * 0.8
+            fitting = min(1.0, (width - 3.0) / max(1e-9, text_width(text, height)))
+            yield Words(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
+            left += width
+    top = y0 + len(cells) * ROW
+    left = x0
+    for width, _ in COLUMNS:
+        yield Stroke(((left, y0), (left, top)), "FRAME" if left == x0 else "BORDER")
+        left += width
+
+
+def title_of(machine: Assembled, design: Any, sheet: str) -> TitleBlock:
+    """Title block of a sheet of the whole machine: `assembly`, or its `procedure`."""
+    from drawings.sheets.part import tolerances_of
+
+    drawn = sheet == "assembly"
+    return TitleBlock(
+        title=sheet if drawn else f"assembly {sheet}",
+        supplement=design.drawing.title,
+        number=getattr(design.drawing, f"file_{sheet}"),
+        material="",
+        mass=machine.mass if drawn else "",
+        scale=scale_text(SCALE),
+        sheet=1,
+        sheets=1,
+        revision=machine.revision,
+        parameters=machine.digest,
+        kind="Assembly drawing" if drawn else "Procedure",
+        finish="",
+        tolerances=tolerances_of(design) if drawn else (),
+    )

@@ -1,0 +1,241 @@
+"""Which views each part needs, on which sheets, at which scale: what a draughtsman decides before he draws.
+
+Scales are the thesis's: tip, holder and pins 1:1, stage 1:2, bearing way 1:4, base on three sheets at 1:5, 1:5 and 0.35
+with detail X at 1:2. Small parts that the thesis does not draw have the standard scale that shows them. Where a view
+is too small for its dimensions at the sheet's scale, a section or detail at a larger one stands beside it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from drawings.sheets.frame import Paper
+from drawings.views.view import PROJECTIONS, Cut
+from stagecad.parameters.dimension import FaceRequirement, Point
+from stagecad.solids.parts.base_clamp import clamps
+from stagecad.solids.parts.tip import piezo_places
+
+
+@dataclass(frozen=True)
+class ViewPlan:
+    """A view that a sheet is to have.
+
+    Args:
+        name: as in `drawings.views.view.View`.
+        projection: key of `drawings.views.view.PROJECTIONS`.
+        beside: the view it stands in line with.
+        hidden: whether it shows hidden lines.
+        cut: plane of a section.
+        detail: centre, part coordinates, and radius of what a detail shows, mm.
+        letter: of a detail.
+        scale: where it is not the sheet's.
+        symmetry: `u`, `v`: lines of symmetry through the part's origin.
+    """
+
+    name: str
+    projection: str
+    beside: str = ""
+    hidden: bool = False
+    cut: Cut | None = None
+    detail: tuple[Point, float] | None = None
+    letter: str = ""
+    scale: float | None = None
+    symmetry: str = ""
+
+
+@dataclass(frozen=True)
+class SheetPlan:
+    """A sheet that a part is to have.
+
+    Args:
+        name: of its files.
+        papers: sizes to try, smallest first.
+        scale: of the views that have none of their own.
+        views: the main one first.
+        shows: beginnings of the names of the declarations it shows; empty for all that no other sheet shows.
+    """
+
+    name: str
+    papers: tuple[Paper, ...]
+    scale: float
+    views: tuple[ViewPlan, ...]
+    shows: tuple[str, ...] = ()
+
+
+def sheet_plans(part: str, design: Any) -> tuple[SheetPlan, ...]:
+    """The sheets of a part, in order."""
+    return _PLANS[part](design)
+
+
+def sheet_of(plans: tuple[SheetPlan, ...], declaration: str) -> SheetPlan:
+    """The one sheet that shows a declaration."""
+    for plan in plans:
+        if any(declaration.startswith(beginning) for beginning in plan.shows):
+            return plan
+    return next(plan for plan in plans if not plan.shows)
+
+
+def sheet_of_requirement(plans: tuple[SheetPlan, ...], requirement: FaceRequirement) -> SheetPlan:
+    """The one sheet that shows a requirement: the first with the view it is declared for, its face seen as a line."""
+    for plan in plans:
+        for view in plan.views:
+            eye = PROJECTIONS[view.projection].towards_eye
+            named = view.name == requirement.view or (requirement.view == "section" and view.cut is not None)
+            if named and abs(sum(a * b for a, b in zip(eye, requirement.normal, strict=True))) < 1e-6:
+                return plan
+    return plans[0]
+
+
+_TOP = ViewPlan("top", "top")
+_FRONT = ViewPlan("front", "front", "top")
+_RIGHT = ViewPlan("right", "right", "front")
+_BOTTOM = ViewPlan("bottom", "bottom", "front")
+_ISO = ViewPlan("iso", "iso")
+
+
+def _section(letter: str, projection: str, at: Point, beside: str, scale: float | None = None) -> ViewPlan:
+    normals = {"front": (0.0, -1.0, 0.0), "right": (1.0, 0.0, 0.0), "top": (0.0, 0.0, 1.0), "left": (-1.0, 0.0, 0.0)}
+    return ViewPlan(
+        f"section {letter}-{letter}", projection, beside, cut=Cut(at, normals[projection], letter), scale=scale
+    )
+
+
+def _detail(letter: str, projection: str, at: Point, radius: float, scale: float) -> ViewPlan:
+    return ViewPlan(f"detail {letter}", projection, detail=(at, radius), letter=letter, scale=scale)
+
+
+def _tip(design: Any) -> tuple[SheetPlan, ...]:
+    views = (_TOP, _FRONT, _BOTTOM, _section("A", "right", (0.0, 0.0, 0.0), "front"), _ISO)
+    return (SheetPlan("tip", ("A3", "A2"), 1.0, views),)
+
+
+def _holder(design: Any) -> tuple[SheetPlan, ...]:
+    (x, y), *_ = piezo_places(design)
+    views = (
+        _TOP,
+        _FRONT,
+        _section("A", "front", (x, y, 0.0), "top"),
+        ViewPlan("back", "back", "front"),
+        _ISO,
+    )
+    return (SheetPlan("holder", ("A3", "A2"), 1.0, views),)
+
+
+def _stage(design: Any) -> tuple[SheetPlan, ...]:
+    views = (
+        ViewPlan("top", "top", symmetry="uv"),
+        _section("A", "right", (0.0, 0.0, 0.0), "front"),
+        _FRONT,
+        _RIGHT,
+        ViewPlan("bottom", "bottom", "front", symmetry="uv"),
+        ViewPlan("iso", "iso", scale=0.25),
+    )
+    return (SheetPlan("stage", ("A2", "A1"), 0.5, views),)
+
+
+def _bearing_way(design: Any) -> tuple[SheetPlan, ...]:
+    way = design.bearing_way
+    first = -(way.bolt_count - 1) / 2 * way.bolt_spacing
+    views = (
+        ViewPlan("top", "top", symmetry="v"),
+        _FRONT,
+        _section("A", "right", (first, 0.0, 0.0), "front", 1.0),
+        _ISO,
+    )
+    return (SheetPlan("bearing_way", ("A3", "A2"), 0.25, views),)
+
+
+def _base(design: Any) -> tuple[SheetPlan, ...]:
+    base = design.base
+    first, *_ = clamps(design)
+    top = ViewPlan("top", "top", symmetry="uv")
+    one = SheetPlan(
+        "base_1",
+        ("A3", "A2"),
+        0.2,
+        (top, _FRONT, _RIGHT, _ISO),
+        ("length", "width", "height", "edge chamfer", "way ", "hole chamfer", "setting-pin", "pocket", "lead channel"),
+    )
+    # From the pocket's axis to the far corner of the lug's slot, and a little more.
+    finger = (*first.place(first.slot / 2, base.clamp_reach / 2), 0.0)
+    reach = math.hypot(first.slot, base.clamp_reach) / 2 + 10.0
+    two = SheetPlan(
+        "base_2",
+        ("A3", "A2"),
+        0.2,
+        (
+            ViewPlan("top", "top", symmetry="u"),
+            ViewPlan("right", "right", "top"),
+            _section("A", "top", (0.0, 0.0, -base.clamp_screw_depth), ""),
+            _detail("X", "top", finger, reach, 0.5),
+        ),
+        ("clamp",),
+    )
+    three = SheetPlan(
+        "base_3",
+        ("A2", "A1"),
+        0.35,
+        (
+            top,
+            _section("A", "front", (0.0, 0.0, 0.0), "top"),
+            ViewPlan("bottom", "bottom", "section A-A", symmetry="uv"),
+        ),
+    )
+    return (one, two, three)
+
+
+def _height_pin_1(design: Any) -> tuple[SheetPlan, ...]:
+    views = (_FRONT_ALONE, ViewPlan("top", "top", "front"), ViewPlan("right", "right", "front"), _ISO)
+    return (SheetPlan("height_pin_1", ("A3",), 1.0, views),)
+
+
+def _height_pin_2(design: Any) -> tuple[SheetPlan, ...]:
+    views = (_FRONT_ALONE, ViewPlan("top", "top", "front"), ViewPlan("right", "right", "front"), _ISO)
+    return (SheetPlan("height_pin_2", ("A3",), 1.0, views),)
+
+
+_FRONT_ALONE = ViewPlan("front", "front", hidden=True)
+
+
+_SMALL = (
+    ViewPlan("front", "front"),
+    ViewPlan("top", "top", "front"),
+    ViewPlan("right", "right", "front"),
+    ViewPlan("iso", "iso", scale=2.0),
+)
+"""Views of a part that is drawn larger than it is."""
+
+
+def _magnet(design: Any) -> tuple[SheetPlan, ...]:
+    return (SheetPlan("magnet", ("A3", "A2"), 5.0, _SMALL),)
+
+
+def _tooth_iron(design: Any) -> tuple[SheetPlan, ...]:
+    return (SheetPlan("tooth_iron", ("A3", "A2"), 5.0, _SMALL),)
+
+
+def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:
+    views = (
+        ViewPlan("top", "top", symmetry="uv"),
+        _FRONT,
+        _section("A", "right", (0.0, 0.0, 0.0), "front", 2.0),
+        _ISO,
+    )
+    return (SheetPlan("tooth_bar", ("A3", "A2"), 0.5, views),)
+
+
+_PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
+    "tip": _tip,
+    "holder": _holder,
+    "stage": _stage,
+    "bearing_way": _bearing_way,
+    "base": _base,
+    "height_pin_1": _height_pin_1,
+    "height_pin_2": _height_pin_2,
+    "magnet": _magnet,
+    "tooth_iron": _tooth_iron,
+    "tooth_bar": _tooth_bar,
+}

@@ -1,0 +1,78 @@
+"""A sheet with everything in its place: what the layout aims at, and what the document is drawn from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from drawings.annotations.annotation import Annotation, Note
+from drawings.annotations.ink import Ink
+from drawings.sheets.frame import CENTRING, MARGIN, PAPERS, Paper, drawing_space
+from drawings.sheets.title_block import TitleBlock, title_box
+from drawings.views.view import Box2, View
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One drawing sheet.
+
+    Args:
+        name: of its files, `base_1`.
+        part: the part, or `assembly`.
+        paper: size of the paper.
+        scale: of the main views, paper over part.
+        title: what its title block says.
+        views: placed.
+        annotations: placed.
+        notes: placed.
+        tables: ink that belongs to no view: parts list, table of steps.
+    """
+
+    name: str
+    part: str
+    paper: Paper
+    scale: float
+    title: TitleBlock
+    views: tuple[View, ...]
+    annotations: tuple[Annotation, ...]
+    notes: tuple[Note, ...] = ()
+    tables: tuple[Ink, ...] = ()
+
+    def view(self, name: str) -> View:
+        """The view of that name."""
+        return next(view for view in self.views if view.name == name)
+
+
+@dataclass(frozen=True)
+class SheetArea:
+    """Where views and annotations may stand.
+
+    Args:
+        space: inside of the frame, less a margin.
+        taken: title block and other boxes within it.
+    """
+
+    space: Box2
+    taken: tuple[Box2, ...]
+
+
+def sheet_area(paper: Paper, taken: tuple[Box2, ...] = ()) -> SheetArea:
+    """The area of a sheet that is free for views, beside its title block and what else is named, mm."""
+    x0, y0, x1, y1 = drawing_space(paper)
+    width, height = PAPERS[paper]
+    u, v = width / 2, height / 2
+    marks = (
+        (x0, v, x0 + CENTRING, v),
+        (x1 - CENTRING, v, x1, v),
+        (u, y0, u, y0 + CENTRING),
+        (u, y1 - CENTRING, u, y1),
+    )
+    clear = MARGIN / 2
+    return SheetArea((x0 + clear, y0 + clear, x1 - clear, y1 - clear), (title_box(paper), *marks, *taken))
+
+
+def scale_text(scale: float) -> str:
+    """A scale as it is written: `1:5`, `2:1`, or the plain factor where neither side is one."""
+    for over, under in ((scale, 1.0), (1.0, 1.0 / scale)):
+        if abs(over - round(over)) < 1e-9 and abs(under - round(under)) < 1e-9:
+            return f"{round(over)}:{round(under)}"
+    return f"{scale:.3f}"

@@ -1,0 +1,146 @@
+"""The title block: the fields of ISO 7200 and those of the thesis's drawings, in the sheet's lower right corner."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from drawings.annotations.font import LARGE, SMALL, TEXT, text_width
+from drawings.annotations.ink import Circle, Ink, Stroke, Words, rectangle
+from drawings.sheets.frame import Paper, drawing_space
+from drawings.views.view import Arc, Box2, Point2
+
+WIDTH, HEIGHT = 180.0, 56.0
+
+
+@dataclass(frozen=True)
+class TitleBlock:
+    """What the title block says.
+
+    Args:
+        title: name of the part, or what the sheet shows.
+        supplement: what the part belongs to.
+        number: file name of the drawing, `THS_PZT_TIP`.
+        material: of the part; empty on an assembly.
+        mass: with its unit, `39.1 g`.
+        scale: of the main views, `1:2`.
+        sheet, sheets: number of this sheet, and of how many.
+        revision: of the program that draws it.
+        parameters: hash of the parameters the sheet depends on.
+        kind: of document, `Part drawing`.
+        finish: general surface texture and edges.
+        tolerances: class and what it allows, `("X.XX", "±0.01")`; `ANGLE` for all angles.
+    """
+
+    title: str
+    supplement: str
+    number: str
+    material: str
+    mass: str
+    scale: str
+    sheet: int
+    sheets: int
+    revision: str
+    parameters: str
+    kind: str
+    finish: str
+    tolerances: tuple[tuple[str, str], ...]
+    creator: str = "stagecad"
+
+
+def title_box(paper: Paper) -> Box2:
+    """Where the title block stands, mm."""
+    _, y0, x1, _ = drawing_space(paper)
+    return (x1 - WIDTH, y0, x1, y0 + HEIGHT)
+
+
+def title_ink(block: TitleBlock, paper: Paper) -> Iterator[Ink]:
+    """Lines and lettering of the title block."""
+    x0, y0, x1, y1 = title_box(paper)
+    yield rectangle((x0, y0, x1, y1), "FRAME")
+    rows = [y0, y0 + 11, y0 + 22, y0 + 33, y0 + 44, y1]
+    for y in rows[1:-1]:
+        yield Stroke(((x0, y), (x1, y)))
+
+    def cells(row: int, *fields: tuple[str, str, float, float]) -> Iterator[Ink]:
+        """One row of cells from left to right: caption, text, width, height of text."""
+        left = x0
+        for number, (caption, text, width, height) in enumerate(fields):
+            if number:
+                yield Stroke(((left, rows[row]), (left, rows[row + 1])))
+            yield from _cell((left, rows[row], left + width, rows[row + 1]), caption, text, height)
+            left += width
+
+    # From the bottom up: the lowest row is read first.
+    yield from cells(
+        0,
+        ("File name", block.number, 66, LARGE),
+        ("Scale", block.scale, 30, LARGE),
+        ("Units", "MM", 18, LARGE),
+        ("Revision", block.revision, 24, TEXT),
+        ("Sheet", f"{block.sheet} of {block.sheets}", 42, LARGE),
+    )
+    yield from cells(1, ("", "", 66, TEXT), ("", "", 114, TEXT))
+    yield from _cell((x0 + 66, rows[1], x1, rows[2]), "Title", block.title.upper(), LARGE)
+    yield from cells(
+        2,
+        ("", "", 66, TEXT),
+        ("Belongs to", block.supplement, 74, TEXT),
+        ("Projection, third angle", "", 40, TEXT),
+    )
+    yield from _third_angle((x0 + 161, rows[2] + 1.8))
+    yield from cells(
+        3,
+        ("Material", block.material, 66, TEXT),
+        ("Mass", block.mass, 30, TEXT),
+        ("Document type", block.kind, 44, TEXT),
+        ("Parameters", block.parameters, 40, TEXT),
+    )
+    yield from cells(
+        4,
+        ("Drawn by", block.creator, 66, TEXT),
+        ("Approved by", "", 74, TEXT),
+        ("Unless otherwise stated", block.finish, 40, SMALL),
+    )
+    yield from _tolerances(block.tolerances, (x0, rows[1], x0 + 66, rows[3]))
+
+
+def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Ink]:
+    x0, y0, x1, y1 = box
+    if caption:
+        yield Words(caption, (x0 + 1.2, y1 - 1.0 - SMALL * 0.72), SMALL * 0.72)
+    if text:
+        room = x1 - x0 - 3.0
+        fitting = min(1.0, room / text_width(text, height))
+        yield Words(text, (x0 + 1.8, y0 + 1.9), height * fitting)
+
+
+def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Ink]:
+    """The table of what the decimals of a dimension allow, and angles."""
+    x0, y0, x1, y1 = box
+    caption = "General tolerances, lengths by decimals"
+    yield Words(caption, (x0 + 1.2, y1 - 1.0 - SMALL * 0.72), SMALL * 0.72)
+    width = (x1 - x0) / max(1, len(classes))
+    for number, (name, allowed) in enumerate(classes):
+        left = x0 + number * width
+        yield Words(name, (left + width / 2, y0 + 12.6), TEXT, "middle")
+        yield Words(allowed, (left + width / 2, y0 + 2.4), TEXT, "middle")
+        if number:
+            yield Stroke(((left, y0), (left, y0 + 11)))
+
+
+def _third_angle(at: Point2, size: float = 5.0) -> Iterator[Ink]:
+    """The symbol of third-angle projection (ISO 5456-2): two circles, and the cone they belong to at their right."""
+    x, y = at
+    y += size / 2
+    circles = (x - size * 1.1, y)
+    for diameter in (size, size / 2):
+        yield Circle(Arc(circles, diameter / 2))
+    left, right = x + size * 0.35, x + size * 1.55
+    small, wide = size / 4, size / 2
+    cone = ((left, y - small), (right, y - wide), (right, y + wide), (left, y + small), (left, y - small))
+    yield Stroke(cone)
+    over = 1.0
+    yield Stroke(((circles[0] - size / 2 - over, y), (circles[0] + size / 2 + over, y)))
+    yield Stroke(((circles[0], y - size / 2 - over), (circles[0], y + size / 2 + over)))
+    yield Stroke(((left - over, y), (right + over, y)))

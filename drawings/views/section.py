@@ -1,0 +1,183 @@
+"""Sections: what a cutting plane leaves of a solid, and the hatch on the faces it cut (ISO 128-3, ISO 128-50)."""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drawings.views.line_cleaning import Span, joined, without
+from drawings.views.view import Cut, Point2, Projection, Segment
+
+if TYPE_CHECKING:
+    from OCP.TopoDS import TopoDS_Shape
+
+HATCH_PITCH = 3.0
+"""Distance of hatch lines on paper, mm."""
+HATCH_ANGLE = 45.0
+_CHORD = 0.02
+
+
+def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
+    """What is left of a shape behind a cutting plane.
+
+    Raises:
+        ValueError: the plane misses the shape.
+    """
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+    from OCP.BRepBndLib import BRepBndLib
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakeBox
+    from OCP.gp import gp_Ax2, gp_Dir, gp_Pnt
+
+    box = Bnd_Box()
+    BRepBndLib.Add_s(shape, box)
+    size = 2.0 * math.sqrt(box.SquareExtent()) + 1.0
+    frame = gp_Ax2(gp_Pnt(*cut.point), gp_Dir(*cut.normal))
+    along, across = frame.XDirection(), frame.YDirection()
+    corner = [p - size / 2 * (a + b) for p, a, b in zip(cut.point, _numbers(along), _numbers(across), strict=True)]
+    air = BRepPrimAPI_MakeBox(gp_Ax2(gp_Pnt(*corner), gp_Dir(*cut.normal), along), size, size, size).Shape()
+    result = BRepAlgoAPI_Cut(shape, air)
+    if not result.IsDone() or not any(True for _ in cut_faces(result.Shape(), cut)):
+        raise ValueError(f"section {cut.letter}-{cut.letter}: the plane does not cut the part")
+    return result.Shape()
+
+
+def _numbers(direction: Any) -> tuple[float, float, float]:
+    return (direction.X(), direction.Y(), direction.Z())
+
+
+def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
+    """Plane faces in the cutting plane, towards the eye."""
+    from OCP.BRepAdaptor import BRepAdaptor_Surface
+    from OCP.GeomAbs import GeomAbs_Plane
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    explorer = TopExp_Explorer(shape, TopAbs_FACE)
+    while explorer.More():
+        face = TopoDS.Face_s(explorer.Current())
+        surface = BRepAdaptor_Surface(face)
+        if surface.GetType() == GeomAbs_Plane:
+            plane = surface.Plane()
+            sign = -1.0 if face.Orientation() == TopAbs_REVERSED else 1.0
+            facing = sum(sign * a * b for a, b in zip(_numbers(plane.Axis().Direction()), cut.normal, strict=True))
+            at = plane.Location()
+            if facing > 1 - 1e-9 and cut.holds((at.X(), at.Y(), at.Z()), 1e-4):
+                yield face
+        explorer.Next()
+
+
+def hatch(
+    faces: Iterable[Any],
+    projection: Projection,
+    scale: float,
+    *,
+    falling: bool = False,
+    covers: Sequence[np.ndarray] = (),
+) -> tuple[Segment, ...]:
+    """Hatch lines on cut faces, clipped to them; at the pitch that is right on paper.
+
+    Args:
+        faces: in the cutting plane (`cut_faces`).
+        scale: of the view, paper over part.
+        falling: whether lines fall to the right, to tell one part from its neighbour.
+        covers: outlines in the plane of pieces that are not cut (`in_plane`): a screw in its tap drill (ISO 6410-1).
+    """
+    loops: list[list[Point2]] = []
+    for face in faces:
+        loops.extend(_loops(face, projection))
+    return hatch_lines(loops, HATCH_PITCH / scale, -HATCH_ANGLE if falling else HATCH_ANGLE, covers)
+
+
+def hatch_lines(
+    loops: list[list[Point2]],
+    pitch: float,
+    angle: float = HATCH_ANGLE,
+    covers: Sequence[np.ndarray] = (),
+) -> tuple[Segment, ...]:
+    """Lines inside an odd number of closed loops and inside no cover; their grid runs through the origin."""
+    turn = math.radians(angle)
+    u, v = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
+    pieces = [(*a, *b) for loop in loops for a, b in zip(loop, [*loop[1:], loop[0]])]
+    if not pieces:
+        return ()
+    edges, *covering = (np.reshape(outline, (-1, 2, 2)) @ np.array((u, v)).T for outline in (pieces, *covers))
+    low, high = float(edges[..., 1].min()), float(edges[..., 1].max())
+    lines: list[Segment] = []
+    for row in range(math.floor(low / pitch) + 1, math.ceil(high / pitch)):
+        level = row * pitch
+        spans = _inside(edges, level)
+        for outline in covering:
+            spans = without(spans, joined(_inside(outline, level), 0.0), 0.0)
+        for start, end in spans:
+            if end - start > 0.02 * pitch:
+                lines.append(
+                    Segment(
+                        (start * u[0] + level * v[0], start * u[1] + level * v[1]),
+                        (end * u[0] + level * v[0], end * u[1] + level * v[1]),
+                    )
+                )
+    return tuple(lines)
+
+
+def _inside(edges: np.ndarray, level: float) -> list[Span]:
+    """Where a level line is inside an odd number of loops, whose pieces (n, 2, 2) run from point to point."""
+    above = edges[..., 1] > level
+    crossed = edges[above[:, 0] != above[:, 1]]
+    (a, b), (c, d) = crossed[:, 0].T, crossed[:, 1].T
+    hits = np.sort(a + (level - b) * (c - a) / (d - b)).tolist()
+    return list(zip(hits[::2], hits[1::2]))
+
+
+def in_plane(corners: np.ndarray, triangles: np.ndarray, cut: Cut, projection: Projection) -> np.ndarray:
+    """Where triangles meet a plane: the pieces (n, 4) of closed outlines, from point to point in view coordinates.
+
+    Args:
+        corners: (n, 3), in place.
+        triangles: three corners of each.
+    """
+    heights = (corners - cut.point) @ np.array(cut.normal)
+    above = heights >= 0.0
+    count = above[triangles].sum(axis=1)
+    crossed = triangles[(count == 1) | (count == 2)]
+    lone = np.argmax(above[crossed] == (above[crossed].sum(axis=1) == 1)[:, None], axis=1)
+    first, *others = np.take_along_axis(crossed, (lone[:, None] + np.arange(3)) % 3, axis=1).T
+    ends = []
+    for other in others:
+        share = heights[first] / (heights[first] - heights[other])
+        places = corners[first] + share[:, None] * (corners[other] - corners[first])
+        ends.append(places @ np.array([projection.right, projection.up]).T)
+    return np.hstack(ends)
+
+
+def _loops(face: Any, projection: Projection) -> Iterator[list[Point2]]:
+    """Boundary of a face as closed polygons in view coordinates."""
+    from OCP.BRepAdaptor import BRepAdaptor_Curve
+    from OCP.BRepTools import BRepTools_WireExplorer
+    from OCP.GCPnts import GCPnts_QuasiUniformDeflection
+    from OCP.TopAbs import TopAbs_REVERSED, TopAbs_WIRE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopoDS import TopoDS
+
+    wires = TopExp_Explorer(face, TopAbs_WIRE)
+    while wires.More():
+        loop: list[Point2] = []
+        walk = BRepTools_WireExplorer(TopoDS.Wire_s(wires.Current()), face)
+        while walk.More():
+            edge = walk.Current()
+            curve = BRepAdaptor_Curve(edge)
+            points = GCPnts_QuasiUniformDeflection(curve, _CHORD, curve.FirstParameter(), curve.LastParameter())
+            places = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
+            if edge.Orientation() == TopAbs_REVERSED:
+                places.reverse()
+            loop.extend(projection.to_view((p.X(), p.Y(), p.Z())) for p in places[:-1])
+            walk.Next()
+        yield loop
+        wires.Next()

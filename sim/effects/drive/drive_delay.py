@@ -1,0 +1,24 @@
+"""The drive acts on its command only after a delay."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sim.effects.sensor import sensor_delay
+from sim.library.time_domain import DriveDelay
+
+_OF_CURVES = replace(
+    sensor_delay.EFFECT.variants[0],
+    name="drive_delay:of_curves",
+    meaning="the drive acts after a delay on a command that runs smoothly from row to row",
+    acts_on="drive",
+)
+
+EFFECT = replace(
+    sensor_delay.EFFECT,
+    name="drive_delay",
+    meaning="the drive acts on its command only after a delay",
+    acts_on="drive",
+    in_time=lambda p: DriveDelay(p.delay),
+    variants=(_OF_CURVES,),
+)

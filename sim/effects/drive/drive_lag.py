@@ -1,0 +1,30 @@
+"""The drive follows its command with a first-order lag."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sim.effects.sensor import sensor_lag
+from sim.library.time_domain import DriveLag
+
+_SENSOR, _SENSOR_OF_STEPS = sensor_lag.EFFECT, sensor_lag.EFFECT.variants[0]
+_TIME_CONSTANT = replace(_SENSOR.parameters[0], source="amplifier or piezo charging lag")
+
+_OF_STEPS = replace(
+    _SENSOR_OF_STEPS,
+    name="drive_lag:of_steps",
+    meaning="the drive follows, with a first-order lag, a command that goes in steps from row to row",
+    equation="as drive_lag; u is held, and goes from a row's value to the next the part `early` of a step before it",
+    acts_on="drive",
+    parameters=(_TIME_CONSTANT, *_SENSOR_OF_STEPS.parameters[1:]),
+)
+
+EFFECT = replace(
+    _SENSOR,
+    name="drive_lag",
+    meaning="the drive follows its command with a first-order lag",
+    acts_on="drive",
+    parameters=(_TIME_CONSTANT,),
+    in_time=lambda p: DriveLag(p.time_constant),
+    variants=(_OF_STEPS,),
+)

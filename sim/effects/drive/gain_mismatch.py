@@ -1,0 +1,28 @@
+"""Two piezos that stretch by different amounts for the same voltage."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from sim.library.effect import Effect, Parameter
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    return signal * (1.0 + p.mismatch)
+
+
+EFFECT = Effect(
+    name="gain_mismatch",
+    meaning="piezo 2 stretches more or less than piezo 1 for the same voltage",
+    equation="d2 = (1 + mismatch) * gain * (voltage_2 - bias_voltage)",
+    shows="each channel carries a part of the other's motion",
+    source="piezo stacks are sold with 10-20 % tolerance of stroke (catalogues)",
+    acts_on="piezo",
+    coordinates=("input",),
+    parameters=(
+        Parameter(
+            "mismatch", "1", 0.0, -0.8, 4.0, "relative excess of piezo 2's gain", "a weak or cracked stack at most"
+        ),
+    ),
+    signal=_signal,
+)

@@ -1,0 +1,44 @@
+"""Lost motion between the drive and the load."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.time_domain import Play
+
+
+def _memory(axis: Axis, p: Any) -> Axis:
+    from sim.numerics.record_operators import play
+
+    position = play(np.ascontiguousarray(axis.position), 0.5 * p.gap)
+    velocity = np.where(np.diff(position, prepend=position[0]) != 0.0, axis.velocity, 0.0)
+    return axis._replace(position=position, velocity=velocity)
+
+
+EFFECT = Effect(
+    name="backlash",
+    meaning="lost motion between the drive and the load",
+    equation="the load rests while the drive crosses the gap after a reversal; spring force 0 within +-gap/2",
+    shows="after each reversal the force is missing until the gap is crossed; stretch without spring force",
+    source="Nordin and Gutman, Automatica 38 (2002) 1633",
+    acts_on="structure",
+    coordinates=("distance_since_reversal", "position"),
+    parameters=(
+        Parameter(
+            "gap",
+            "m",
+            1e-5,
+            0.0,
+            1.0,
+            "full width of the lost motion",
+            "a gap is not negative",
+            role="shape",
+            scan=Scan("position", 1e-4, 0.2, 10),
+        ),
+    ),
+    memory=_memory,
+    in_time=lambda p: Play(p.gap),
+)

@@ -1,0 +1,27 @@
+"""Constant bias: a steady force on the axis."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sim.library.effect import Axis, Effect, Parameter
+
+
+def force(axis: Axis, p: Any) -> Any:
+    return p.force + 0.0 * axis.velocity
+
+
+EFFECT = Effect(
+    name="constant_bias",
+    meaning="a steady force on the axis: a tilt under gravity, a drive's or a load cell's offset",
+    equation="force = force",
+    shows="The whole residual sits off zero by the same amount, in both directions.",
+    source="statics; Swevers et al. 1997, IEEE Control Systems 17(5): offset as a parameter of its own",
+    parameters=(
+        Parameter("force", "N", 0.1, -math.inf, math.inf, "force against positive motion", "assumed: order of a cable"),
+    ),
+    coordinates=(),
+    force=force,
+    acts_on="axis",
+)

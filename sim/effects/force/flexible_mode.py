@@ -1,0 +1,81 @@
+"""A resonance between the drive, the moving body and what is measured."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Effect, Parameter, Scan
+from sim.library.time_domain import Rider
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    from sim.numerics.record_operators import resonance
+
+    return resonance(np.ascontiguousarray(signal), step, p.frequency, p.damping)
+
+
+def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
+    from sim.numerics.record_operators import resonance_of_steps
+
+    return resonance_of_steps(np.ascontiguousarray(signal), step, p.frequency, p.damping)
+
+
+_SMOOTH = Effect(
+    name="flexible_mode",
+    meaning="a resonance of the structure between the drive and what is measured",
+    equation=(
+        "y'' + 2 damping w y' + w^2 y = w^2 u,  w = 2 pi frequency; "
+        "on an axis, a part r of the mass rides on it; a tip moves by u + r (y - u)"
+    ),
+    shows="ringing at one frequency after every fast change",
+    source="Rankers, Machine Dynamics in Mechatronic Systems (1997)",
+    acts_on="structure",
+    coordinates=("frequency", "acceleration"),
+    parameters=(
+        Parameter(
+            "frequency",
+            "Hz",
+            100.0,
+            1e-3,
+            1e6,
+            "natural frequency",
+            "below half the sampling frequency",
+            role="shape",
+            scan=Scan("sample", 0.004, 0.4, 48),
+        ),
+        Parameter(
+            "damping",
+            "1",
+            0.05,
+            1e-3,
+            0.35,
+            "damping ratio: beyond it hardly rings",
+            "bolted structures: 0.01-0.1",
+            role="shape",
+        ),
+        Parameter(
+            "mass_ratio",
+            "1",
+            0.1,
+            0.0,
+            1.0,
+            "part of the moving mass that rides on the mode; of a tip, the part of its motion that goes through it",
+            "a part of the whole",
+        ),
+    ),
+    signal=_signal,
+    in_time=lambda p: Rider(p.frequency, p.damping, p.mass_ratio),
+)
+
+_OF_STEPS = replace(
+    _SMOOTH,
+    name="flexible_mode:of_steps",
+    meaning="a resonance between a voltage that is held from row to row and what is measured",
+    equation="as flexible_mode; u is held from each row to the next, and every step of it rings",
+    signal=_signal_of_steps,
+)
+
+EFFECT = replace(_SMOOTH, variants=(_OF_STEPS,))

@@ -1,0 +1,72 @@
+"""Magnetic cogging: a force that repeats with the pitch of teeth or magnets."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.overtone import SECOND
+
+
+def force(axis: Axis, p: Any) -> Any:
+    return p.amplitude * np.sin(2.0 * math.pi * axis.position / p.pitch + p.phase)
+
+
+def force_position(axis: Axis, p: Any) -> Any:
+    return p.amplitude * 2.0 * math.pi / p.pitch * np.cos(2.0 * math.pi * axis.position / p.pitch + p.phase)
+
+
+def _overtone_force(axis: Axis, p: Any) -> Any:
+    angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
+    overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
+    return p.amplitude * (np.sin(angle) + overtone)
+
+
+def _overtone_force_position(axis: Axis, p: Any) -> Any:
+    angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
+    overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
+    return p.amplitude * 2.0 * math.pi / p.pitch * (np.cos(angle) + overtone)
+
+
+_SINE = Effect(
+    name="magnetic_cogging",
+    meaning="teeth or magnets pull the axis to and fro as they pass each other",
+    equation="force = amplitude * sin(2 pi x/pitch + phase)",
+    shows="Residual is a wave in position, the same in both directions.",
+    source="Otten, de Vries, van Amerongen et al. 1997, IEEE/ASME Trans. Mechatronics 2(3): cogging of linear motors",
+    parameters=(
+        Parameter("amplitude", "N", 0.1, 0.0, math.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),
+        Parameter(
+            "pitch",
+            "m",
+            5e-3,
+            1e-9,
+            10.0,
+            "distance over which the force repeats",
+            "assumed: the design's tooth pitch",
+            "shape",
+            Scan("position", 0.02, 0.5, 110, "reciprocal"),
+        ),
+        Parameter("phase", "rad", 0.0, -math.pi, math.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
+    ),
+    coordinates=("position",),
+    force=force,
+    slopes={"force.position": force_position},
+    acts_on="axis",
+)
+
+_OVERTONE = replace(
+    _SINE,
+    name="magnetic_cogging:overtone",
+    meaning="teeth or magnets whose pull is no pure sine: square teeth, saturated iron",
+    equation="force = amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a), a = 2 pi x/pitch + phase",
+    parameters=(*_SINE.parameters, *SECOND),
+    force=_overtone_force,
+    slopes={"force.position": _overtone_force_position},
+)
+
+EFFECT = replace(_SINE, variants=(_OVERTONE,))

@@ -1,0 +1,40 @@
+"""Coulomb friction: the base of the friction level, and the plain core that turns a level into a force."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sim.effects.friction_state.coulomb import core
+from sim.library.effect import Axis, Effect, Parameter
+
+
+def level(axis: Axis, p: Any) -> Any:
+    return p.force + 0.0 * axis.velocity
+
+
+EFFECT = Effect(
+    name="coulomb",
+    meaning="dry friction: a constant force against the direction of motion, held at rest",
+    equation="level = force;  core force = level * sign(v), its last value at rest",
+    shows="Force steps from minus to plus at each reversal, by twice its size.",
+    source="Coulomb 1785; Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7), eq. 1",
+    parameters=(
+        Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in slow sliding", "thesis Table 3", "level"),
+        Parameter(
+            "stretch",
+            "m",
+            1e-8,
+            1e-12,
+            1e-3,
+            "stretch of the bristle at the level: below what the record resolves",
+            "chosen: a tenth of a thesis bristle's hundredth; for a record, a few times its position noise",
+            "reference",
+            fixed=True,
+        ),
+    ),
+    coordinates=("direction",),
+    level=level,
+    core=core,
+    acts_on="friction",
+)

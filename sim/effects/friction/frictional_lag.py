@@ -1,0 +1,74 @@
+"""Friction that follows a change of velocity only after a while."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.time_domain import LaggedSpeed
+
+
+def _memory(axis: Axis, p: Any) -> Axis:
+    speed = np.interp(axis.time - p.delay, axis.time, np.abs(axis.velocity))
+    return axis._replace(velocity=axis.direction * speed)
+
+
+def _relaxation(axis: Axis, p: Any) -> Axis:
+    from sim.numerics.record_operators import first_order_lag
+
+    step = float(axis.time[1] - axis.time[0]) if axis.time.size > 1 else 1.0
+    return axis._replace(velocity=first_order_lag(np.ascontiguousarray(axis.velocity), step, p.time_constant))
+
+
+_PURE = Effect(
+    name="frictional_lag",
+    meaning="the velocity-dependent part of the friction level follows the speed after a pure lag",
+    equation="level(v(t - delay))",
+    shows="force against velocity opens into a loop at low speed, wider at higher acceleration",
+    source="Hess and Soom, J. Tribology 112 (1990) 147: lag of 3-9 ms",
+    acts_on="memory",
+    coordinates=("velocity", "acceleration"),
+    parameters=(
+        Parameter(
+            "delay",
+            "s",
+            5e-3,
+            0.0,
+            10.0,
+            "lag of the friction behind the speed",
+            "Hess and Soom: 3-9 ms",
+            role="shape",
+            scan=Scan("sample", 2.0, 150.0, 8),
+        ),
+    ),
+    memory=_memory,
+    in_time=lambda p: LaggedSpeed(p.delay),
+)
+
+_RELAXATION = replace(
+    _PURE,
+    name="frictional_lag:relaxation",
+    meaning="the velocity-dependent part of the friction level follows the velocity with a first-order lag",
+    equation="level(w);  w' = (v - w) / time_constant",
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30 (1994) 1083, sec. 2.2 (frictional memory)",
+    parameters=(
+        Parameter(
+            "time_constant",
+            "s",
+            5e-3,
+            0.0,
+            10.0,
+            "time in which the friction follows the velocity",
+            "as the pure lag: 3-9 ms",
+            role="shape",
+            scan=Scan("sample", 2.0, 150.0, 8),
+        ),
+    ),
+    memory=_relaxation,
+    in_time=None,
+)
+
+EFFECT = replace(_PURE, variants=(_RELAXATION,))

@@ -1,0 +1,33 @@
+"""Drag that grows with the square of the speed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Axis, Effect, Parameter
+
+
+def _force(axis: Axis, p: Any) -> Any:
+    return p.coefficient * axis.velocity * np.abs(axis.velocity)
+
+
+def _force_velocity(axis: Axis, p: Any) -> Any:
+    return 2.0 * p.coefficient * np.abs(axis.velocity)
+
+
+EFFECT = Effect(
+    name="quadratic_drag",
+    meaning="drag that grows with the square of the speed: air or oil stirred",
+    equation="F = coefficient * v |v|",
+    shows="force against velocity bends away from a straight line at speed, outward on both sides",
+    source="Hoerner, Fluid-Dynamic Drag (1965), ch. 1",
+    acts_on="axis",
+    coordinates=("velocity",),
+    parameters=(
+        Parameter("coefficient", "N*s^2/m^2", 1.0, 0.0, 1e9, "force over speed squared", "drag cannot drive: >= 0"),
+    ),
+    force=_force,
+    slopes={"force.velocity": _force_velocity},
+)

@@ -1,0 +1,89 @@
+"""A friction level that follows the temperature."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Axis, Effect, Parameter
+
+
+def _factor(axis: Axis, p: Any) -> Any:
+    return 1.0 + p.coefficient * (axis.temperature - p.reference)
+
+
+def _exponential(axis: Axis, p: Any) -> Any:
+    return np.exp(p.coefficient * (axis.temperature - p.reference))
+
+
+def _thinner_drag(axis: Axis, p: Any) -> Any:
+    return p.drag * axis.velocity * np.expm1(p.drag_coefficient * (axis.temperature - p.reference))
+
+
+def _thinner_drag_velocity(axis: Axis, p: Any) -> Any:
+    return p.drag * np.expm1(p.drag_coefficient * (axis.temperature - p.reference)) + 0.0 * axis.velocity
+
+
+_LINEAR = Effect(
+    name="temperature_dependent_friction",
+    meaning="the friction level changes with temperature",
+    equation="level * (1 + coefficient * (T - reference))",
+    shows="the friction level drifts as the recorded temperature does, whichever way the axis moves",
+    source="Simoni, Beschi, Legnani, Visioli, Robotics and Computer-Integrated Manufacturing 36 (2015) 85",
+    acts_on="friction",
+    coordinates=("temperature", "time"),
+    needs=("temperature",),
+    parameters=(
+        Parameter("coefficient", "1/K", -0.01, -0.5, 0.5, "relative change of the level per kelvin", "either sign"),
+        Parameter(
+            "reference",
+            "degC",
+            20.0,
+            -273.0,
+            3000.0,
+            "temperature at which the level holds",
+            "mean of the record",
+            role="reference",
+        ),
+    ),
+    factor=_factor,
+)
+
+_EXPONENTIAL = replace(
+    _LINEAR,
+    name="temperature_dependent_friction:exponential",
+    meaning="the friction level changes by the same part with every kelvin, as the viscosity of a lubricant does",
+    equation="level * exp(coefficient * (T - reference))",
+    source="Reynolds, Phil. Trans. R. Soc. 177 (1886) 157: viscosity falls exponentially with temperature",
+    factor=_exponential,
+)
+
+_LUBRICATED = replace(
+    _EXPONENTIAL,
+    name="temperature_dependent_friction:lubricated",
+    meaning="level and viscous drag fall with temperature, each at its own rate: an oil thins the faster",
+    equation="level * exp(coefficient * dT) + drag * v * (exp(drag_coefficient * dT) - 1),  dT = T - reference",
+    parameters=(
+        *_EXPONENTIAL.parameters,
+        Parameter(
+            "drag", "N*s/m", 1.0, 0.0, math.inf, "viscous drag that thins, at the reference", "no less than none"
+        ),
+        Parameter(
+            "drag_coefficient",
+            "1/K",
+            -0.05,
+            -0.5,
+            0.5,
+            "relative change of the drag per kelvin",
+            "mineral oils: -0.03 to -0.1",
+            role="shape",
+        ),
+    ),
+    force=_thinner_drag,
+    slopes={"force.velocity": _thinner_drag_velocity},
+)
+
+EFFECT = replace(_LINEAR, variants=(_EXPONENTIAL, _LUBRICATED))

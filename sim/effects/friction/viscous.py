@@ -1,0 +1,32 @@
+"""Viscous friction: force proportional to velocity."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from sim.library.effect import Axis, Effect, Parameter
+
+
+def force(axis: Axis, p: Any) -> Any:
+    return p.coefficient * axis.velocity
+
+
+def force_velocity(axis: Axis, p: Any) -> Any:
+    return p.coefficient + 0.0 * axis.velocity
+
+
+EFFECT = Effect(
+    name="viscous",
+    meaning="friction proportional to velocity, from a lubricant or the air",
+    equation="force = coefficient * v",
+    shows="Residual rises in a straight line with velocity, through zero.",
+    source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7), section 2.2; thesis (4.6)",
+    parameters=(
+        Parameter("coefficient", "N*s/m", 0.4, 0.0, math.inf, "drag per velocity", "thesis Table 3: alpha2 = 0.4"),
+    ),
+    coordinates=("velocity", "direction"),
+    force=force,
+    slopes={"force.velocity": force_velocity},
+    acts_on="axis",
+)

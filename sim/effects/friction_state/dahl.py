@@ -1,0 +1,109 @@
+"""Dahl: bristles that yield along a smooth curve, without rate effects."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sim.effects.friction_state.friction_state import Core
+from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.numerics.compilation import compiled
+
+
+def level(axis: Axis, p: Any) -> Any:
+    return p.force + 0.0 * axis.velocity
+
+
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
+    if g <= 0.0:
+        return v, 0.0
+    left = 1.0 - p.stiffness * direction * z / g
+    if left <= 0.0:
+        # Only where the level has just fallen below the stress held: slip back onto it.
+        return v * left, p.stiffness * z
+    return v * left**p.exponent, p.stiffness * z
+
+
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
+    if g <= 0.0:
+        return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
+    left = 1.0 - p.stiffness * direction * z / g
+    if left <= 0.0:
+        power, steep = left, 1.0
+    else:
+        power, steep = left**p.exponent, p.exponent * left ** (p.exponent - 1.0)
+    rate_z = -v * steep * p.stiffness * direction / g
+    rate_g = v * steep * p.stiffness * direction * z / (g * g)
+    return rate_z, power, rate_g, p.stiffness, 0.0, 0.0
+
+
+@compiled
+def _step(dx: np.ndarray, level: np.ndarray, stiffness: float, exponent: float) -> np.ndarray:
+    n = level.size
+    force = np.zeros(n)
+    held = 0.0
+    for k in range(n):
+        # The first row: take the first interval to have been going on before it.
+        step = dx[max(k - 1, 0)] if n > 1 else 0.0
+        g = 0.5 * (level[k] + level[max(k - 1, 0)])
+        if g <= 0.0:
+            held = 0.0
+        elif step != 0.0:
+            sign = 1.0 if step > 0.0 else -1.0
+            left = 1.0 - sign * held / g
+            way = stiffness * abs(step) / g
+            if left <= 0.0 or exponent == 1.0:
+                left = left * math.exp(-way)
+            else:
+                inner = left ** (1.0 - exponent) + (exponent - 1.0) * way
+                left = inner ** (1.0 / (1.0 - exponent)) if inner > 0.0 else 0.0
+            held = sign * g * (1.0 - left)
+        force[k] = held
+    return force
+
+
+def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+    dx = np.diff(np.ascontiguousarray(position, dtype=float))
+    return _step(dx, np.ascontiguousarray(level, dtype=float), float(p.stiffness), float(p.exponent))
+
+
+def stored(k: int, z: Any, g: Any, p: Any) -> Any:
+    return 0.5 * p.stiffness * z * z
+
+
+def scale(p: Any) -> float:
+    return max(p.force, 1e-9) / p.stiffness
+
+
+EFFECT = Effect(
+    name="dahl",
+    meaning="bristles that bend before they slip; the force follows the path alone, not the speed",
+    equation="z' = v (1 - a0 z sign(v)/g)^i,  core force = a0 z",
+    shows="A spring-like force over the first micrometres after a reversal, in loops that do not change with speed.",
+    source="Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; thesis 3.2.2",
+    parameters=(
+        Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level"),
+        Parameter(
+            "stiffness",
+            "N/m",
+            1e5,
+            1.0,
+            1e12,
+            "stiffness a0 of the bristles",
+            "thesis Table 3",
+            "shape",
+            Scan("one", 1e3, 1e8, 11),
+        ),
+        Parameter(
+            "exponent", "1", 1.0, 0.5, 4.0, "shape i of the yield curve", "Dahl 1968: 1 for most", "shape", fixed=True
+        ),
+    ),
+    coordinates=("distance_since_reversal", "direction"),
+    level=level,
+    core=Core("dahl", law, slopes, along, scale, stored=stored),
+    acts_on="friction",
+)

@@ -1,0 +1,57 @@
+"""A sensor reports the measured quantity after a delay."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Effect, Parameter, Scan
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    index = np.arange(signal.size)
+    return np.interp(index - p.delay / step, index, signal)
+
+
+def _signal_of_curves(signal: Any, step: float, p: Any) -> Any:
+    from scipy.interpolate import PchipInterpolator
+
+    index = np.arange(signal.size)
+    return PchipInterpolator(index, signal)(np.maximum(index - p.delay / step, 0.0))
+
+
+_STRAIGHT = Effect(
+    name="sensor_delay",
+    meaning="a sensor reports the measured quantity after a delay",
+    equation="y(t) = u(t - delay), u straight between rows",
+    shows="the residual grows with the rate of change of the signal, alike at all frequencies",
+    source="pure transport delay, e.g. Ljung, System Identification (1999), sec. 4.2",
+    acts_on="sensor",
+    coordinates=("frequency", "input"),
+    parameters=(
+        Parameter(
+            "delay",
+            "s",
+            1e-3,
+            0.0,
+            100.0,
+            "time by which the signal comes late",
+            "sampling and transport",
+            role="shape",
+            scan=Scan("sample", 0.3, 100.0, 8),
+        ),
+    ),
+    signal=_signal,
+)
+
+_OF_CURVES = replace(
+    _STRAIGHT,
+    name="sensor_delay:of_curves",
+    meaning="a sensor reports, after a delay, a quantity that runs smoothly from row to row",
+    equation="y(t) = u(t - delay), u a cubic between rows that stays between them (Fritsch and Carlson 1980)",
+    signal=_signal_of_curves,
+)
+
+EFFECT = replace(_STRAIGHT, variants=(_OF_CURVES,))

@@ -1,0 +1,72 @@
+"""A sensor follows the measured quantity with a first-order lag."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Effect, Parameter, Scan
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    from sim.numerics.record_operators import first_order_lag
+
+    return first_order_lag(signal, step, p.time_constant)
+
+
+def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
+    from sim.numerics.record_operators import first_order_lag_of_steps
+
+    return first_order_lag_of_steps(np.ascontiguousarray(signal), step, p.time_constant, p.early)
+
+
+_SMOOTH = Effect(
+    name="sensor_lag",
+    meaning="a sensor follows the measured quantity with a first-order lag",
+    equation="y' = (u - y) / time_constant",
+    shows="the residual grows with the rate of change of the signal: fast motion comes late and rounded",
+    source="first-order system, e.g. Ljung, System Identification (1999), sec. 4.2",
+    acts_on="sensor",
+    coordinates=("frequency", "input"),
+    parameters=(
+        Parameter(
+            "time_constant",
+            "s",
+            1e-3,
+            0.0,
+            100.0,
+            "time to 63 % of a step",
+            "filter in the electronics",
+            role="shape",
+            scan=Scan("sample", 0.3, 300.0, 10),
+        ),
+    ),
+    signal=_signal,
+)
+
+_OF_STEPS = replace(
+    _SMOOTH,
+    name="sensor_lag:of_steps",
+    meaning="a sensor's digital filter follows the measured quantity, which it takes in steps from row to row",
+    equation="as sensor_lag; u is held, and goes from a row's value to the next the part `early` of a step before it",
+    source="Astrom and Wittenmark, Computer-Controlled Systems (1997), sec. 2.3 (delay of a part of a step)",
+    parameters=(
+        *_SMOOTH.parameters,
+        Parameter(
+            "early",
+            "1",
+            0.5,
+            0.0,
+            1.0,
+            "part of a step from the change of the input to the row that shows its value; a digital filter has 1",
+            "a part of a step",
+            role="shape",
+            scan=Scan("one", 0.1, 0.9, 2, "linear"),
+        ),
+    ),
+    signal=_signal_of_steps,
+)
+
+EFFECT = replace(_SMOOTH, variants=(_OF_STEPS,))

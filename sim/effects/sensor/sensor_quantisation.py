@@ -1,0 +1,30 @@
+"""A sensor that reports whole steps."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Effect, Parameter
+
+
+def _signal(signal: Any, step: float, p: Any) -> Any:
+    return p.step * np.round(signal / p.step)
+
+
+EFFECT = Effect(
+    name="sensor_quantisation",
+    meaning="a sensor reports whole steps",
+    equation="y = step * round(u / step); adds step / sqrt(12) to the noise floor",
+    shows="the measured values lie on a grid, and stand still while the axis creeps",
+    source="Widrow and Kollar, Quantization Noise (2008), ch. 4",
+    acts_on="sensor",
+    coordinates=("position",),
+    parameters=(
+        Parameter(
+            "step", "channel", 1e-6, 0.0, 1e9, "size of one step", "read off the record's values", role="reference"
+        ),
+    ),
+    signal=_signal,
+)

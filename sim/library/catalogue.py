@@ -1,0 +1,107 @@
+"""The library: every built-in effect by name, variants, and a user's own effects from a file.
+
+A built-in is a module in a folder of `sim.effects` that declares an `Effect` at module level; nothing else lists it.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import pkgutil
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import sim.effects
+from sim.library.effect import Effect
+from stagecad.parameters.errors import InputError, nearest
+
+# fmt: off
+ORDER = (
+    "coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening",
+    "direction_asymmetry", "position_dependent_friction", "load_dependent_friction",
+    "temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring",
+    "magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay",
+    "piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity",
+    "sensor_drift", "sensor_quantisation", "dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run",
+    "maxwell_slip",
+)
+# fmt: on
+"""The names everyone uses, in the order in which they are listed."""
+
+CHANNELS = (
+    *("friction_force", "position", "position_y", "velocity", "spring_force", "drive_force"),
+    *("tip_x", "tip_y", "tip_z"),
+)
+"""Measured channels that a sensor effect can be told to act on: `sensor_lag@position`."""
+
+
+@functools.cache
+def _built_in() -> dict[str, Effect]:
+    found: dict[str, Effect] = {}
+    for module in pkgutil.walk_packages(sim.effects.__path__, "sim.effects."):
+        effect = getattr(importlib.import_module(module.name), "EFFECT", None)
+        if isinstance(effect, Effect):
+            found[effect.name] = effect
+    rank = {name: place for place, name in enumerate(ORDER)}
+    return dict(sorted(found.items(), key=lambda item: (rank.get(item[0], len(rank)), item[0])))
+
+
+def library() -> dict[str, Effect]:
+    """Every built-in effect by name, in the order of the names everyone uses."""
+    return dict(_built_in())
+
+
+def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
+    """The effect called `name`, among the built-ins and the user's own.
+
+    Args:
+        name: an effect; `effect:variant` picks a variant, `sensor_effect@channel` the channel a sensor effect acts on,
+            `contact.effect` puts a friction effect between tip and stage. The effect found carries the name asked for.
+        custom: the user's own effects (`load_custom`).
+
+    Raises:
+        InputError: naming the nearest name.
+    """
+    effects = _built_in() | {effect.name: effect for effect in custom}
+    plain, at, channel = name.partition("@")
+    contact = plain.startswith("contact.")
+    plain = plain.removeprefix("contact.")
+    base, colon, variant = plain.partition(":")
+    if base not in effects:
+        raise InputError(f"no effect '{name}'{nearest(base, effects)}")
+    effect = effects[base]
+    if colon:
+        variants = {other.name.partition(":")[2]: other for other in effect.variants}
+        if variant not in variants:
+            known = nearest(variant, variants) if variants else "; it has none"
+            raise InputError(f"effect '{base}' has no variant '{variant}'{known}")
+        effect = variants[variant]
+    if at:
+        if effect.acts_on != "sensor":
+            what = f"'{base}' acts on {effect.acts_on}"
+            raise InputError(f"effect '{name}': {what}; only a sensor effect takes '@channel'")
+        if channel not in CHANNELS:
+            raise InputError(f"effect '{name}': no channel '{channel}'{nearest(channel, CHANNELS)}")
+    if contact and effect.acts_on in ("drive", "piezo", "sensor"):
+        raise InputError(f"effect '{name}': '{base}' acts on {effect.acts_on}, not in the contact of tip and stage")
+    # Under the name asked for, so that its parameters are found by that name too.
+    return effect if effect.name == name else replace(effect, name=name)
+
+
+def laws_of(name: str, custom: Sequence[Effect] = ()) -> tuple[Effect, ...]:
+    """The other laws of the effect called `name`, in the same contact and on the same channel.
+
+    Args:
+        name: an effect without a variant: `stribeck`, `contact.stribeck`, `sensor_drift@position`.
+        custom: the user's own effects.
+    """
+    plain, at, channel = name.partition("@")
+    where = "contact." if plain.startswith("contact.") else ""
+    variants = find(name, custom).variants
+    return tuple(find(f"{where}{variant.name.removeprefix(where)}{at}{channel}", custom) for variant in variants)
+
+
+def valid_name(name: str) -> bool:
+    """Whether `name` can be an effect's or a parameter's: lower-case words joined by underscores."""
+    return re.fullmatch(r"[a-z][a-z0-9_]*", name) is not None

@@ -1,0 +1,223 @@
+"""A user's own effects: a Python file of under 20 lines beside the experiment, checked before anything relies on it.
+
+from sim import Effect, Parameter
+
+def force(axis, p):
+    return p.strength * axis.position**3
+
+effect = Effect("cubic_spring", "spring that stiffens", force=force,
+                parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])
+"""
+
+from __future__ import annotations
+
+import traceback
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from sim.library.catalogue import library, valid_name
+from sim.library.effect import Axis, Effect, Parameter
+from stagecad.parameters.errors import InputError, nearest
+
+ROWS = 7
+ACTS_ON = ("friction", "axis", "drive", "piezo", "sensor", "memory", "structure")
+
+
+def load_custom(path: str | Path) -> list[Effect]:
+    """The effects that a user's Python file declares at module level.
+
+    Args:
+        path: the file.
+
+    Returns:
+        Its effects, in the order of the file, with every law tried at its default on one instant and on a record.
+
+    Raises:
+        InputError: one line with the file, the line or effect, and what is wrong: it cannot be read, a syntax error, an
+            error while it runs, no effect, a name that is taken, an unknown unit, a start outside its bounds, a law
+            that raises, or whose value has the wrong shape or is not finite.
+    """
+    path = Path(path)
+    module = _run(path)
+    effects: list[Effect] = []
+    for value in vars(module).values():
+        if isinstance(value, Effect) and not any(value is effect for effect in effects):
+            effects.append(value)
+    if not effects:
+        raise InputError(f"{path}: declares no effect; write 'effect = Effect(...)' at the file's top level")
+    taken: dict[str, str] = dict.fromkeys(library(), "a built-in effect has that name")
+    checked = []
+    for effect in effects:
+        if effect.name in taken:
+            raise InputError(f"{path}: effect '{effect.name}': {taken[effect.name]}; choose another")
+        taken[effect.name] = "the file declares it twice"
+        checked.append(_checked(path, effect))
+    return checked
+
+
+def load_all_custom(paths: Sequence[str | Path]) -> list[Effect]:
+    """The effects of several files together.
+
+    Raises:
+        InputError: as `load_custom`, and when two files declare the same name.
+    """
+    effects: dict[str, tuple[Path, Effect]] = {}
+    for path in map(Path, paths):
+        for effect in load_custom(path):
+            if effect.name in effects:
+                raise InputError(f"{path}: effect '{effect.name}' is already declared in {effects[effect.name][0]}")
+            effects[effect.name] = (path, effect)
+    return [effect for _, effect in effects.values()]
+
+
+def _run(path: Path) -> ModuleType:
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        folder = path.parent if path.parent.is_dir() else None
+        near = nearest(path.name, [p.name for p in folder.glob("*.py")]) if folder and list(folder.glob("*.py")) else ""
+        raise InputError(f"{path}: no such file{near}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read: {error}") from None
+    module = ModuleType(path.stem)
+    module.__file__ = str(path)
+    try:
+        exec(compile(text, str(path), "exec"), vars(module))
+    except SyntaxError as error:
+        raise InputError(f"{path}, line {error.lineno}: not valid Python: {error.msg}") from None
+    except (Exception, SystemExit) as error:
+        raise InputError(f"{path}{_line(path, error)}: {_said(error)}") from None
+    return module
+
+
+def _line(path: Path, error: BaseException) -> str:
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)]
+    return f", line {lines[-1]}" if lines else ""
+
+
+def _said(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def _checked(path: Path, effect: Effect) -> Effect:
+    where = f"{path}: effect '{effect.name}'"
+    if not isinstance(effect.name, str) or not valid_name(effect.name):
+        raise InputError(f"{where}: the name must be lower-case letters, digits and underscores ('cubic_spring')")
+    if effect.acts_on not in ACTS_ON:
+        raise InputError(f"{where}: acts_on = {effect.acts_on!r}{nearest(str(effect.acts_on), ACTS_ON)}")
+    names: set[str] = set()
+    for parameter in effect.parameters:
+        _check_parameter(where, parameter, names)
+    laws = {kind: getattr(effect, kind) for kind in ("level", "factor", "force", "signal", "memory")}
+    if effect.core is None and not any(laws.values()):
+        raise InputError(f"{where}: has no law; give one of level, factor, force, signal, memory")
+    changed: dict[str, Any] = {}
+    for kind in ("level", "factor", "force"):
+        if laws[kind] is not None and _try_law(path, f"{where}: {kind}", laws[kind], effect):
+            changed[kind] = _broadcast(laws[kind])
+    slopes = dict(effect.slopes)
+    for kind, law in slopes.items():
+        allowed = [f"{of}.{by}" for of in ("level", "factor", "force") for by in ("position", "velocity", "time")]
+        if kind not in allowed:
+            raise InputError(f"{where}: slopes: no slope '{kind}'{nearest(str(kind), allowed)}")
+        if _try_law(path, f"{where}: slope {kind}", law, effect):
+            slopes[kind] = _broadcast(law)
+    if effect.signal is not None:
+        _try_signal(path, f"{where}: signal", effect.signal, effect)
+    return replace(effect, **changed, slopes=slopes)
+
+
+def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
+    from stagecad.parameters.quantities import unit_dimension
+
+    if not isinstance(parameter, Parameter):
+        raise InputError(f"{where}: parameters must hold Parameter(...), not {type(parameter).__name__}")
+    at = f"{where}: parameter '{parameter.name}'"
+    if not valid_name(str(parameter.name)):
+        raise InputError(f"{at}: the name must be lower-case letters, digits and underscores")
+    if parameter.name in names:
+        raise InputError(f"{at}: is declared twice")
+    names.add(parameter.name)
+    try:
+        unit_dimension(parameter.unit)
+    except InputError as error:
+        raise InputError(f"{at}: unit: {error}") from None
+    values = (parameter.default, parameter.low, parameter.high)
+    if not all(isinstance(value, int | float) for value in values):
+        raise InputError(f"{at}: default, low and high must be numbers in {parameter.unit}, not {values}")
+    if not parameter.low <= parameter.default <= parameter.high:
+        raise InputError(
+            f"{at}: start {parameter.default:g} lies outside its bounds {parameter.low:g} to {parameter.high:g}"
+        )
+    if not abs(parameter.default) < float("inf"):
+        raise InputError(f"{at}: start {parameter.default:g} is not a finite number")
+
+
+def _record() -> Axis:
+    import numpy as np
+
+    t = np.arange(ROWS) * 0.01
+    x = 1e-3 * np.sin(7.0 * t + 0.1)
+    v = 7e-3 * np.cos(40.0 * t + 0.1)
+    one = np.ones(ROWS)
+    return Axis(t, x, v, -0.3 * x, 10.0 * one, 21.0 * one, 0.1 * t, abs(x), 7e-3 * t + 1e-6, np.sign(v))
+
+
+def _call(path: Path, where: str, law: Callable[..., Any], *arguments: Any) -> Any:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return law(*arguments)
+    except Exception as error:
+        raise InputError(f"{where}{_line(path, error)}: {_said(error)}") from None
+
+
+def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) -> bool:
+    """Try a law on a record and on one instant; whether it gives one number where a record asks for a row of them."""
+    import numpy as np
+
+    if not callable(law):
+        raise InputError(f"{where}: must be a function of (axis, p), not {type(law).__name__}")
+    record, p = _record(), effect.values()
+    value = _number(where, _call(path, where, law, record, p))
+    if value.shape not in ((), (ROWS,)):
+        raise InputError(f"{where}: gives shape {value.shape} for a record of {ROWS} rows; must be ({ROWS},)")
+    instant = Axis(*[float(quantity[2]) for quantity in record])
+    single = _number(where, _call(path, where, law, instant, p))
+    if single.shape != ():
+        raise InputError(f"{where}: gives shape {single.shape} at one instant; must be one number")
+    for values in (value, single):
+        if not np.all(np.isfinite(values)):
+            raise InputError(f"{where}: is not finite at the parameters' defaults")
+    return value.shape == ()
+
+
+def _try_signal(path: Path, where: str, signal: Callable[..., Any], effect: Effect) -> None:
+    import numpy as np
+
+    value = _number(where, _call(path, where, signal, np.linspace(0.0, 1.0, ROWS), 0.01, effect.values()))
+    if value.shape != (ROWS,):
+        raise InputError(f"{where}: gives shape {value.shape} for a signal of {ROWS} rows; must be ({ROWS},)")
+    if not np.all(np.isfinite(value)):
+        raise InputError(f"{where}: is not finite at the parameters' defaults")
+
+
+def _number(where: str, value: Any) -> Any:
+    import numpy as np
+
+    try:
+        return np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{where}: gives {type(value).__name__}; must give numbers") from None
+
+
+def _broadcast(law: Callable[[Axis, Any], Any]) -> Callable[[Axis, Any], Any]:
+    def full(axis: Axis, p: Any) -> Any:
+        return law(axis, p) + 0.0 * axis.velocity
+
+    return full

@@ -1,0 +1,212 @@
+"""What a physical effect is: one declaration that serves simulation, fitting, diagnosis and documentation.
+
+An effect never calls another. Effects meet in the named quantities of the axis (`Axis`) and in one friction level:
+
+    level    = (sum of every effect's `level`) * (product of every effect's `factor`)        [N]
+    friction = core(level) + sum of every effect's `force`                                   [N]
+    mass * acceleration = drive force - friction
+
+so every force is counted as friction is: positive where it opposes positive motion. The core (`sim/cores/`) turns the
+level into a force. Effects on the drive or a sensor act on a signal instead (`signal`).
+
+A law is written once, with numpy functions, in arguments that are floats (one instant) or arrays of one shape (a whole
+record), so the same lines are compiled for the integrators and evaluated along a measured motion.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import namedtuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+from stagecad.parameters.errors import InputError, nearest
+
+Coordinate = Literal[
+    "time",
+    "frequency",
+    "position",
+    "velocity",
+    "direction",
+    "acceleration",
+    "distance_since_reversal",
+    "distance_travelled",
+    "contact_age",
+    "normal_load",
+    "temperature",
+    "input",
+]
+
+
+class Axis(NamedTuple):
+    """The named quantities of the axis: floats at one instant, or arrays of shape (n,) along a record. SI units.
+
+    A rotary axis has rad for m, N*m for N, and so on throughout.
+    """
+
+    time: Any  # s, from the first row of the record
+    position: Any  # m
+    velocity: Any  # m/s
+    acceleration: Any  # m/s^2
+    load: Any  # N, normal load, compression positive
+    temperature: Any  # degC
+    contact_age: Any  # s, how long the contact that holds now has been held (zero while it slips freely)
+    reversal_distance: Any  # m, distance since the last change of direction
+    travelled: Any  # m, distance since the first row of the record
+    direction: Any = 1.0  # sign of the velocity; at rest, that of the last motion
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Range over which a shape parameter is searched, as multiples of a scale that the record sets.
+
+    The scale is the record's largest value (or range) of `of`; "time" is its duration, "sample" its sampling time,
+    "rest" its longest rest.
+    `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
+    A bounded range keeps a parameter physical: a cogging pitch longer than the travel is a slope in disguise.
+    """
+
+    of: Literal[
+        "position", "velocity", "time", "sample", "travelled", "rest", "force", "load", "temperature", "input", "one"
+    ]
+    low: float
+    high: float
+    points: int = 9
+    spacing: Literal["geometric", "linear", "reciprocal"] = "geometric"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of an effect.
+
+    Args:
+        name: the field's name for it; the user writes `effect.name`.
+        unit: SI unit on a linear axis (a rotary axis: `rotary_unit`).
+        default: physical default.
+        low, high: bounds a fit keeps to. A bound is a statement of physics (negative drag is no drag).
+        meaning: one line.
+        source: where default and bounds come from.
+        role: `amplitude` (zero means the effect is absent, and the force is linear in it), `shape` (searched over
+            `scan`, since it has no gradient where the effect is absent), `phase` (an angle that goes with an amplitude:
+            tried at 0 and pi/2, which spans every phase), `level` (base size such as a Coulomb force), or `reference`
+            (held at a value, a mean of the record: never fitted).
+        scan: the range searched for a `shape` parameter.
+        fixed: held at its value unless the experiment frees it.
+    """
+
+    name: str
+    unit: str
+    default: float
+    low: float
+    high: float
+    meaning: str
+    source: str
+    role: Literal["amplitude", "shape", "phase", "level", "reference"] = "amplitude"
+    scan: Scan | None = None
+    fixed: bool = False
+
+
+Law = Callable[[Axis, Any], Any]
+"""`law(axis, p) -> value`: `p` has the effect's parameters as attributes; the value has the shape of the axis."""
+
+MemoryLaw = Callable[[Axis, Any], Axis]
+"""`law(axis, p) -> axis`: the axis as the friction sees it, along a whole record."""
+
+SignalLaw = Callable[[Any, float, Any], Any]
+"""`law(signal, step, p) -> signal`: a causal operator on a uniformly sampled signal of shape (n,), `step` in s."""
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One physical effect, declared once.
+
+    Args:
+        name: name everyone uses.
+        meaning: one line.
+        equation: the law as text, in the names of the parameters.
+        shows: how it shows in a measurement, in words.
+        source: literature.
+        parameters: its numbers.
+        coordinates: coordinates of the residual it shows against, strongest first.
+        level: adds to the friction level, N.
+        factor: multiplies the friction level.
+        force: adds to the force that opposes the motion, N.
+        slopes: exact partial derivatives for implicit integration: `{"force.velocity": law, "level.velocity": law,
+            "force.position": law, ...}`; one left out is zero.
+        signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
+        memory: changes the axis that level and core see along a record (a lag in the friction, a play in the drive, the
+            age of the contacts).
+        core: for an effect that turns the level into a force, the core (`sim.cores`).
+        element: for an effect with a bristle of its own beside the core: that bristle in a simulation, in place of
+            `force` (a `sim.effects.friction_state.friction_state.Core`).
+        in_time: for an effect of drive, structure or memory: what it is in a simulation (`sim.library.time_domain`), of
+        its values.
+        acts_on: where it acts.
+        variants: other laws under the same name (`stribeck:free_exponent`).
+    """
+
+    name: str
+    meaning: str
+    equation: str = ""
+    shows: str = ""
+    source: str = ""
+    parameters: tuple[Parameter, ...] = ()
+    coordinates: tuple[Coordinate, ...] = ()
+    level: Law | None = None
+    factor: Law | None = None
+    force: Law | None = None
+    slopes: Mapping[str, Law] = field(default_factory=dict)
+    signal: SignalLaw | None = None
+    memory: MemoryLaw | None = None
+    core: Any = None
+    element: Any = None
+    in_time: Callable[[Any], Any] | None = None
+    acts_on: Literal["friction", "axis", "drive", "piezo", "sensor", "memory", "structure"] = "axis"
+    needs: tuple[Literal["load", "temperature", "rotary"], ...] = ()
+    variants: tuple[Effect, ...] = ()
+
+    def __post_init__(self) -> None:
+        if isinstance(self.parameters, list):
+            object.__setattr__(self, "parameters", tuple(self.parameters))
+
+    def parameter(self, name: str) -> Parameter:
+        """The parameter called `name`.
+
+        Raises:
+            InputError: naming the nearest parameter this effect has.
+        """
+        for parameter in self.parameters:
+            if parameter.name == name:
+                return parameter
+        known = nearest(name, [p.name for p in self.parameters])
+        raise InputError(f"effect '{self.name}' has no parameter '{name}'{known}")
+
+    @cached_property
+    def values_type(self) -> Any:
+        """The named tuple that carries this effect's parameter values into its laws."""
+        return namedtuple(re.sub(r"\W", "_", f"{self.name}_values"), [p.name for p in self.parameters])
+
+    def values(self, **given: float) -> Any:
+        """Parameter values for the laws: the defaults, with those `given` in their place."""
+        for name in given:
+            self.parameter(name)
+        return self.values_type(*[float(given.get(p.name, p.default)) for p in self.parameters])
+
+
+_ROTARY = {
+    "N": "N*m",
+    "m": "rad",
+    "N/m": "N*m/rad",
+    "N*s/m": "N*m*s/rad",
+    "N*s^2/m^2": "N*m*s^2/rad^2",
+    "m/s": "rad/s",
+    "kg": "kg*m^2",
+    "1/m": "1/rad",
+}
+
+
+def rotary_unit(unit: str) -> str:
+    """The unit that stands on a rotary axis for `unit` on a linear one (`N*s/m` -> `N*m*s/rad`)."""
+    return _ROTARY.get(unit, unit)

@@ -1,0 +1,117 @@
+"""A model: effects with values for their parameters, ready to be integrated or evaluated along a measured motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sim.library.catalogue import find
+from sim.library.effect import Axis, Effect
+from stagecad.parameters.errors import InputError, nearest
+
+
+@dataclass(frozen=True)
+class Model:
+    """Effects and their parameter values; make one with `compose`.
+
+    Args:
+        effects: the effects in force, at most one of them with a core.
+        values: parameter values of each effect, in the same order.
+    """
+
+    effects: tuple[Effect, ...]
+    values: tuple[Any, ...]
+
+    @property
+    def core(self) -> Effect | None:
+        """The effect whose core turns the level into a force, or None when there is no dry friction."""
+        return next((effect for effect in self.effects if effect.core is not None), None)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(effect.name for effect in self.effects)
+
+    def parameters(self) -> dict[str, float]:
+        """Every parameter's value by `effect.parameter`, SI."""
+        return {
+            f"{effect.name}.{name}": value
+            for effect, values in zip(self.effects, self.values)
+            for name, value in values._asdict().items()
+        }
+
+    def level(self, axis: Axis) -> Any:
+        """Friction level, N: the sum of the effects' levels times the product of their factors; shape of the axis."""
+        level, factor = 0.0 * axis.velocity, 1.0 + 0.0 * axis.velocity
+        for effect, p in zip(self.effects, self.values):
+            if effect.level is not None:
+                level = level + effect.level(axis, p)
+            if effect.factor is not None:
+                factor = factor * effect.factor(axis, p)
+        return level * factor
+
+    def other_force(self, axis: Axis) -> Any:
+        """Sum of the forces that do not pass through the core, N, positive against positive motion."""
+        total = 0.0 * axis.velocity
+        for effect, p in zip(self.effects, self.values):
+            if effect.force is not None:
+                total = total + effect.force(axis, p)
+        return total
+
+    def friction_along(self, axis: Axis) -> np.ndarray:
+        """Force against the motion along a record, N, shape (n,): core and other forces together.
+
+        Level and core see the motion as the effects with a memory leave it.
+        """
+        force = np.asarray(self.other_force(axis), dtype=float)
+        for effect, p in zip(self.effects, self.values):
+            if effect.memory is not None:
+                axis = effect.memory(axis, p)
+        for effect, p in zip(self.effects, self.values):
+            if effect.core is not None:
+                level = np.broadcast_to(np.asarray(self.level(axis), dtype=float), axis.velocity.shape)
+                force = force + effect.core.along(axis.position, axis.velocity, axis.time, level, p)
+        return force
+
+    def steady_friction(self, velocity: Any) -> Any:
+        """Friction in steady sliding at `velocity` (m/s), N: level times direction, plus the other forces.
+
+        For laws that depend on the velocity alone; other quantities of the axis are taken as zero.
+        """
+        zero = 0.0 * velocity
+        axis = Axis(zero, zero, velocity, zero, zero, zero, zero, zero, zero, np.sign(velocity))
+        force = self.other_force(axis)
+        return force + (self.level(axis) * np.sign(velocity) if self.core is not None else 0.0)
+
+
+def compose(
+    effects: Sequence[str | Effect], parameters: Mapping[str, float] | None = None, custom: Sequence[Effect] = ()
+) -> Model:
+    """Put effects together: a core replaces the one before it, and with it that core's own level.
+
+    Args:
+        effects: names (as `find` takes them) or effects, in order.
+        parameters: values by `effect.parameter`, SI; the rest take their defaults.
+        custom: the user's own effects.
+
+    Raises:
+        InputError: an unknown effect or parameter, or one given twice.
+    """
+    found = [find(effect, custom) if isinstance(effect, str) else effect for effect in effects]
+    kept: list[Effect] = []
+    for effect in found:
+        if any(effect.name == other.name for other in kept):
+            raise InputError(f"effect '{effect.name}' is given twice")
+        if effect.core is not None:
+            kept = [other for other in kept if other.core is None]
+        kept.append(effect)
+    given: dict[str, dict[str, float]] = {effect.name: {} for effect in kept}
+    for key, value in (parameters or {}).items():
+        # A sensor effect's name may hold a dot-free channel, a contact effect's a dot: the last dot divides.
+        name, _, parameter = key.rpartition(".")
+        if name not in given:
+            raise InputError(f"parameter '{key}': the model has no effect '{name}'{nearest(name, given)}")
+        given[name][parameter] = value
+    return Model(tuple(kept), tuple(effect.values(**given[effect.name]) for effect in kept))

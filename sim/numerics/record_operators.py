@@ -1,0 +1,235 @@
+"""Loops over a record that numpy cannot express: operators with memory, compiled once and cached on disk.
+
+Imported only inside the laws that need them, since importing numba takes longer than most commands should.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from sim.numerics.compilation import compiled
+
+
+@compiled
+def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np.ndarray:
+    """Response of y' = (u - y)/T to `signal` (n,), linear between samples (exact for such an input); y(0) = u(0)."""
+    n = signal.size
+    out = np.empty(n)
+    if time_constant <= 1e-6 * step:
+        out[:] = signal
+        return out
+    ratio = step / time_constant
+    decay = np.exp(-ratio)
+    # Exact update for an input that is linear over the step (first-order hold).
+    ramp = (1.0 - decay) / ratio
+    out[0] = signal[0]
+    for i in range(1, n):
+        out[i] = decay * out[i - 1] + (ramp - decay) * signal[i - 1] + (1.0 - ramp) * signal[i]
+    return out
+
+
+def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: float, early: float) -> np.ndarray:
+    """Response of y' = (u - y)/T to `signal` (n,) that goes to a row's value `early` steps before that row.
+
+        y_k = d y_(k-1) + (e - d) u_(k-1) + (1 - e) u_k,   d = exp(-step/T), e = exp(-early step/T)
+
+    Exact for such an input; y(0) = u(0). With `early` = 0 the input is held from each row to the next, with 1 it is the
+    usual digital low-pass y_k = y_(k-1) + (1 - d) (u_k - y_(k-1)).
+
+    Args:
+        signal: u, (n,).
+        step: between rows, s.
+        time_constant: T, s.
+        early: part of a step, 0 to 1.
+    """
+    time_constant = max(time_constant, 1e-6 * step)
+    return _followed(signal, math.exp(-step / time_constant), math.exp(-early * step / time_constant))
+
+
+@compiled
+def _followed(signal: np.ndarray, decay: float, kept: float) -> np.ndarray:
+    """Steps y = decay y + (kept - decay) u_before + (1 - kept) u from the first value on."""
+    out = np.empty(signal.size)
+    y = signal[0]
+    out[0] = y
+    for i in range(1, signal.size):
+        y = decay * y + (kept - decay) * signal[i - 1] + (1.0 - kept) * signal[i]
+        out[i] = y
+    return out
+
+
+def resonance(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
+    """Response of y'' + 2 d w y' + w^2 y = w^2 u, w = 2 pi frequency, exact for an input linear between samples.
+
+    Started at rest on the first sample.
+    """
+    late = 2.0 * damping / (2.0 * math.pi * frequency)
+    return _ringing(signal, step, late, _transition(step, frequency, damping))
+
+
+def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
+    """The same for an input that is held from each row to the next, as a converter holds a voltage."""
+    return _ringing_of_steps(signal, _transition(step, frequency, damping))
+
+
+def _transition(step: float, frequency: float, damping: float) -> tuple[float, float, float, float]:
+    """What a resonance left alone makes of (y, y') in one step, row by row."""
+    w = 2.0 * math.pi * frequency
+    wd = w * math.sqrt(1.0 - damping * damping)
+    e = math.exp(-damping * w * step)
+    c, s = math.cos(wd * step), math.sin(wd * step)
+    return e * (c + damping * w / wd * s), e * s / wd, -e * w * w / wd * s, e * (c - damping * w / wd * s)
+
+
+@compiled
+def _ringing(signal: np.ndarray, step: float, late: float, transition: tuple[float, float, float, float]) -> np.ndarray:
+    """Steps of (error, its rate) about the particular solution u - late * u'."""
+    a11, a12, a21, a22 = transition
+    out = np.empty(signal.size)
+    y, rate = signal[0], 0.0
+    out[0] = y
+    for i in range(1, signal.size):
+        slope = (signal[i] - signal[i - 1]) / step
+        lag = late * slope
+        error = y - (signal[i - 1] - lag)
+        error_rate = rate - slope
+        y = signal[i] - lag + a11 * error + a12 * error_rate
+        rate = slope + a21 * error + a22 * error_rate
+        out[i] = y
+    return out
+
+
+@compiled
+def _ringing_of_steps(signal: np.ndarray, transition: tuple[float, float, float, float]) -> np.ndarray:
+    """Steps of (error, its rate) about the value held."""
+    a11, a12, a21, a22 = transition
+    out = np.empty(signal.size)
+    y, rate = signal[0], 0.0
+    out[0] = y
+    for i in range(1, signal.size):
+        error = y - signal[i - 1]
+        y, rate = signal[i - 1] + a11 * error + a12 * rate, a21 * error + a22 * rate
+        out[i] = y
+    return out
+
+
+@compiled
+def play(signal: np.ndarray, half_width: float) -> np.ndarray:
+    """Play (backlash) operator: the output rests while the input is within `half_width` of it, and is pushed else."""
+    out = np.empty(signal.size)
+    y = signal[0]
+    for i in range(signal.size):
+        if signal[i] - y > half_width:
+            y = signal[i] - half_width
+        elif y - signal[i] > half_width:
+            y = signal[i] + half_width
+        out[i] = y
+    return out
+
+
+@compiled
+def stop(position: np.ndarray, stretch: float) -> np.ndarray:
+    """Stop operator over +-`stretch`, as a fraction in [-1, 1]: an elastic, ideally plastic bristle on `position`."""
+    out = np.empty(position.size)
+    z = 0.0
+    out[0] = 0.0
+    for i in range(1, position.size):
+        z += (position[i] - position[i - 1]) / stretch
+        z = min(1.0, max(-1.0, z))
+        out[i] = z
+    return out
+
+
+@compiled
+def unslipped(position: np.ndarray, stretch: float) -> np.ndarray:
+    """Part, 0 to 1, of the steps beside a row that an elastic, ideally plastic bristle of +-`stretch` goes unslipped.
+
+    The mean of the step before and the one after each row, (n,).
+    """
+    out = np.ones(position.size)
+    z = 0.0
+    for i in range(1, position.size):
+        way = (position[i] - position[i - 1]) / stretch
+        after = min(1.0, max(-1.0, z + way))
+        if way != 0.0:
+            out[i] = (after - z) / way
+        else:
+            out[i] = 1.0 if abs(z) < 1.0 else 0.0
+        z = after
+    out[:-1] = 0.5 * (out[:-1] + out[1:])
+    return out
+
+
+@compiled
+def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
+    """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979, Ruina 1983), exact a step."""
+    out = np.empty(time.size)
+    age = 0.0
+    out[0] = 0.0
+    for i in range(1, time.size):
+        renewed = abs(position[i] - position[i - 1]) / memory_length
+        step = time[i] - time[i - 1]
+        if renewed < 1e-9:
+            age += step
+        else:
+            kept = np.exp(-renewed)
+            age = age * kept + step * (1.0 - kept) / renewed
+        out[i] = age
+    return out
+
+
+@compiled
+def strengthened(
+    time: np.ndarray, gone: np.ndarray, rested: np.ndarray, cut_off: float, memory_length: float
+) -> np.ndarray:
+    """Strength ln(1 + time at rest/cut_off) of a contact (n,), which fades over the way gone and grows on from there.
+
+    Args:
+        time: s, (n,).
+        gone: distance slid, m, (n,).
+        rested: above zero where the body rests, (n,).
+        cut_off: s.
+        memory_length: distance over which the strength falls to 1/e, m.
+    """
+    out = np.empty(time.size)
+    age = 0.0
+    out[0] = 0.0
+    for i in range(1, time.size):
+        if rested[i] > 0.0:
+            age += time[i] - time[i - 1]
+        elif age > 0.0:
+            strength = np.log1p(age / cut_off) * np.exp(-(gone[i] - gone[i - 1]) / memory_length)
+            age = cut_off * np.expm1(strength)
+        out[i] = np.log1p(age / cut_off)
+    return out
+
+
+@compiled
+def bouc_wen(signal: np.ndarray, width: float, turning: float) -> np.ndarray:
+    """Bouc-Wen hysteresis h driven by `signal`: dh = du - (turning |du| h + (1 - turning) du |h|) / width.
+
+    While loading dh = du (1 - |h|/width), while unloading dh = du (1 + (2 turning - 1) |h|/width); either is solved
+    exactly along a straight piece of the signal.
+    """
+    out = np.empty(signal.size)
+    h = 0.0
+    out[0] = 0.0
+    back = (2.0 * turning - 1.0) / width
+    for i in range(1, signal.size):
+        du = signal[i] - signal[i - 1]
+        side, path = (1.0 if du > 0.0 else -1.0), abs(du)
+        down = -side * h
+        if down > 0.0:
+            # Unloading, to zero at the most: the magnitude's fall per path is 1 + back * magnitude.
+            to_zero = np.log1p(back * down) / back if abs(back) > 1e-12 else down
+            gone = min(path, to_zero)
+            faded = np.exp(-back * gone)
+            left = down * faded - ((1.0 - faded) / back if abs(back) > 1e-12 else gone)
+            h = -side * max(left, 0.0)
+            path -= gone
+        if path > 0.0:
+            h = side * (width + (side * h - width) * np.exp(-path / width))
+        out[i] = h
+    return out

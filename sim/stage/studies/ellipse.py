@@ -1,0 +1,103 @@
+"""The best phase between the piezos and height of the tip: which ellipse drives fastest, with and without lift."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sim.stage.drive_setting import SETTLED, Setting, Steady, steady
+from sim.stage.machine import StageMachine
+from sim.stage.studies.travel_map import LIFTED
+from sim.stage.waveforms import Ellipse, two_piezo_ellipse
+
+PHASES = tuple(math.radians(degrees) for degrees in (30, 50, 70, 90, 110, 130, 150))
+HEIGHTS = (-0.6, -0.3, -0.1, 0.1, 0.3)
+"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+
+
+@dataclass(frozen=True)
+class EllipseSearch:
+    """Lasting speeds over phase and height.
+
+    Args:
+        frequency: Hz.
+        phases: rad, shape (n,).
+        heights: in amplitudes of the ellipse's height, shape (m,).
+        ellipses: asked for at each phase.
+        points: rows by height, columns by phase.
+    """
+
+    frequency: float
+    phases: np.ndarray
+    heights: np.ndarray
+    ellipses: list[Ellipse]
+    points: list[list[Steady]] = field(repr=False)
+
+    @property
+    def speed(self) -> np.ndarray:
+        """m/s, shape (m, n)."""
+        return np.array([[point.velocity[0] for point in row] for row in self.points])
+
+    @property
+    def lifted(self) -> np.ndarray:
+        """Part of the time that a pad is off its way, shape (m, n)."""
+        return np.array([[point.lifted_share for point in row] for row in self.points])
+
+    @property
+    def lasts(self) -> np.ndarray:
+        """Whether the speed lasts, or was still changing after the longest run, shape (m, n)."""
+        changed = np.array([[abs(point.changed) for point in row] for row in self.points])
+        travels = np.array([2.0 * path.along for path in self.ellipses])
+        return changed <= SETTLED * travels * self.frequency
+
+    def best(self, clean: bool) -> tuple[int, int] | None:
+        """Row and column of the greatest speed that lasts; `clean`: among those that lift no pad."""
+        speed = np.where(self.lasts & (self.lifted <= (LIFTED if clean else np.inf)), self.speed, -np.inf)
+        row, column = np.unravel_index(int(np.argmax(speed)), speed.shape)
+        return (int(row), int(column)) if np.isfinite(speed[row, column]) else None
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {}
+        for name, clean in (("fastest", False), ("fastest_without_lift", True)):
+            place = self.best(clean)
+            if place is None:
+                found[f"{name}_phase"] = None
+                continue
+            row, column = place
+            path = self.ellipses[column]
+            found[f"{name}_phase"] = (float(self.phases[column]), "rad")
+            found[f"{name}_height"] = (float(self.heights[row]) * path.normal, "m")
+            found[f"{name}_speed"] = (float(self.speed[row, column]), "m/s")
+            found[f"{name}_travel_along"] = (2.0 * path.along, "m")
+            found[f"{name}_travel_normal"] = (2.0 * path.normal, "m")
+            found[f"{name}_largest_tip_force"] = (self.points[row][column].largest_tip_force, "N")
+        return found
+
+
+def _point(case: tuple[StageMachine, Setting]) -> Steady:
+    return steady(*case, shortest=0.15)
+
+
+def ellipse_search(
+    machine: StageMachine,
+    amplitude: float,
+    frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> EllipseSearch:
+    """Lasting speed over phase and height at one frequency.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; frequency: Hz.
+        run_all: runs a function on each of several cases.
+    """
+    ellipses = [two_piezo_ellipse(machine, amplitude, phase) for phase in PHASES]
+    cases = [(machine, Setting(path, frequency, height * path.normal)) for height in HEIGHTS for path in ellipses]
+    found = run_all(_point, cases)
+    count = len(PHASES)
+    rows = [found[i * count : (i + 1) * count] for i in range(len(HEIGHTS))]
+    return EllipseSearch(frequency, np.array(PHASES), np.array(HEIGHTS), ellipses, rows)

@@ -1,0 +1,147 @@
+"""Limit cycles about a target: an integral loop against stiction, and one too quick for the stage on its contact."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sim.stage.constants import STEP
+from sim.stage.machine import StageMachine
+from sim.stage.run import StageRun
+from sim.stage.sensors import Interferometer
+from sim.stage.simulation import StageSimulation
+from sim.stage.statics import over_sea, rest_with_load
+from sim.stage.studies.positioning import COARSE_HEIGHT, LEAN_HIGHEST, Actuation
+from sim.stage.studies.steps import LOAD_SHARE
+
+DURATION = 1.0
+STILL = 5e-9
+"""m: less than this peak to peak is no limit cycle, but the count of the interferometer."""
+
+
+@dataclass(frozen=True)
+class Hold:
+    """A loop that holds the stage at a target, by the interferometer.
+
+    Args:
+        text: for people.
+        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one does not touch the sea;
+            `travel` scales its travel along only; `lean` leans the pressed tip.
+        proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s.
+        target: m.
+    """
+
+    text: str
+    moves: str
+    proportional: float
+    integral: float
+    target: float = 20e-6
+
+    @property
+    def output_unit(self) -> str:
+        """Of the loop's output."""
+        return "m" if self.moves == "lean" else "1"
+
+
+HOLDS = {
+    "ellipse_no_integral": Hold("whole ellipse, no integral action", "ellipse", 2e4, 0.0),
+    "ellipse_slow": Hold("whole ellipse, slow integral", "ellipse", 2e4, 2e6),
+    "ellipse_fast": Hold("whole ellipse, fast integral", "ellipse", 2e4, 3e6),
+    "travel_slow": Hold("travel only, slow integral", "travel", 2e4, 1e6),
+    "lean_fast": Hold("pressed tip, integral of 300 /s", "lean", 0.0, 300.0, target=1e-6),
+}
+
+
+@dataclass(frozen=True)
+class Held:
+    """A run of a hold.
+
+    Args:
+        run: the motion, one row a sample.
+        target: m.
+        output: of the loop, -1 to 1, or m of lean; shape (n,).
+    """
+
+    run: StageRun
+    target: float
+    output: np.ndarray
+
+    @property
+    def error(self) -> np.ndarray:
+        """m, shape (n,)."""
+        return self.run.position[:, 0] - self.target
+
+    def cycle(self) -> tuple[float, float | None]:
+        """Peak-to-peak motion in the second half (m), and the period of its strongest wave (s; none when still)."""
+        late = self.error[self.run.time > 0.5 * self.run.time[-1]]
+        size = float(np.ptp(late))
+        if size < STILL:
+            return size, None
+        step = float(np.diff(self.run.time[:2])[0])
+        bend = np.polyfit(np.arange(late.size), late, 1)
+        spectrum = np.abs(np.fft.rfft(late - np.polyval(bend, np.arange(late.size))))
+        peak = 1 + int(np.argmax(spectrum[1:]))
+        return size, late.size * step / peak
+
+
+@dataclass(frozen=True)
+class HuntingStudy:
+    """Holds by name."""
+
+    holds: dict[str, Held] = field(repr=False)
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {}
+        for name, held in self.holds.items():
+            size, period = held.cycle()
+            late = held.run.time > 0.5 * held.run.time[-1]
+            found[f"{name}_motion"] = (size, "m")
+            found[f"{name}_period"] = None if period is None else (period, "s")
+            found[f"{name}_error"] = (float(np.mean(held.error[late])), "m")
+        return found
+
+
+def held(case: tuple[StageMachine, float, float, float, Hold]) -> Held:
+    """A hold from rest; the case is machine, amplitude (m), phase (rad), frequency (Hz), hold."""
+    machine, amplitude, phase, frequency, hold = case
+    actuation = Actuation(machine, amplitude, phase, frequency, STEP)
+    period = actuation.steps * STEP
+    if hold.moves == "lean":
+        rest, most = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load), LEAN_HIGHEST
+    else:
+        rest, most = over_sea(machine, 0.0, COARSE_HEIGHT * actuation.path.normal), 1.0
+    simulation = StageSimulation(machine, rest, STEP)
+    sensor = Interferometer(machine.sensors, period)
+    total, outputs = 0.0, []
+    for _ in range(round(DURATION / period)):
+        error = hold.target - sensor.read(simulation.travel)
+        total = min(max(total + hold.integral * period * error, -most), most)
+        output = min(max(hold.proportional * error + total, -most), most)
+        outputs.append(output)
+        if hold.moves == "lean":
+            asked = (0.0, 0.0, 0.0, output)
+        else:
+            asked = (output, abs(output) if hold.moves == "ellipse" else 1.0, 0.0, 0.0)
+        simulation.advance(actuation.commands(*asked), actuation.steps)
+    return Held(simulation.record(), hold.target, np.array(outputs))
+
+
+def hunting_study(
+    machine: StageMachine,
+    amplitude: float,
+    phase: float,
+    frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> HuntingStudy:
+    """Every hold of `HOLDS`.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        run_all: runs a function on each of several cases.
+    """
+    found = run_all(held, [(machine, amplitude, phase, frequency, hold) for hold in HOLDS.values()])
+    return HuntingStudy(dict(zip(HOLDS, found)))

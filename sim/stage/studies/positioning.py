@@ -1,0 +1,224 @@
+"""Coarse run and fine settling in a closed loop.
+
+Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. A
+speed is asked for that falls with the square root of the distance left; the output is proportional to what it lacks.
+Fine: the tip stands still, pressed on the sea, and leans by the integral of the error; the stage follows through the
+contact within its presliding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sim.stage.constants import STEP
+from sim.stage.machine import StageMachine
+from sim.stage.run import StageRun
+from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
+from sim.stage.simulation import StageSimulation
+from sim.stage.statics import over_sea, rest_with_load
+from sim.stage.studies.steps import LOAD_SHARE
+from sim.stage.waveforms import two_piezo_ellipse, volts_for
+
+TARGET = 0.5e-3
+COARSE_HEIGHT = -0.45
+"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+DECELERATION = 0.15
+"""m/s^2, of the speed asked for; a third of what the pads' friction gives."""
+SPEED_SCALE = 5e-3
+"""m/s lacking at which the output is full."""
+HAND_OVER = 0.5e-6
+STOPPED = 0.2e-3
+"""m and m/s: the fine loop takes over within these of the target."""
+COARSE_LONGEST = 0.4
+PRESS_TIME = 0.02
+LEAN_HIGHEST = 4e-6
+FINE_TIME = 0.5
+SETTLED = 1e-9
+
+
+@dataclass(frozen=True)
+class Loop:
+    """Which sensors the loop has.
+
+    Args:
+        text: for people.
+        coarse: name of the sensor of the run.
+        fine: name of the sensor of the settling.
+        fine_rate: of the integral loop, 1/s, well within the sensor's bandwidth.
+    """
+
+    text: str
+    coarse: str
+    fine: str
+    fine_rate: float
+
+
+LOOPS = {
+    "interferometer": Loop("interferometer throughout", "interferometer", "interferometer", 60.0),
+    "interferometer_and_probe": Loop("interferometer, then filtered probe", "interferometer", "probe", 45.0),
+    "lvdt_and_probe": Loop("LVDT, then filtered probe", "lvdt", "probe", 45.0),
+}
+
+
+@dataclass(frozen=True)
+class Positioning:
+    """A move to a target.
+
+    Args:
+        run: the motion, one row a sample.
+        target: m.
+        taken_over: when the fine loop took over, s; None when the coarse run did not come near in time.
+    """
+
+    run: StageRun
+    target: float
+    taken_over: float | None
+
+    @property
+    def error(self) -> np.ndarray:
+        """True error, m, shape (n,)."""
+        return self.run.position[:, 0] - self.target
+
+    def within(self, limit: float) -> float | None:
+        """From when on the true error averaged over 10 ms stays within a limit (m), s; None when it does not."""
+        step = float(np.diff(self.run.time[:2])[0])
+        count = max(1, round(0.01 / step))
+        mean = np.convolve(self.error, np.full(count, 1.0 / count), mode="same")[: -count // 2]
+        outside = np.flatnonzero(np.abs(mean) > limit)
+        if outside.size == 0:
+            return float(self.run.time[0])
+        if outside[-1] >= mean.size - count:
+            return None
+        return float(self.run.time[outside[-1] + 1])
+
+    def features(self, prefix: str) -> dict[str, tuple[float, str] | None]:
+        last = self.run.time > self.run.time[-1] - 0.1
+        settled = self.within(SETTLED)
+        return {
+            f"{prefix}_taken_over": None if self.taken_over is None else (self.taken_over, "s"),
+            f"{prefix}_within_1nm": None if settled is None else (settled, "s"),
+            f"{prefix}_error_mean": (float(self.error[last].mean()), "m"),
+            f"{prefix}_error_rms": (float(np.sqrt(np.mean(self.error[last] ** 2))), "m"),
+        }
+
+
+@dataclass(frozen=True)
+class PositioningStudy:
+    """Moves with each set of sensors."""
+
+    moves: dict[str, Positioning] = field(repr=False)
+    sensor_noise: float
+    hand_over_gap: float
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {
+            "probe_noise": (self.sensor_noise, "m"),
+            "lvdt_error_over_probe_range": (self.hand_over_gap, "1"),
+        }
+        for name, move in self.moves.items():
+            found |= move.features(name)
+        return found
+
+
+def _sensor(name: str, machine: StageMachine, period: float) -> Any:
+    if name == "probe":
+        return FilteredProbe(machine.sensors, period, TARGET)
+    return {"interferometer": Interferometer, "lvdt": Lvdt}[name](machine.sensors, period)
+
+
+class Actuation:
+    """Voltages of one period of the drive: an ellipse gone along by a part of its travel, a lift and a lean on top.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        step: of the integration, s.
+    """
+
+    def __init__(self, machine: StageMachine, amplitude: float, phase: float, frequency: float, step: float) -> None:
+        self.machine = machine
+        self.path = two_piezo_ellipse(machine, amplitude, phase)
+        self.steps = round(1.0 / frequency / step)
+        turn = 2.0 * math.pi * (np.arange(self.steps) + 0.5) / self.steps
+        self.along, self.up = -np.cos(turn) * self.path.along, np.sin(turn) * self.path.normal
+        self.ramp = (np.arange(self.steps) + 0.5) / self.steps
+        self.last = np.zeros(4)
+
+    def commands(self, along: float, rise: float, lift: float, lean: float) -> np.ndarray:
+        """Voltages (steps, 1, 3); each number goes straight from its last value to the new one over the period.
+
+        Args:
+            along: -1 to 1, how far the ellipse goes along.
+            rise: 0 to 1, how far it goes up.
+            lift: of its middle, m.
+            lean: of its middle along x, m.
+        """
+        new = np.array([along, rise, lift, lean])
+        now = self.last + self.ramp[:, None] * (new - self.last)
+        self.last = new
+        x = now[:, 0] * self.along + now[:, 3]
+        z = now[:, 1] * self.up + now[:, 2]
+        volts = volts_for(self.machine, x, np.zeros(self.steps), z)
+        count = self.machine.piezo.highest_voltage / 2**self.machine.piezo.bits
+        return (np.round(volts / count) * count)[:, None, :]
+
+
+def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning:
+    """Half a millimetre from rest; the case is machine, amplitude (m), phase (rad), frequency (Hz), loop."""
+    machine, amplitude, phase, frequency, loop = case
+    actuation = Actuation(machine, amplitude, phase, frequency, STEP)
+    period = actuation.steps * STEP
+    rest = over_sea(machine, 0.0, COARSE_HEIGHT * actuation.path.normal)
+    pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
+    lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
+    simulation = StageSimulation(machine, rest, STEP)
+    coarse, fine = _sensor(loop.coarse, machine, period), _sensor(loop.fine, machine, period)
+    before = coarse.read(simulation.travel)
+    taken_over = None
+    smooth = 0.0
+    while simulation.time < COARSE_LONGEST:
+        seen = coarse.read(simulation.travel)
+        # The rounded position's difference is smoothed over some ten periods.
+        smooth += 0.2 * ((seen - before) / period - smooth)
+        before = seen
+        left = TARGET - seen
+        if abs(left) < max(HAND_OVER, coarse.count) and abs(smooth) < STOPPED:
+            taken_over = simulation.time
+            break
+        asked = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
+        output = min(max((asked - smooth) / SPEED_SCALE, -1.0), 1.0)
+        simulation.advance(actuation.commands(output, 1.0, 0.0, 0.0), actuation.steps)
+    lean, start = 0.0, simulation.time
+    while simulation.time < start + FINE_TIME:
+        share = min((simulation.time - start) / PRESS_TIME, 1.0)
+        seen = fine.read(simulation.travel)
+        if share >= 1.0:
+            lean = min(max(lean + loop.fine_rate * period * (TARGET - seen), -LEAN_HIGHEST), LEAN_HIGHEST)
+        simulation.advance(actuation.commands(0.0, 1.0 - share, share * lift, lean), actuation.steps)
+    return Positioning(simulation.record(), TARGET, taken_over)
+
+
+def positioning_study(
+    machine: StageMachine,
+    amplitude: float,
+    phase: float,
+    frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> PositioningStudy:
+    """A move of half a millimetre with each set of sensors.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        run_all: runs a function on each of several cases.
+    """
+    found = run_all(move_to, [(machine, amplitude, phase, frequency, loop) for loop in LOOPS.values()])
+    sensors = machine.sensors
+    noise = sensors.probe_noise * math.sqrt(sensors.filter_frequency / sensors.probe_bandwidth)
+    gap = (sensors.lvdt_linearity_error + sensors.lvdt_count) / (0.5 * sensors.filtered_range)
+    return PositioningStudy(dict(zip(LOOPS, found)), noise, gap)

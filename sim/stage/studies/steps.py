@@ -1,0 +1,148 @@
+"""Nanometre steps: the tip stays on the sea and leans, the stage follows through contact and presliding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sim.stage.constants import STEP, make_constants
+from sim.stage.machine import StageMachine
+from sim.stage.piezo import piezo_response
+from sim.stage.run import StageRun
+from sim.stage.simulation import drive_stage
+from sim.stage.state import Constants
+from sim.stage.statics import Rest, rest_with_load
+from sim.stage.waveforms import knots_wave, step_times
+
+SIZES = {"1_count": None, "10nm": 10e-9, "100nm": 100e-9}
+"""Steps asked of the unloaded apex, m; none: one count of the converter on the two piezos, opposed."""
+HOLD = 0.02
+RISE = 0.002
+STEPS_EACH_WAY = 6
+LOAD_SHARE = 0.3
+"""Part of weight and preload that the tip carries in fine motion: its friction holds the pads' fivefold."""
+
+
+@dataclass(frozen=True)
+class Staircase:
+    """Steps up and down again.
+
+    Args:
+        run: the motion.
+        asked: of the unloaded apex by the stacks' mean gain, m a step.
+        levels: position along x at the end of each hold, m, shape (2 n + 1,).
+    """
+
+    run: StageRun
+    asked: float
+    levels: np.ndarray
+
+    @property
+    def steps(self) -> np.ndarray:
+        """Steps made, up positive, m, shape (2 n,)."""
+        return np.diff(self.levels)
+
+    @property
+    def mean_step(self) -> float:
+        """Mean of the steps up after the first, m."""
+        return float(np.mean(self.steps[1:STEPS_EACH_WAY]))
+
+    @property
+    def spread(self) -> float:
+        """Largest less smallest of these steps, m."""
+        return float(np.ptp(self.steps[1:STEPS_EACH_WAY]))
+
+    @property
+    def lost(self) -> float:
+        """What the first step back lacks of the mean step, m."""
+        return self.mean_step + float(self.steps[STEPS_EACH_WAY])
+
+    @property
+    def left(self) -> float:
+        """Position after as many steps down as up, m."""
+        return float(self.levels[-1] - self.levels[0])
+
+
+@dataclass(frozen=True)
+class StepStudy:
+    """Staircases by name, and what a count comes to.
+
+    Args:
+        staircases: by the names of `SIZES`.
+        count: motion of the apex for one count of the converter on two piezos, opposed, by the mean gain, m.
+        static: step of the stage over step of the free apex, in closed form, small signal.
+    """
+
+    staircases: dict[str, Staircase]
+    count: float
+    static: float
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {"count": (self.count, "m"), "static_ratio": (self.static, "1")}
+        for name, stairs in self.staircases.items():
+            found[f"step_{name}"] = (stairs.mean_step, "m")
+            found[f"spread_{name}"] = (stairs.spread, "m")
+            found[f"lost_{name}"] = (stairs.lost, "m")
+            found[f"left_{name}"] = (stairs.left, "m")
+        return found
+
+
+def static_ratio(constants: Constants, rest: Rest) -> float:
+    """Motion of the stage over that of the free apex, for steps well within presliding of pads and contact.
+
+        ratio = k/(k + k_pads),   1/k = 1/k_contact + h^2/k_tilt
+
+    k_tilt = (stiffness of a piezo) sum p_x^2, k_contact = (tangential ratio) (normal stiffness at the load), k_pads =
+    sum of (pad load) (bristle stiffness per load): springs in series, and the pads' against them.
+    """
+    depth = (float(rest.tip_loads.sum()) / constants.contact_rate) ** (2.0 / 3.0)
+    contact = constants.contact_ratio * 1.5 * constants.contact_rate * math.sqrt(depth)
+    tilt = constants.piezo_stiffness * float(np.sum(constants.piezo_at[:, 0] ** 2)) / constants.tip_height**2
+    series = 1.0 / (1.0 / contact + 1.0 / tilt)
+    pads = constants.pad_bristle * float(rest.pad_loads.sum())
+    return series / (series + pads)
+
+
+def converter_count(machine: StageMachine) -> float:
+    """Motion of the apex along x for one count on piezos 1 and 2, opposed, by the mean gain, m."""
+    volts = machine.piezo.highest_voltage / 2**machine.piezo.bits
+    spacing = float(machine.tip.piezo_places[1, 0] - machine.tip.piezo_places[0, 0])
+    return 2.0 * machine.tip.height / spacing * volts * machine.piezo.stroke / machine.piezo.highest_voltage
+
+
+def staircase(case: tuple[StageMachine, float | None]) -> Staircase:
+    """Steps of one size (m; none: a count) up and down; each rises in 2 ms and is held for 20 ms."""
+    machine, size = case
+    asked = converter_count(machine) if size is None else size
+    rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
+    ups = np.concatenate([np.arange(STEPS_EACH_WAY + 1), np.arange(STEPS_EACH_WAY - 1, -1, -1)]) * asked
+    starts = HOLD * np.arange(ups.size)
+    knots = np.column_stack([starts, starts + HOLD - RISE]).ravel()
+    apex = np.zeros((knots.size, 3))
+    apex[:, 0] = np.repeat(ups, 2)
+    time = step_times(round(HOLD * ups.size / STEP), STEP)
+    wave = knots_wave(machine, time, knots, apex)
+    volt = machine.piezo.highest_voltage / 2**machine.piezo.bits
+    run = drive_stage(machine, rest, np.round(wave / volt) * volt, STEP, 50)
+    ends = starts + HOLD - RISE
+    levels = [float(np.mean(run.position[(run.time > end - 0.25 * HOLD) & (run.time < end), 0])) for end in ends]
+    return Staircase(run, asked, np.array(levels))
+
+
+def step_study(machine: StageMachine, run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]) -> StepStudy:
+    """Staircases of every size.
+
+    Args:
+        machine: with one actuator.
+        run_all: runs a function on each of several cases.
+    """
+    found = run_all(staircase, [(machine, size) for size in SIZES.values()])
+    rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
+    response = piezo_response(machine.piezo)
+    mean_gain = machine.piezo.stroke / machine.piezo.highest_voltage
+    ratio = static_ratio(make_constants(machine, rest), rest) * response.small_signal_gain / mean_gain
+    return StepStudy(dict(zip(SIZES, found)), converter_count(machine), ratio)

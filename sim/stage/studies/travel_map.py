@@ -1,0 +1,162 @@
+"""Where on the travel, and at what height of the tip, pads and tip lose contact, and where the stage tips over."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from designcalc.drive.friction_drive import tip_force_limit
+from sim.stage.constants import STEP
+from sim.stage.drive_setting import Setting, run_setting
+from sim.stage.machine import StageMachine
+from sim.stage.simulation import drive_stage
+from sim.stage.statics import rest_with_load
+from sim.stage.waveforms import knots_wave, step_times, two_piezo_ellipse
+
+POSITIONS = 9
+HEIGHTS = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15)
+"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+DURATION = 0.03
+PUSH_TIME = 0.06
+PUSH_HIGHEST = 7e-6
+LIFTED = 0.01
+"""A pad counts as lifted when it is off its way for more than this part of the time."""
+
+
+@dataclass(frozen=True)
+class DrivenPoint:
+    """What a drive does at one place: parts of the time that each pad and the tip are off, shape (pads,) and a number;
+    mean tip load, N; mean acceleration, m/s^2."""
+
+    lifted: np.ndarray
+    tip_off: float
+    tip_load: float
+    acceleration: float
+
+
+@dataclass(frozen=True)
+class TravelMap:
+    """Maps over position and height.
+
+    Args:
+        positions: of the stage's middle, m, shape (n,).
+        heights: of the apex over the sea, m, shape (m,).
+        lifted: part of the time that the pad most often lifted is off, shape (m, n).
+        tip_off: part of the time that the tip is off, shape (m, n).
+        load_share: mean tip load over weight and preload, shape (m, n).
+        acceleration: at the start from rest, m/s^2, shape (m, n).
+        pushed: tip force over load at which the first pad lifts, pushed slowly, shape (n,).
+        limit: the same by the moments about the pads' edge (`designcalc`), shape (n,).
+    """
+
+    positions: np.ndarray
+    heights: np.ndarray
+    lifted: np.ndarray
+    tip_off: np.ndarray
+    load_share: np.ndarray
+    acceleration: np.ndarray
+    pushed: np.ndarray
+    limit: np.ndarray
+
+    def highest_clean(self, position: int) -> int | None:
+        """Index of the greatest height up to which no pad lifts at a position."""
+        clean = self.lifted[:, position] <= LIFTED
+        if not clean[0]:
+            return None
+        return int(np.argmin(clean)) - 1 if not clean.all() else clean.size - 1
+
+    def features(self) -> dict[str, tuple[float, str] | None]:
+        found: dict[str, tuple[float, str] | None] = {}
+        for name, at in (("middle", self.positions.size // 2), ("end", self.positions.size - 1)):
+            found[f"tip_over_share_{name}"] = (float(self.pushed[at]), "1")
+            found[f"tip_over_limit_{name}"] = (float(self.limit[at]), "1")
+            highest = self.highest_clean(at)
+            for key, values, unit in (
+                ("height", self.heights, "m"),
+                ("load_share", self.load_share[:, at], "1"),
+                ("acceleration", self.acceleration[:, at], "m/s^2"),
+            ):
+                value = None if highest is None else (float(values[highest]), unit)
+                found[f"{key}_without_lift_{name}"] = value
+        found["largest_difference_from_limit"] = (float(np.max(np.abs(self.pushed - self.limit))), "1")
+        return found
+
+
+def _driven(case: tuple[StageMachine, Setting]) -> DrivenPoint:
+    machine, setting = case
+    run = run_setting(machine, setting, DURATION)
+    # The first third is the rise of the ellipse and the bounce it leaves.
+    late = run.time >= DURATION / 3.0
+    span = float(np.ptp(run.time[late]))
+    lifted = np.array([np.ptp(run.lifted_time(k)[late]) for k in range(len(machine.pads.places))]) / span
+    start, end = float(run.time[late][0]), float(run.time[-1])
+    half = 0.5 * (start + end)
+    gained = run.mean_velocity(half, end)[0] - run.mean_velocity(start, half)[0]
+    return DrivenPoint(
+        lifted=lifted,
+        tip_off=1.0 - float(np.ptp(run.contact_time(0)[late])) / span,
+        tip_load=run.mean_tip_load(start, end),
+        acceleration=float(gained) / (0.5 * span),
+    )
+
+
+def pushed_over(case: tuple[StageMachine, float]) -> float:
+    """Tip force over load at which the first pad lifts, the tip slowly raised under the stage at a position, m."""
+    machine, position = case
+    rest = rest_with_load(machine, position, 0.0)
+    time = step_times(round(PUSH_TIME / STEP), STEP)
+    wave = knots_wave(machine, time, np.array([0.0, PUSH_TIME]), np.array([[0.0, 0.0, 0.0], [0.0, 0.0, PUSH_HIGHEST]]))
+    run = drive_stage(machine, rest, wave, STEP, 20)
+    off = np.min([run.pad_force(k)[:, 2] for k in range(len(machine.pads.places))], axis=0) <= 0.0
+    if not off.any():
+        return float(run.tip_force(0)[-1, 2]) / machine.load
+    return float(run.tip_force(0)[int(np.argmax(off)), 2]) / machine.load
+
+
+def load_centre(machine: StageMachine) -> np.ndarray:
+    """Where weight and preload act together, from the stage's middle, m, shape (2,)."""
+    weight = machine.stage.mass * machine.gravity
+    return weight * np.asarray(machine.stage.centre)[:2] / machine.load
+
+
+def travel_map(
+    machine: StageMachine,
+    amplitude: float,
+    phase: float,
+    frequency: float,
+    run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
+) -> TravelMap:
+    """Lift-off and tip-over over the travel.
+
+    Args:
+        machine: with one actuator.
+        amplitude: of a piezo, m; phase: between piezos 1 and 2, rad; frequency: Hz.
+        run_all: runs a function on each of several cases.
+    """
+    ellipse = two_piezo_ellipse(machine, amplitude, phase)
+    positions = np.linspace(-0.5, 0.5, POSITIONS) * machine.travel
+    heights = np.array(HEIGHTS) * ellipse.normal
+    cases = [(machine, Setting(ellipse, frequency, height, position)) for height in heights for position in positions]
+    points: list[DrivenPoint] = run_all(_driven, cases)
+    pushed = run_all(pushed_over, [(machine, position) for position in positions])
+    # The tip stands still: seen from the stage's middle it is at minus the stage's position.
+    tip = machine.actuators[0]
+    centre = load_centre(machine)
+    limit = [tip_force_limit(machine.pads.places, centre, tip - [position, 0.0]) for position in positions]
+
+    def grid(values: list[float]) -> np.ndarray:
+        return np.array(values).reshape(heights.size, positions.size)
+
+    return TravelMap(
+        positions=positions,
+        heights=heights,
+        lifted=grid([float(point.lifted.max()) for point in points]),
+        tip_off=grid([point.tip_off for point in points]),
+        load_share=grid([point.tip_load / machine.load for point in points]),
+        acceleration=grid([point.acceleration for point in points]),
+        pushed=np.array(pushed),
+        limit=np.array(limit),
+    )

@@ -1,0 +1,51 @@
+"""Rules between numbers that are no geometry: ranges the right way round, drive within the piezo's voltage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from stagecad.parameters.rules.registry import given, rule
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+_ORDERED = (
+    ("shim.thinnest", "shim.thickest"),
+    ("bearing.static_friction_low", "bearing.static_friction_high"),
+    ("bearing.dynamic_friction_low", "bearing.dynamic_friction_high"),
+    ("bearing.dynamic_friction", "bearing.static_friction"),
+    ("friction.coulomb", "friction.breakaway"),
+    ("friction.lag_low", "friction.lag_high"),
+    ("requirements.resolution", "requirements.resolution_coarse"),
+    ("requirements.acceleration_low", "requirements.acceleration"),
+    ("actuator.bias_voltage", "piezo.highest_voltage"),
+    ("drawing.tolerance_x_xx", "drawing.tolerance_x_x"),
+    ("drawing.tolerance_x_x", "drawing.tolerance_x"),
+)
+
+
+@rule
+def ordered(d: Design) -> Iterator[str]:
+    """What is the smaller by its name is not the larger."""
+    for small, large in _ORDERED:
+        if d.si(small) > d.si(large):
+            yield f"{given(d, small)} is more than {given(d, large)}"
+
+
+@rule
+def purchased_shapes(d: Design) -> Iterator[str]:
+    """Purchased parts have the shape of their kind: heads wider than shanks, coils wider than wire."""
+    for name in ("way", "clamp_long", "clamp_short", "bar"):
+        screw = getattr(d.screws, name)
+        key = f"screws.{name}"
+        if screw.head_diameter <= screw.diameter:
+            yield f"{given(d, f'{key}.head_diameter')} is no wider than {given(d, f'{key}.diameter')}"
+        if screw.socket_width >= screw.head_diameter * 0.85:
+            yield f"{given(d, f'{key}.socket_width')} does not go into {given(d, f'{key}.head_diameter')}"
+    if d.set_screw.socket_width >= d.set_screw.diameter * 0.85:
+        yield f"{given(d, 'set_screw.socket_width')} does not go into {given(d, 'set_screw.diameter')}"
+    if 2 * d.spring.wire_diameter >= d.spring.outer_diameter:
+        yield f"{given(d, 'spring.wire_diameter')} leaves no inside in {given(d, 'spring.outer_diameter')}"
+    if d.piezo.end_radius <= d.piezo.diameter / 2:
+        yield f"{given(d, 'piezo.end_radius')} is too small for an end on {given(d, 'piezo.diameter')}"

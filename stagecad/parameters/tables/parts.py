@@ -1,0 +1,297 @@
+"""Tables of the parts that are made from a drawing. Lengths in millimetres and angles in degrees, as
+everywhere in the geometry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from stagecad.parameters.schema import choice, count, mm, number, of_material, switch
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The plate that slides, is driven from below, and carries the payload."""
+
+    material: str = of_material()
+    length: float = mm("along the travel")
+    width: float = mm("across the travel")
+    thickness: float = mm("from the plane of the sea to the payload face")
+    travel: float = mm("from end to end")
+    corner_radius: float = mm("of the upright corners")
+    edge_chamfer: float = mm("of the rim")
+    hole_chamfer: float = mm("at the mouth of every hole")
+    payload_columns: int = count("of payload holes along the travel", low=2)
+    payload_rows: int = count("of payload holes across the travel", low=2)
+    payload_pitch: float = mm("between payload holes")
+    payload_floor: float = mm("left under the full diameter of a payload hole")
+    payload_drill_depth: float = mm("of the payload holes' full diameter", computed=True)
+    payload_thread_depth: float = mm("of the payload holes' full thread", computed=True)
+    dowel_diameter: float = mm("of the reamed holes that place a payload")
+    dowel_spacing: float = mm("between the dowel holes, along the travel")
+    dowel_offset: float = mm("of the dowel holes from the middle, across", zero=True)
+    target_spacing: float = mm("between the sensor target's holes in each end face")
+    target_drill_depth: float = mm("of the target holes' full diameter")
+    target_thread_depth: float = mm("of the target holes' full thread")
+    iron_pocket_length: float = mm("of the pocket for the tooth irons, along the travel")
+    iron_pocket_width: float = mm("of the pocket for irons and magnet, across", computed=True)
+    iron_pocket_clearance: float = mm("of irons and magnet in their pocket")
+    iron_pocket_depth: float = mm("from the sea's plane to the seat of the irons")
+    iron_pocket_corner: float = mm("radius the cutter leaves in the pocket's corners")
+
+
+@dataclass(frozen=True)
+class Pads:
+    """The convex islands under the stage that ride on the ways."""
+
+    count: int = count("of pads: three do not over-constrain, four suit a gravity preload", low=3, high=4)
+    length: float = mm("of a pad along the travel")
+    width: float = mm("of a pad across the travel")
+    height: float = mm("of a pad's crown below the sea")
+    crown_radius: float = mm("of the pads' convex faces")
+    corner_radius: float = mm("of the pads' upright corners")
+    root_fillet: float = mm("where a pad grows out of the stage")
+    spacing_along: float = mm("between the pads on one way")
+    spacing_across: float = mm("between the pads of the two ways")
+    ratio: float = number("of a pad's length to its width")
+    ratio_deviation: float = number("of that ratio that is still accepted", high=1)
+
+
+@dataclass(frozen=True)
+class Sea:
+    """The strip of the stage's underside on which the tip drives."""
+
+    width: float = mm("across the travel")
+    groove_width: float = mm("of the grooves that bound it")
+    groove_depth: float = mm("of the grooves that bound it")
+    whole_underside: bool = switch("two axes: the whole underside is sea")
+    contact_margin: float = mm("of sea that must remain beyond the tip at the ends of the travel")
+
+
+@dataclass(frozen=True)
+class BearingWay:
+    """The silicon carbide rails on which the pads slide; two, alike."""
+
+    material: str = of_material()
+    length: float = mm("along the travel")
+    width: float = mm("across the travel")
+    height: float = mm("from bed to lapped face")
+    ledge_width: float = mm("of the outer ledge that takes the screw heads")
+    ledge_fillet: float = mm("at the root of the ledge")
+    flange_thickness: float = mm("of the ledge under the screw heads")
+    bolt_spacing: float = mm("between screws")
+    bolt_edge: float = mm("of the screws' row from the outer edge")
+    bolt_end: float = mm("least distance of the last screw from the way's end")
+    bolt_count: int = count("of screws in a way: as many as fit at the spacing", low=2, computed=True)
+    bolt_hole: float = mm("clearance hole of the screws")
+    edge_chamfer: float = mm("of outer edges")
+    hole_chamfer: float = mm("at the mouth of the holes")
+    joint_ratio: float = number("stiffness of the bedded joint over that of the bolt joint")
+    wanted_stiffness: float = number("of one way at its loaded edge", "N/m")
+
+
+@dataclass(frozen=True)
+class Base:
+    """The block that houses the actuators and carries the ways."""
+
+    material: str = of_material()
+    length: float = mm("along the travel")
+    width: float = mm("across the travel: flush with the ways' outer edges", computed=True)
+    height: float = mm("from underside to lapped top")
+    edge_chamfer: float = mm("of outer edges")
+    hole_chamfer: float = mm("at the mouth of the holes")
+    way_gap: float = mm("between the inner edges of the ways")
+    way_drill_depth: float = mm("of the way screws' holes, full diameter")
+    way_thread_depth: float = mm("of the way screws' full thread")
+    setting_pin_hole: float = mm("reamed holes for the pins against which a way is set")
+    setting_pin_depth: float = mm("of the setting-pin holes")
+    setting_pin_spacing: float = mm("between the setting-pin holes of a way")
+    actuator_spacing: float = mm("between the axes of the actuators, an equilateral triangle")
+    pocket_diameter: float = mm("of the pockets for the holders")
+    pocket_clearance: float = mm("between holder and pocket floor, for the height adjustment")
+    pocket_depth: float = mm("of the pockets", computed=True)
+    pocket_chamfer: float = mm("at the mouth of the pockets")
+    pin_2_bore: float = mm("vertical guide of height pin 2")
+    pin_1_bore: float = mm("horizontal guide of height pin 1")
+    pin_1_axis_depth: float = mm("of the axis of height pin 1 below the top", computed=True)
+    pin_1_bore_end: float = mm("of the bore beyond the actuator's axis, where the spring rests")
+    set_screw_thread_start: float = mm("outer end of the set screw's thread, from the actuator's axis")
+    set_screw_thread_end: float = mm("inner end of the set screw's thread, from the actuator's axis")
+    set_screw_access: float = mm("bore from the side face for the wrench")
+    vent_hole: float = mm("from the underside into the blind end of the bore")
+    clamp_screw_depth: float = mm("of the clamp screws' axes below the top")
+    clamp_screw_offset: float = mm("of a clamp screw's axis from its pocket's, across")
+    clamp_counterbore: float = mm("diameter for the clamp screw's head")
+    clamp_counterbore_depth: float = mm("for the clamp screw's head")
+    clamp_hole: float = mm("clearance hole of the clamp screws")
+    clamp_thread_depth: float = mm("of the drilled hole in the lug, from the slot")
+    clamp_slot_width: float = mm("of the slots that free a clamp's finger")
+    clamp_slot_1: float = mm("of the gap slot of pocket 1 from its axis")
+    clamp_slot_2: float = mm("of the gap slots of pockets 2 and 3 from their axes")
+    clamp_reach: float = mm("of the slots from the pocket's axis, across")
+    clamp_lug: float = mm("width of the lug that holds the clamp screw's thread")
+    clamp_neck: float = mm("thickness of the flexure on which the finger turns")
+    clamp_relief_hole: float = mm("at the end of the relief slot, beside the neck")
+    clamp_neck_angle_1: float = number("of the neck about pocket 1, from the way to the screw's head", "deg", high=180)
+    clamp_neck_angle_2: float = number("of the necks about pockets 2 and 3, likewise", "deg", high=180)
+    clamp_floor_slot: float = mm("of the arc slot that parts finger and floor")
+    lead_channel_width: float = mm("of the channels for the piezos' leads")
+    lead_channel_depth: float = mm("of the channels for the piezos' leads")
+    bar_drill_depth: float = mm("of the tooth bars' screw holes, full diameter")
+    bar_thread_depth: float = mm("of the tooth bars' screw holes, full thread")
+    foot_spacing_along: float = mm("between the feet, along the travel")
+    foot_spacing_across: float = mm("between the feet, across")
+    foot_drill_depth: float = mm("of the foot holes' full diameter")
+    foot_thread_depth: float = mm("of the foot holes' full thread")
+    lift_spacing_along: float = mm("between the lifting holes, along the travel")
+    lift_spacing_across: float = mm("between the lifting holes, across")
+    lift_drill_depth: float = mm("of the lifting holes' full diameter")
+    lift_thread_depth: float = mm("of the lifting holes' full thread")
+    bracket_spacing_along: float = mm("between the sensor brackets' holes, along the travel")
+    bracket_spacing_across: float = mm("between the sensor brackets' holes, across")
+    bracket_drill_depth: float = mm("of the bracket holes' full diameter")
+    bracket_thread_depth: float = mm("of the bracket holes' full thread")
+
+
+@dataclass(frozen=True)
+class Tip:
+    """The spider on three piezos whose nose drives the stage."""
+
+    material: str = of_material()
+    coating_material: str = of_material("of the friction coating on the nose")
+    coating_thickness: float = mm("of the friction coating on the nose")
+    arm_width: float = mm("of the three arms")
+    arm_thickness: float = mm("of the three arms")
+    foot_diameter: float = mm("of the bosses over the piezos")
+    seat_diameter: float = mm("of the recess for a piezo's end")
+    seat_depth: float = mm("of the recess for a piezo's end")
+    hub_diameter: float = mm("of the hub in which the arms meet")
+    cone_diameter: float = mm("of the cone at its root")
+    cone_fillet: float = mm("at the root of the cone")
+    nose_radius: float = mm("of the spherical nose")
+    nose_diameter: float = mm("of the cone where the nose begins")
+    relief_diameter: float = mm("of the bore that lightens the hub")
+    relief_cover: float = mm("of the apex above the bore that lightens the hub, from its full diameter's end")
+    relief_depth: float = mm("of the bore that lightens the hub", computed=True)
+    root_fillet: float = mm("where arms meet hub and feet")
+    edge_chamfer: float = mm("of edges")
+    mass_limit: float = number("the most the tip may weigh", "kg")
+
+
+@dataclass(frozen=True)
+class Holder:
+    """The cylinder that stands three piezos upright and takes their side load."""
+
+    material: str = of_material()
+    diameter: float = mm("outside")
+    height: float = mm("overall")
+    bore_diameter: float = mm("of the piezos' bores")
+    floor: float = mm("under the piezos")
+    ejector_hole: float = mm("through the floor under each piezo")
+    well_diameter: float = mm("of the well in the middle for the leads")
+    lead_slot_width: float = mm("from each bore into the well")
+    clamp_height: float = mm("of the piezos' set screws above the bottom")
+    lift_radius: float = mm("of the circle of lifting holes")
+    lift_drill_depth: float = mm("of the lifting holes' full diameter")
+    lift_thread_depth: float = mm("of the lifting holes' full thread")
+    index_width: float = mm("of the notch that lines the piezos up")
+    index_depth: float = mm("of the notch that lines the piezos up")
+    edge_chamfer: float = mm("of both ends")
+    bore_chamfer: float = mm("at the mouth of the bores")
+
+
+@dataclass(frozen=True)
+class HeightPin1:
+    """The horizontal wedge pin, pushed by the set screw against the spring."""
+
+    material: str = of_material()
+    diameter: float = mm("of the pin")
+    length: float = mm("of the pin")
+    slope: float = number("of the wedge's flat: rise over run", high=1)
+    stroke: float = mm("along its axis that the height adjustment uses")
+    friction: float = number("coefficient of its sliding faces, greased, low end", high=2)
+    friction_dry: float = number("the same run dry, high end", high=2)
+    flat_height: float = mm("of the wedge's flat above the axis, at mid-length")
+    spigot_diameter: float = mm("of the spigot that guides the spring")
+    spigot_length: float = mm("of the spigot that guides the spring")
+    withdrawal_drill_depth: float = mm("of the tapped hole by which the pin is pulled out, full diameter")
+    withdrawal_thread_depth: float = mm("of the tapped hole by which the pin is pulled out, full thread")
+    end_chamfer: float = mm("of both ends")
+
+
+@dataclass(frozen=True)
+class HeightPin2:
+    """The vertical pin that carries the holder on the wedge."""
+
+    material: str = of_material()
+    diameter: float = mm("of the pin")
+    length: float = mm("along its axis, from the wedge's face to the top")
+    crown_radius: float = mm("of the domed top under the holder")
+    end_chamfer: float = mm("of both ends")
+
+
+@dataclass(frozen=True)
+class ToothBar:
+    """The stationary toothed iron on the base; two, alike."""
+
+    material: str = of_material()
+    length: float = mm("along the travel")
+    height: float = mm("from the base to the tooth crests", computed=True)
+    end_length: float = mm("of the low ends that take the screws")
+    end_height: float = mm("of the low ends that take the screws")
+    foot_width: float = mm("of the low ends, across")
+    relief: float = mm("of the bar's underside between its feet")
+    root_fillet: float = mm("where the low ends meet the bar")
+    screw_hole: float = mm("clearance hole of the bar's screws")
+    screw_span: float = mm("between the screws of both ends, along")
+    screw_spacing: float = mm("between the two screws of an end, across")
+    channel_depth: float = mm("of the channel under the magnet, from the crests; as wide as the magnet")
+    edge_chamfer: float = mm("of edges")
+
+
+@dataclass(frozen=True)
+class ToothIron:
+    """The toothed iron under the stage; two to a pocket, a magnet between them."""
+
+    material: str = of_material()
+    length: float = mm("along the travel")
+    height: float = mm("from its seat to the tooth crests")
+    corner_radius: float = mm("of the upright corners, larger than the pocket's")
+    edge_chamfer: float = mm("of edges")
+
+
+@dataclass(frozen=True)
+class Magnet:
+    """The permanent magnet between two tooth irons, magnetised across the travel."""
+
+    material: str = of_material()
+    length: float = mm("along the travel")
+    thickness: float = mm("across the travel, the way it is magnetised")
+    height: float = mm("upright")
+    edge_chamfer: float = mm("of edges")
+    remanence: float = number("of the magnet's material", "T")
+    recoil_permeability: float = number("relative", low=1.0, closed=True)
+
+
+@dataclass(frozen=True)
+class Teeth:
+    """The magnetic teeth that preload and align the stage."""
+
+    fitted: bool = switch("whether the machine has magnets and teeth (two axes: none)")
+    pitch: float = mm("of the teeth, across the travel")
+    width: float = mm("of a tooth")
+    gap: float = mm("between the crests of stage and base")
+    groove_depth: float = mm("between teeth")
+    per_iron: int = count("teeth on one iron of the stage")
+    bar_spacing: float = mm("between the two bars")
+    saturation: float = number("flux density at which the iron saturates", "T")
+    profile: str = choice("of the teeth", "square")
+
+
+@dataclass(frozen=True)
+class Making:
+    """What a workshop needs of any part."""
+
+    least_wall: float = mm("of material around a hole, pocket or edge")
+    least_floor: float = mm("left under the drill's point of a blind hole")
+    engagement: float = number("least length of engaged thread over the screw's diameter")
+    largest_fit: float = mm("clearance that still guides a pin or holder")

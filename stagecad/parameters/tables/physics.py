@@ -1,0 +1,230 @@
+"""Tables of drive, bearing, friction, sensors, requirements, materials and drawing. All numbers in SI.
+
+The actuator's two lengths are geometry, and in millimetres.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from stagecad.parameters.schema import choice, count, mm, number, switch, text
+
+
+@dataclass(frozen=True)
+class Actuator:
+    """Kinematics and drive of one actuator."""
+
+    piezo_spacing: float = mm("D: between the axes of the piezos")
+    tip_height: float = mm("h: of the tip's apex over the piezos' ends")
+    stroke_amplitude: float = number("of each piezo in the thesis's simulation, zero to peak", "m")
+    phase: float = number("between the two piezos", "rad", low=-math.pi, high=math.pi)
+    frequency: float = number("of the drive", "Hz")
+    bias_voltage: float = number("at which the piezos stand at mid-stroke", "V", closed=True)
+    fitted: int = count("actuators: one drives one axis, three drive two", low=1, high=3)
+    heat_limit: float = number("that tip and holder bear", "W")
+    key_angle: float = number("to which a hand sets the key of the height adjustment", "rad")
+
+
+@dataclass(frozen=True)
+class Amplifier:
+    """What drives one piezo."""
+
+    current: float = number("highest", "A")
+    slew_rate: float = number("highest, without a load", "V/s")
+    bandwidth: float = number("", "Hz")
+    bits: int = count("of the converter over the whole voltage", high=32)
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Friction contact between tip and sea."""
+
+    friction: float = number("coefficient between the tip's coating and the sea", high=5)
+    sea_coating_thickness: float = number("of the friction coating on the sea", "m")
+    roughness: float = number("Ra of the sea", "m")
+    impact_loss: float = number("alpha of a coefficient of restitution 1 - alpha v", "s/m", closed=True)
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """The sliding bearing: PTFE film on silicon carbide."""
+
+    static_friction: float = number("coefficient of the run-in film", high=1)
+    dynamic_friction: float = number("coefficient of the run-in film", high=1)
+    static_friction_low: float = number("least after running in", high=1)
+    static_friction_high: float = number("most after running in", high=1)
+    dynamic_friction_low: float = number("least after running in", high=1)
+    dynamic_friction_high: float = number("most after running in", high=1)
+    film_thickness: float = number("of the PTFE on the pads", "m")
+    way_roughness: float = number("Ra of the lapped way as drawn", "m")
+    proposed_way_roughness: float = number("Ra that the smoothness asked for needs", "m")
+    way_straightness: float = number("of the lapped way over its length", "m")
+    roughness_correlation: float = number("length over which the way's roughness is correlated", "m")
+    way_waviness: float = number("amplitude of the lapped way's waves", "m", closed=True)
+    waviness_length: float = number("of the lapped way's waves", "m")
+    allowable_pressure: float = number("on the PTFE film", "Pa")
+    allowable_pv: float = number("pressure times speed of the film", "W/m^2")
+    thickest_film: float = number("that sheds its heat into the stage", "m")
+    wear_rate: float = number("specific wear of the run-in film", "m^2/N")
+    run_in_wear_rate: float = number("specific wear of the fresh film, mean over running in", "m^2/N")
+    run_in_cycles: int = count("strokes there and back until the film is run in", high=1000000)
+    life: float = number("distance the film must last", "m")
+    heat_limit: float = number("that the stage sheds", "W")
+    stribeck_velocity: float = number("at which static has mostly fallen to dynamic friction", "m/s")
+    presliding_distance: float = number("from rest to full slip", "m")
+    damping_ratio: float = number("of the stage on its pads' film, up and along", closed=True, high=1)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Values of the thesis's friction simulations."""
+
+    mass: float = number("of the body simulated", "kg")
+    bristle_stiffness: float = number("a0", "N/m")
+    bristle_damping: float = number("a1", "N*s/m", closed=True)
+    viscous: float = number("a2", "N*s/m", closed=True)
+    coulomb: float = number("Fc: kinetic friction", "N")
+    breakaway: float = number("Fs: static friction", "N")
+    stribeck_velocity: float = number("vs", "m/s")
+    dwell_rate: float = number("gamma of Kato's rising static friction, time in seconds")
+    dwell_exponent: float = number("m of Kato's rising static friction")
+    lag_low: float = number("least frictional memory", "s")
+    lag_high: float = number("greatest frictional memory", "s")
+
+
+@dataclass(frozen=True)
+class Preload:
+    """Force that holds the stage on its ways besides its weight."""
+
+    force: float = number("", "N", closed=True)
+    ratio: float = number("of the preload to the applied load that is asked for", closed=True)
+
+
+@dataclass(frozen=True)
+class Payload:
+    """What the stage carries."""
+
+    mass: float = number("", "kg", closed=True)
+    height: float = mm("of its centre of mass above the payload face", zero=True)
+
+
+@dataclass(frozen=True)
+class Lvdt:
+    """Coarse position sensor."""
+
+    range: float = number("from end to end", "m")
+    output_span: float = number("of its voltage over the range", "V")
+    bits: int = count("of the converter", high=32)
+    linearity: float = number("over the range", high=1)
+    bandwidth: float = number("", "Hz")
+    contactless: bool = switch("whether it lets the stage move across its axis")
+
+
+@dataclass(frozen=True)
+class CapacitiveProbe:
+    """Fine position sensor."""
+
+    range: float = number("", "m")
+    linearity: float = number("over the range", high=1)
+    bandwidth: float = number("", "Hz")
+    resolution: float = number("at that bandwidth", "m")
+
+
+@dataclass(frozen=True)
+class FilteredProbe:
+    """The fine sensor behind filter, gain and converter."""
+
+    filter_frequency: float = number("corner of the RC filter", "Hz")
+    gain: float = number("")
+    bits: int = count("of the converter", high=32)
+    claimed_resolution: float = number("", "m")
+
+
+@dataclass(frozen=True)
+class Interferometer:
+    """Long-range position sensor."""
+
+    resolution: float = number("of position", "m")
+    angular_resolution: float = number("", "rad")
+    contactless: bool = switch("whether it lets the stage move across its axis")
+    highest_speed: float = number("", "m/s")
+    misalignment: float = number("of its beam to the travel", "rad", closed=True)
+    range: float = number("to either side", "m")
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """Position sensors considered."""
+
+    lvdt: Lvdt
+    probe: CapacitiveProbe
+    filtered_probe: FilteredProbe
+    interferometer: Interferometer
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """What the machine is asked to do: Tables 1 and 2."""
+
+    resolution: float = number("best asked for", "m")
+    resolution_coarse: float = number("least asked for", "m")
+    travel: float = number("", "m")
+    speed: float = number("", "m/s")
+    acceleration_low: float = number("least asked for", "m/s^2")
+    acceleration: float = number("most asked for", "m/s^2")
+    smoothness: float = number("normal to the motion", "m")
+    straightness: float = number("of the motion over the travel", "m")
+    repeatability: float = number("of the position along the travel", "m")
+    sensor_range: float = number("", "m")
+    sensor_contactless: bool = switch("for two axes")
+
+
+@dataclass(frozen=True)
+class Environment:
+    """Where the machine stands."""
+
+    temperature: float = number("", "degC", low=-273.15)
+    temperature_change: float = number("that the machine must bear", "K", closed=True)
+    storage_change: float = number("that its joints must bear in store and transport", "K", closed=True)
+    floor_velocity: float = number("of the floor's vibration, rms", "m/s", closed=True)
+    floor_frequency: float = number("at which the floor's vibration matters most", "Hz")
+    gravity: float = number("", "m/s^2")
+
+
+@dataclass(frozen=True)
+class Material:
+    """Properties at room temperature."""
+
+    description: str = text("as it is ordered")
+    density: float = number("", "kg/m^3")
+    youngs_modulus: float = number("", "Pa")
+    poisson_ratio: float = number("", low=-1.0, high=0.5)
+    expansion: float = number("coefficient of thermal expansion", "1/K", low=-math.inf)
+    strength: float = number("yield or fracture stress, as its kind says", "Pa")
+    strength_kind: str = choice("what the strength means", "yield", "fracture")
+    magnetic: bool = switch("whether a magnet attracts it")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What every sheet says."""
+
+    title: str = text("of the machine")
+    tolerance_x: float = mm("of a dimension without decimals")
+    tolerance_x_x: float = mm("of a dimension with one decimal")
+    tolerance_x_xx: float = mm("of a dimension with two decimals")
+    tolerance_angle: float = number("of an angle", "deg", high=10.0)
+    file_tip: str = text("file name in the title block")
+    file_holder: str = text("file name in the title block")
+    file_stage: str = text("file name in the title block")
+    file_bearing_way: str = text("file name in the title block")
+    file_base: str = text("file name in the title block")
+    file_height_pin_1: str = text("file name in the title block")
+    file_height_pin_2: str = text("file name in the title block")
+    file_magnet: str = text("file name in the title block")
+    file_tooth_iron: str = text("file name in the title block")
+    file_tooth_bar: str = text("file name in the title block")
+    file_assembly: str = text("file name in the title block")
+    file_procedure: str = text("file name in the title block")
+    roughness: float = number("Ra of faces without a mark of their own", "m")

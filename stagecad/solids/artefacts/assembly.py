@@ -1,0 +1,132 @@
+"""The assembly as it was made: placements, STEP, STL, GLB and the exploded GLB, from the cache when it has them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.assembly.assemble import Instance, assemble
+from stagecad.solids.modelling.frame import Frame
+from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.registry import ASSEMBLY
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.solids.export.mesh import Mesh
+
+EXPLODED = f"{ASSEMBLY}_exploded"
+
+
+@dataclass(frozen=True)
+class MadeAssembly:
+    """The whole machine at the middle of its travel and height adjustment."""
+
+    entry: Entry
+
+    @cached_property
+    def instances(self) -> tuple[Instance, ...]:
+        return tuple(
+            Instance(
+                document["name"],
+                document["part"],
+                _frame(document["frame"]),
+                _frame(document["exploded"]),
+                document["compression"],
+            )
+            for document in self.entry.document("instances.json")
+        )
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        return (*(f"{ASSEMBLY}.{kind}" for kind in ("step", "stl", "glb")), f"{EXPLODED}.glb")
+
+
+def _frame(document: dict[str, Any]) -> Frame:
+    a, b, c = (tuple(row) for row in document["rotation"])
+    return Frame((a, b, c), tuple(document["shift"]))  # type: ignore[arg-type]
+
+
+def find_assembly(store: Store, parts: Mapping[str, MadePart], design: Any) -> MadeAssembly | None:
+    """The assembly from the cache, or None where it has to be made."""
+    entry = store.find(ASSEMBLY, design, (__name__,), _keys(parts))
+    return MadeAssembly(entry) if entry is not None else None
+
+
+def make_assembly(store: Store, parts: Mapping[str, MadePart], design: Any) -> MadeAssembly:
+    """The assembly of `parts` (all that the design has), from the cache or made now."""
+
+    def make(reading: Any, folder: Path) -> None:
+        from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+
+        instances = assemble(parts, reading)
+        documents = [asdict(instance) for instance in instances]
+        (folder / "instances.json").write_text(json.dumps(documents, indent=1), "utf-8")
+        shapes = shapes_of(instances, parts, reading)
+        meshes = meshes_of(instances, parts, shapes)
+        pieces = pieces_of(instances, parts)
+        wrapped = {name: shape.wrapped for name, shape in shapes.items()}
+        (folder / f"{ASSEMBLY}.step").write_bytes(step_bytes(ASSEMBLY, pieces, wrapped))
+        (folder / f"{ASSEMBLY}.glb").write_bytes(glb_bytes(ASSEMBLY, pieces, meshes))
+        apart = pieces_of(instances, parts, exploded=True)
+        (folder / f"{EXPLODED}.glb").write_bytes(glb_bytes(EXPLODED, apart, meshes))
+        moved = [meshes[piece.part].placed(piece.frame) for piece in pieces]
+        (folder / f"{ASSEMBLY}.stl").write_bytes(stl_bytes(moved))
+
+    return MadeAssembly(store.make(ASSEMBLY, design, (__name__,), make, _keys(parts)))
+
+
+def _keys(parts: Mapping[str, MadePart]) -> list[str]:
+    return [part.entry.key for part in parts.values()]
+
+
+def pieces_of(instances: Sequence[Instance], parts: Mapping[str, MadePart], *, exploded: bool = False) -> list[Piece]:
+    """What stands where, coloured by material, for export and pictures."""
+    return [
+        Piece(
+            instance.name,
+            instance.shape,
+            parts[instance.part].colour,
+            instance.exploded if exploded else instance.frame,
+        )
+        for instance in instances
+    ]
+
+
+def shapes_of(instances: Sequence[Instance], parts: Mapping[str, MadePart], design: Any) -> dict[str, cq.Shape]:
+    """The exact solid of each `Instance.shape`: the part's own, but a spring wound to the length it has there."""
+    shapes: dict[str, cq.Shape] = {}
+    for instance in instances:
+        if instance.shape in shapes:
+            continue
+        if instance.shape == instance.part:
+            shapes[instance.shape] = parts[instance.part].solid
+        else:
+            from stagecad.solids.purchased import spring
+
+            shapes[instance.shape] = spring.build(design, instance.compression)
+    return shapes
+
+
+def meshes_of(
+    instances: Sequence[Instance], parts: Mapping[str, MadePart], shapes: Mapping[str, cq.Shape]
+) -> dict[str, Mesh]:
+    """The mesh of each `Instance.shape`; `shapes` is needed only for those that are not a part's own."""
+    meshes: dict[str, Mesh] = {}
+    for instance in instances:
+        if instance.shape in meshes:
+            continue
+        if instance.shape == instance.part:
+            meshes[instance.shape] = parts[instance.part].mesh
+        else:
+            from stagecad.solids.export.mesh import mesh_of
+
+            shape = shapes[instance.shape]
+            meshes[instance.shape] = mesh_of(shape, shape.Volume())
+    return meshes

@@ -1,0 +1,246 @@
+"""A part as it was made: solid, mesh, exported files, volume properties, datums; from the cache when it has them.
+
+What a part leaves in the cache: ``solid.bin`` (exact, without a mesh), ``mesh.npz``, ``part.json`` (material, volume
+properties, datums), and ``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the solid are read without the CAD kernel.
+"""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.assembly.mass import Geometry, geometry_of
+from stagecad.solids.modelling.colours import Colour, colour_of
+from stagecad.solids.modelling.kernel import import_kernel
+from stagecad.solids.modelling.registry import PURCHASED, module_name, module_of
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.solids.export.mesh import Mesh
+
+FEW = 3
+"""Up to so many parts are made in this process: starting others costs more than it saves."""
+
+
+@dataclass(frozen=True)
+class MadePart:
+    """One part of one design, made."""
+
+    name: str
+    entry: Entry
+
+    @cached_property
+    def _document(self) -> dict[str, Any]:
+        return self.entry.document("part.json")
+
+    @property
+    def material(self) -> str:
+        return self._document["material"]
+
+    @property
+    def description(self) -> str:
+        return self._document["description"]
+
+    @property
+    def part_number(self) -> str:
+        """Of the catalogue; empty for a part that is made."""
+        return self._document["part_number"]
+
+    @property
+    def face_areas(self) -> dict[str, float]:
+        """Area of the face on which a pad's datum lies, mm^2, by datum."""
+        return self._document["face_areas"]
+
+    @property
+    def colour(self) -> Colour:
+        return colour_of(self.material)
+
+    @cached_property
+    def geometry(self) -> Geometry:
+        return Geometry.from_json(self._document["geometry"])
+
+    @cached_property
+    def datums(self) -> dict[str, Datum]:
+        return {name: _datum(document) for name, document in self._document["datums"].items()}
+
+    @property
+    def files(self) -> tuple[str, ...]:
+        return tuple(f"{self.name}.{kind}" for kind in ("step", "stl", "glb"))
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        from stagecad.solids.export.mesh import load
+
+        return load(self.entry.path("mesh.npz"))
+
+    @cached_property
+    def solid(self) -> cq.Solid:
+        """The exact solid; loads the CAD kernel."""
+        return read_solid(self.entry.path("solid.bin"))
+
+
+def _datum(document: dict[str, Any]) -> Datum:
+    return Datum(document["name"], tuple(document["origin"]), tuple(document["normal"]), tuple(document["x_direction"]))
+
+
+def _modules(name: str) -> tuple[str, ...]:
+    return (module_name(name), __name__)
+
+
+def find_part(store: Store, name: str, design: Any) -> MadePart | None:
+    """The part from the cache, or None where it has to be made."""
+    entry = store.find(name, design, _modules(name))
+    return MadePart(name, entry) if entry is not None else None
+
+
+def make_part(store: Store, name: str, design: Any) -> MadePart:
+    """The part from the cache, made now when it is not there.
+
+    Raises:
+        ValueError: the solid is not one valid closed solid.
+    """
+
+    def make(reading: Any, folder: Path) -> None:
+        import_kernel()
+        module = module_of(name)
+        solid = module.build(reading)
+        _require_solid(name, solid)
+        material = module.material(reading)
+        datums = {key: asdict(datum) for key, datum in module.datums(reading).items()}
+        geometry = geometry_of(solid)
+        write_solid(solid, folder / "solid.bin")
+        bought: Any = module
+        document = {
+            "material": material,
+            "description": bought.description(reading) if name in PURCHASED else _first_line(module),
+            "part_number": bought.part_number(reading) if name in PURCHASED else "",
+            "geometry": geometry.as_json(),
+            "datums": datums,
+            "face_areas": _face_areas(solid, datums),
+        }
+        (folder / "part.json").write_text(json.dumps(document, indent=1), "utf-8")
+        _export(name, solid, geometry.volume, colour_of(material), folder)
+
+    return MadePart(name, store.make(name, design, _modules(name), make))
+
+
+def _first_line(module: Any) -> str:
+    """What the part is, as its module begins."""
+    return (module.__doc__ or "").strip().splitlines()[0].rstrip(".")
+
+
+def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
+    import cadquery as cq
+
+    areas = {}
+    for name, datum in datums.items():
+        if name.startswith("pad_"):
+            place = cq.Vertex.makeVertex(*datum["origin"])
+            areas[name] = min(solid.Faces(), key=lambda face: face.distance(place)).Area()
+    return areas
+
+
+def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
+    from stagecad.solids.export.mesh import mesh_of, save
+    from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+    from stagecad.solids.modelling.placed_shape import Piece
+
+    pieces = [Piece(name, name, colour)]
+    (folder / f"{name}.step").write_bytes(step_bytes(name, pieces, {name: solid.wrapped}))
+    mesh = mesh_of(solid, volume)
+    save(mesh, folder / "mesh.npz")
+    (folder / f"{name}.stl").write_bytes(stl_bytes([mesh]))
+    (folder / f"{name}.glb").write_bytes(glb_bytes(name, pieces, {name: mesh}))
+
+
+def _require_solid(name: str, solid: Any) -> None:
+    kind = getattr(solid, "ShapeType", lambda: type(solid).__name__)()
+    if kind != "Solid":
+        raise ValueError(f"part '{name}': one solid is needed, not a {kind}")
+    if not solid.isValid() or solid.Volume() <= 0.0:
+        raise ValueError(f"part '{name}': the solid is not valid and closed; its dimensions do not go together")
+
+
+def write_solid(solid: cq.Shape, path: Path) -> None:
+    """Store an exact solid."""
+    from OCP.BinTools import BinTools
+
+    if not BinTools.Write_s(solid.wrapped, str(path)):
+        raise OSError(f"{path}: the solid could not be written")
+
+
+def read_solid(path: Path) -> cq.Solid:
+    """Read what `write_solid` wrote."""
+    import_kernel()
+    import cadquery as cq
+    from OCP.BinTools import BinTools
+    from OCP.TopoDS import TopoDS_Shape
+
+    shape = TopoDS_Shape()
+    if not BinTools.Read_s(shape, str(path)):
+        raise OSError(f"{path}: the solid could not be read")
+    return cq.Solid(shape)
+
+
+def make_parts(
+    store: Store,
+    names: Sequence[str],
+    design: Any,
+    advance: Callable[[str], None] = lambda name: None,
+    workers: int | None = None,
+) -> dict[str, MadePart]:
+    """All of `names`, those that the cache lacks made side by side.
+
+    Args:
+        store: the cache.
+        names: of the parts.
+        design: the design; it must pickle where several processes share the work.
+        advance: called with each name as it is done.
+        workers: processes; the number of processors when left out.
+    """
+    done: dict[str, MadePart] = {}
+    missing: list[str] = []
+    for name in names:
+        part = find_part(store, name, design)
+        if part is None:
+            missing.append(name)
+        else:
+            done[name] = part
+            advance(name)
+    workers = min(workers or os.cpu_count() or 1, len(missing))
+    if len(missing) <= FEW or workers <= 1:
+        for name in missing:
+            done[name] = make_part(store, name, design)
+            advance(name)
+    else:
+        from concurrent.futures import ProcessPoolExecutor, as_completed
+        from multiprocessing import get_context
+
+        # `spawn`: a forked kernel with running threads may hang.
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            tasks = {pool.submit(_make_elsewhere, store.folder, name, design): name for name in missing}
+            try:
+                for task in as_completed(tasks):
+                    task.result()
+                    advance(tasks[task])
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
+        for name in missing:
+            done[name] = make_part(store, name, design)
+    return {name: done[name] for name in names}
+
+
+def _make_elsewhere(folder: Path, name: str, design: Any) -> None:
+    make_part(Store(folder), name, design)

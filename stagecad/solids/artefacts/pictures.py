@@ -1,0 +1,71 @@
+"""Pictures of every part, of the assembly and of the exploded view, from the cache when it has them.
+
+Drawing needs the meshes only: on a machine that is in the cache it never loads the CAD kernel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from stagecad.solids.artefacts.assembly import EXPLODED, meshes_of, pieces_of, shapes_of
+from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.assembly.machine import Machine
+from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
+from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.registry import ASSEMBLY
+
+PART_SIZE = (900, 650)
+
+FROM_BELOW = ("stage", "tip", "tooth_iron")
+"""Parts whose working faces look down: shown from below as well, as ``NAME_below``."""
+
+
+def make_pictures(
+    store: Store, machine: Machine, advance: Callable[[str], None] = lambda name: None
+) -> dict[str, Entry]:
+    """PNG pictures by file name (``stage.png``, ``stage_below.png``, ``assembly.png``, ``assembly_exploded.png``).
+
+    Args:
+        store: the cache.
+        machine: parts and assembly.
+        advance: called with each file name as it is done.
+
+    Returns:
+        The result that holds each file; `stagecad.solids.artefacts.outputs.write_stored` copies them.
+    """
+    found: dict[str, Entry] = {}
+    for part in machine.parts.values():
+        entry = _part_pictures(store, part, machine.design)
+        found.update(dict.fromkeys(entry.hashes, entry))
+        advance(f"{part.name}.png")
+    entry = _assembly_pictures(store, machine)
+    found.update(dict.fromkeys(entry.hashes, entry))
+    advance(f"{ASSEMBLY}.png")
+    return found
+
+
+def _part_pictures(store: Store, part: MadePart, design: Any) -> Entry:
+    def make(reading: Any, folder: Path) -> None:
+        pieces = [Piece(part.name, part.name, part.colour)]
+        meshes = {part.name: part.mesh}
+        (folder / f"{part.name}.png").write_bytes(picture(pieces, meshes, ISOMETRIC, PART_SIZE))
+        if part.name in FROM_BELOW:
+            (folder / f"{part.name}_below.png").write_bytes(picture(pieces, meshes, BELOW, PART_SIZE))
+
+    return store.make(f"picture of {part.name}", design, (__name__,), make, [part.entry.key])
+
+
+def _assembly_pictures(store: Store, machine: Machine) -> Entry:
+    def make(reading: Any, folder: Path) -> None:
+        instances, parts = machine.assembly.instances, machine.parts
+        changed = [instance for instance in instances if instance.shape != instance.part]
+        shapes = shapes_of(changed, parts, machine.design)
+        meshes = meshes_of(instances, parts, shapes)
+        (folder / f"{ASSEMBLY}.png").write_bytes(picture(pieces_of(instances, parts), meshes))
+        apart = pieces_of(instances, parts, exploded=True)
+        (folder / f"{EXPLODED}.png").write_bytes(picture(apart, meshes))
+
+    return store.make("picture of assembly", machine.design, (__name__,), make, [machine.assembly.entry.key])

@@ -1,0 +1,109 @@
+"""What a machine is made of: each part with number, quantity, material and mass."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stagecad.parameters.mass_properties import MassProperties
+from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.assembly.assemble import Instance, count
+from stagecad.solids.modelling.registry import MADE, PURCHASED
+
+HEADINGS = ("item", "part", "description", "part number", "quantity", "material", "mass each [kg]", "mass [kg]")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One kind of part.
+
+    Attributes:
+        item: number in the list, counted from 1.
+        part: its name.
+        description: in words.
+        part_number: of the catalogue when it is bought, of the drawing when it is made; empty where it has neither.
+        quantity: in one machine.
+        material: as it is ordered.
+        mass: of one, kg.
+        purchased: whether it is bought.
+    """
+
+    item: int
+    part: str
+    description: str
+    part_number: str
+    quantity: int
+    material: str
+    mass: float
+    purchased: bool
+
+
+def bill_of_materials(
+    instances: Sequence[Instance],
+    parts: Mapping[str, MadePart],
+    masses: Mapping[str, MassProperties],
+    design: Any,
+) -> tuple[Row, ...]:
+    """The list of all parts in the assembly, made ones first."""
+    counts = count(instances)
+    rows: list[Row] = []
+    for name in (*MADE, *PURCHASED):
+        if name not in counts:
+            continue
+        part = parts[name]
+        rows.append(
+            Row(
+                item=len(rows) + 1,
+                part=name,
+                description=part.description,
+                part_number=part.part_number or getattr(design.drawing, f"file_{name}", ""),
+                quantity=counts[name],
+                material=design.materials[part.material].description,
+                mass=masses[name].mass,
+                purchased=name in PURCHASED,
+            )
+        )
+    return tuple(rows)
+
+
+def csv_text(rows: Sequence[Row]) -> str:
+    """The list as CSV, masses to a tenth of a gram, with a last row for the whole."""
+    memory = io.StringIO()
+    writer = csv.writer(memory, lineterminator="\n")
+    writer.writerow(HEADINGS)
+    for row in rows:
+        writer.writerow(
+            [
+                row.item,
+                row.part,
+                row.description,
+                row.part_number,
+                row.quantity,
+                row.material,
+                f"{row.mass:.4f}",
+                f"{row.quantity * row.mass:.4f}",
+            ]
+        )
+    total = sum(row.quantity * row.mass for row in rows)
+    writer.writerow(["", "total", "", "", sum(row.quantity for row in rows), "", "", f"{total:.4f}"])
+    return memory.getvalue()
+
+
+def document(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """The list for JSON."""
+    return [
+        {
+            "item": row.item,
+            "part": row.part,
+            "description": row.description,
+            "part_number": row.part_number,
+            "quantity": row.quantity,
+            "material": row.material,
+            "mass": {"value": row.mass, "unit": "kg"},
+            "purchased": row.purchased,
+        }
+        for row in rows
+    ]

@@ -1,0 +1,253 @@
+"""Which parts touch, fit or run into each other, at the ends and the middle of travel and height adjustment.
+
+Two parts may meet only where the table of intended meetings says how: elsewhere any common volume is a clash. Threads
+are cosmetic (a screw has its major diameter, a tapped hole its drill's), so that a thread engagement shows as common
+volume, which must stay within the thread's own ring. The tip is meant to reach the stage and a little further, since
+that is how its preload is set.
+"""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.solids.artefacts.assembly import shapes_of
+from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.artefacts.store import Store
+from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
+from stagecad.solids.modelling.frame import Frame, Vector, dot, subtract
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+TOUCH = 1e-2
+"""Common volume below which two parts only touch, mm^3: a face of 10 000 mm^2 pressed in by a nanometre."""
+
+NEAR = 1.5
+"""Gap up to which a pair is listed, mm."""
+
+CONTACT = "contact"
+FIT = "clearance fit"
+THREAD = "thread engagement"
+SLIDING = "sliding contact"
+DRIVE = "drive contact"
+GAP = "gap"
+CLASH = "clash"
+
+INTENDED: dict[frozenset[str], str] = {
+    frozenset(pair): kind
+    for kind, pairs in {
+        CONTACT: (
+            ("base", "bearing_way"),
+            ("bearing_way", "way_screw"),
+            ("base", "spring"),
+            ("height_pin_1", "set_screw"),
+            ("height_pin_1", "spring"),
+            ("height_pin_1", "height_pin_2"),
+            ("height_pin_2", "holder"),
+            ("piezo", "tip"),
+            ("stage", "tooth_iron"),
+            ("stage", "magnet"),
+            ("tooth_iron", "magnet"),
+            ("base", "tooth_bar"),
+            ("tooth_bar", "bar_screw"),
+        ),
+        FIT: (("base", "height_pin_1"), ("base", "height_pin_2"), ("base", "holder"), ("holder", "piezo")),
+        THREAD: (
+            ("base", "way_screw"),
+            ("base", "clamp_screw_long"),
+            ("base", "clamp_screw_short"),
+            ("base", "bar_screw"),
+            ("base", "set_screw"),
+        ),
+        SLIDING: (("stage", "bearing_way"),),
+        DRIVE: (("stage", "tip"),),
+        GAP: (("tooth_bar", "tooth_iron"), ("tooth_bar", "magnet"), ("stage", "tooth_bar"), ("tip", "holder")),
+    }.items()
+    for pair in pairs
+}
+"""How two kinds of part are meant to meet. A gap is meant to stay open, but to be narrow."""
+
+THREADED = {
+    "way_screw": ("screws.way.diameter", "screws.way.length", "threads.unc_3_8_tap_drill"),
+    "clamp_screw_long": ("screws.clamp_long.diameter", "screws.clamp_long.length", "threads.unc_3_8_tap_drill"),
+    "clamp_screw_short": ("screws.clamp_short.diameter", "screws.clamp_short.length", "threads.unc_3_8_tap_drill"),
+    "bar_screw": ("screws.bar.diameter", "screws.bar.length", "threads.m5_tap_drill"),
+    "set_screw": ("set_screw.diameter", "set_screw.length", "threads.unc_1_tap_drill"),
+}
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two parts that touch, fit, overlap or come near.
+
+    Attributes:
+        first, second: names of the instances.
+        kind: as intended; `CLASH` where nothing is meant, or more than what is meant.
+        travel, height: place of stage and height adjustment, -1 to 1.
+        common_volume: of the two solids, mm^3.
+        clearance: least distance, mm; 0 where they touch or overlap. None where it was not measured: it is for the
+            first pair of two parts at mid-travel and mid-height, since distances take longer than common volumes.
+    """
+
+    first: str
+    second: str
+    kind: str
+    travel: float
+    height: float
+    common_volume: float
+    clearance: float | None
+
+    @property
+    def clash(self) -> bool:
+        return self.kind == CLASH
+
+
+def meetings(
+    parts: Mapping[str, MadePart],
+    design: Any,
+    travels: Iterable[float] = TRAVEL_ENDS,
+    heights: Iterable[float] = HEIGHT_ENDS,
+) -> list[Meeting]:
+    """All pairs that meet or come within `NEAR`, for every combination of travel and height.
+
+    A pair that has not moved against each other since another combination is intersected only once.
+    """
+    volumes: dict[tuple[Any, ...], float] = {}
+    measured: set[frozenset[str]] = set()
+    found: list[Meeting] = []
+    for travel in travels:
+        for height in heights:
+            instances = assemble(parts, design, travel, height)
+            shapes = shapes_of(instances, parts, design)
+            for one, two in combinations(instances, 2):
+                if not _near(_box(one, parts), _box(two, parts), NEAR):
+                    continue
+                key = (one.shape, two.shape, _relative(one.frame, two.frame))
+                if key not in volumes:
+                    volumes[key] = _common_volume(one, two, shapes)
+                volume = volumes[key]
+                pair = frozenset((one.part, two.part))
+                distance = 0.0 if volume > TOUCH else None
+                if travel == height == 0.0 and distance is None and pair in INTENDED and pair not in measured:
+                    measured.add(pair)
+                    distance = _distance(one, two, shapes)
+                kind = _kind(one.part, two.part, volume, distance, design)
+                if kind is not None:
+                    found.append(Meeting(one.name, two.name, kind, travel, height, volume, distance))
+    return found
+
+
+def make_meetings(store: Store, parts: Mapping[str, MadePart], design: Any) -> list[Meeting]:
+    """All meetings at the ends and middles, from the cache or found now."""
+
+    def make(reading: Any, folder: Path) -> None:
+        found = [asdict(meeting) for meeting in meetings(parts, reading)]
+        (folder / "meetings.json").write_text(json.dumps(found, indent=1), "utf-8")
+
+    entry = store.make("interference", design, (__name__,), make, [part.entry.key for part in parts.values()])
+    return [Meeting(**document) for document in entry.document("meetings.json")]
+
+
+def clashes(found: Sequence[Meeting]) -> list[Meeting]:
+    """Those that are not meant."""
+    return [meeting for meeting in found if meeting.clash]
+
+
+def _kind(one: str, two: str, volume: float, distance: float | None, design: Any) -> str | None:
+    """How a pair meets; None where it merely passes by."""
+    meant = INTENDED.get(frozenset((one, two)))
+    if meant == THREAD:
+        return meant if volume <= _ring(one if one in THREADED else two, design) + TOUCH else CLASH
+    if volume > TOUCH and meant != DRIVE:
+        return CLASH
+    return meant if distance is None or distance <= NEAR else None
+
+
+def _ring(screw: str, design: Any) -> float:
+    """Volume between a thread's major diameter and its tap drill over the whole screw, mm^3."""
+    diameter, length, drill = (_value(design, key) for key in THREADED[screw])
+    return math.pi / 4.0 * (diameter**2 - drill**2) * length
+
+
+def _value(design: Any, key: str) -> float:
+    value = design
+    for name in key.split("."):
+        value = getattr(value, name)
+    return value
+
+
+def _common_volume(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float:
+    """Common volume of two instances, mm^3."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Common
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    common = BRepAlgoAPI_Common(_placed(one, shapes), _placed(two, shapes))
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(common.Shape(), properties)
+    return abs(properties.Mass())
+
+
+def _distance(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float | None:
+    """Least distance of two instances, mm; None where the kernel finds none."""
+    from OCP.BRepExtrema import BRepExtrema_DistShapeShape
+
+    distance = BRepExtrema_DistShapeShape(_placed(one, shapes), _placed(two, shapes))
+    return float(distance.Value()) if distance.IsDone() else None
+
+
+def _placed(instance: Instance, shapes: Mapping[str, cq.Shape]) -> Any:
+    from OCP.TopLoc import TopLoc_Location
+
+    from stagecad.solids.export.step_stl_glb import transformation
+
+    return shapes[instance.shape].wrapped.Moved(TopLoc_Location(transformation(instance.frame)))
+
+
+Box = tuple[Vector, Vector]
+
+
+def _box(instance: Instance, parts: Mapping[str, MadePart]) -> Box:
+    """Box of an instance in the assembly, mm; it encloses the part's turned box."""
+    low, high = parts[instance.part].geometry.bounding_box
+    # A spring off its installed length is longer or shorter along its own z.
+    high = (high[0], high[1], high[2] + max(0.0, -instance.compression))
+    corners = [instance.frame.point(corner) for corner in _corners(low, high)]
+    return (
+        _triple(min(corner[axis] for corner in corners) for axis in range(3)),
+        _triple(max(corner[axis] for corner in corners) for axis in range(3)),
+    )
+
+
+def _corners(low: Vector, high: Vector) -> Iterator[Vector]:
+    for x in (low[0], high[0]):
+        for y in (low[1], high[1]):
+            for z in (low[2], high[2]):
+                yield (x, y, z)
+
+
+def _near(one: Box, two: Box, gap: float) -> bool:
+    return all(one[0][axis] - gap <= two[1][axis] and two[0][axis] - gap <= one[1][axis] for axis in range(3))
+
+
+def _relative(one: Frame, two: Frame) -> tuple[float, ...]:
+    """Frame of the second seen from the first, rounded to what geometry can tell."""
+    columns = [_triple(row[axis] for row in one.rotation) for axis in range(3)]
+    other = [_triple(row[axis] for row in two.rotation) for axis in range(3)]
+    apart = subtract(two.shift, one.shift)
+    turn = [round(dot(a, b), 9) + 0.0 for a in columns for b in other]
+    return (*turn, *(round(dot(a, apart), 7) + 0.0 for a in columns))
+
+
+def _triple(values: Iterable[float]) -> Vector:
+    a, b, c = values
+    return (a, b, c)

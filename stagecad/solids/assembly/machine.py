@@ -1,0 +1,126 @@
+"""The machine as solids: parts and assembly made, and what they weigh and measure as plain numbers.
+
+Everything comes from the cache when nothing changed; then no solid is loaded, and the CAD kernel is not imported.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from stagecad.parameters.mass_properties import MassProperties, combined
+from stagecad.solids.artefacts.assembly import MadeAssembly, find_assembly, make_assembly
+from stagecad.solids.artefacts.part import MadePart, find_part, make_parts
+from stagecad.solids.artefacts.store import Store
+from stagecad.solids.assembly.assemble import Instance
+from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
+from stagecad.solids.assembly.mass import MM, density_of, mass_properties, placed
+from stagecad.solids.modelling.frame import subtract
+from stagecad.solids.modelling.registry import ASSEMBLY, part_names
+
+MOVING = ("stage", "tooth_iron", "magnet")
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What checks and simulation want to know of the geometry, measured on the parts that were made; SI.
+
+    Attributes:
+        pad_area: of all pads together, m^2.
+        piezo_spacing: D, between the seats of piezos 1 and 2 in the tip, m.
+        tip_height: h, from those seats to the apex, m.
+        bolt_spacing: between the first two screws of a way, m.
+        way_length, way_width, way_height: of the rail's box, m.
+    """
+
+    pad_area: float
+    piezo_spacing: float
+    tip_height: float
+    bolt_spacing: float
+    way_length: float
+    way_width: float
+    way_height: float
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Parts and assembly of one design."""
+
+    design: Any
+    parts: dict[str, MadePart]
+    assembly: MadeAssembly
+
+    @cached_property
+    def masses(self) -> dict[str, MassProperties]:
+        """Mass properties of each part, in its own coordinates."""
+        return {name: part_mass(part, self.design) for name, part in self.parts.items()}
+
+    @cached_property
+    def moving_body(self) -> MassProperties:
+        """Stage with irons and magnets, in the assembly's coordinates at mid-travel."""
+        return self._together([piece for piece in self.assembly.instances if piece.part in MOVING])
+
+    @cached_property
+    def whole(self) -> MassProperties:
+        """All parts together, in the assembly's coordinates."""
+        return self._together(self.assembly.instances)
+
+    def _together(self, instances: Sequence[Instance]) -> MassProperties:
+        return combined(placed(self.masses[instance.part], instance.frame) for instance in instances)
+
+    @cached_property
+    def measures(self) -> Measures:
+        tip, way = self.parts["tip"].datums, self.parts["bearing_way"]
+        one, two = way.datums["way_screw_1"].origin, way.datums["way_screw_2"].origin
+        low, high = way.geometry.bounding_box
+        return Measures(
+            pad_area=math.fsum(self.parts["stage"].face_areas.values()) * MM**2,
+            piezo_spacing=math.dist(tip["piezo_1"].origin, tip["piezo_2"].origin) * MM,
+            tip_height=subtract(tip["apex"].origin, tip["piezo_1"].origin)[2] * MM,
+            bolt_spacing=math.dist(one, two) * MM,
+            way_length=(high[0] - low[0]) * MM,
+            way_width=(high[1] - low[1]) * MM,
+            way_height=(high[2] - low[2]) * MM,
+        )
+
+    @cached_property
+    def bill_of_materials(self) -> tuple[Row, ...]:
+        return bill_of_materials(self.assembly.instances, self.parts, self.masses, self.design)
+
+
+def part_mass(part: MadePart, design: Any) -> MassProperties:
+    """Mass properties of a part in its own coordinates."""
+    return mass_properties(part.geometry, density_of(design, part.material))
+
+
+def find_machine(design: Any, store: Store | None = None) -> Machine | None:
+    """The machine if the cache has all of it, else None; the CAD kernel is never imported."""
+    store = store or Store()
+    parts: dict[str, MadePart] = {}
+    for name in part_names(design):
+        part = find_part(store, name, design)
+        if part is None:
+            return None
+        parts[name] = part
+    assembly = find_assembly(store, parts, design)
+    return Machine(design, parts, assembly) if assembly is not None else None
+
+
+def make_machine(
+    design: Any, store: Store | None = None, advance: Callable[[str], None] = lambda name: None
+) -> Machine:
+    """The machine, its parts and assembly made where the cache lacks them.
+
+    Args:
+        design: the design.
+        store: the cache; the user's own when left out.
+        advance: called with the name of each part, and at last of the assembly, as it is done.
+    """
+    store = store or Store()
+    parts = make_parts(store, part_names(design), design, advance)
+    assembly = make_assembly(store, parts, design)
+    advance(ASSEMBLY)
+    return Machine(design, parts, assembly)

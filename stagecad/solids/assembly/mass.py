@@ -1,0 +1,160 @@
+"""Volume, centre of mass, inertia and bounding box of a solid; mass properties from them and a density."""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.mass_properties import MassProperties
+from stagecad.solids.modelling.frame import Frame, Vector, add, scaled
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+MM = 1e-3
+
+SLACK = 2e-7
+"""Tolerance the kernel adds to a loose box, mm."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """What a solid's shape alone fixes, in millimetres and part coordinates.
+
+    Attributes:
+        volume: mm^3.
+        centre: centre of volume, mm.
+        second_moments: inertia tensor about the centre for a density of 1 per mm^3, mm^5.
+        bounding_box: lowest and highest x, y, z; mm.
+    """
+
+    volume: float
+    centre: tuple[float, float, float]
+    second_moments: tuple[tuple[float, float, float], ...]
+    bounding_box: tuple[tuple[float, float, float], tuple[float, float, float]]
+
+    def as_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+    @staticmethod
+    def from_json(document: dict[str, Any]) -> Geometry:
+        low, high = document["bounding_box"]
+        return Geometry(
+            document["volume"],
+            tuple(document["centre"]),
+            tuple(tuple(row) for row in document["second_moments"]),
+            (tuple(low), tuple(high)),
+        )
+
+
+def geometry_of(solid: cq.Shape) -> Geometry:
+    """Volume properties of an exact solid; take them before any mesh is made, which would loosen the box."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.gp import gp_Pnt
+    from OCP.GProp import GProp_GProps
+
+    low, high = exact_box(solid)
+    x0, y0, z0, x1, y1, z1 = *low, *high
+    # Integrated about the middle of the box, so that the shift to the centre takes no small number from large ones.
+    properties = GProp_GProps(gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
+    BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
+    centre = properties.CentreOfMass()
+    matrix = properties.MatrixOfInertia()
+    return Geometry(
+        properties.Mass(),
+        (centre.X(), centre.Y(), centre.Z()),
+        tuple(tuple(matrix.Value(row, column) for column in (1, 2, 3)) for row in (1, 2, 3)),
+        (low, high),
+    )
+
+
+def exact_box(solid: cq.Shape) -> tuple[Vector, Vector]:
+    """Lowest and highest x, y, z of an exact solid, mm.
+
+    The kernel's optimal box is slow, its quick one loose: the optimal one is taken of those faces only whose loose box
+    reaches beyond the exact one found so far.
+    """
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
+
+    def corners(box: Bnd_Box) -> tuple[float, ...]:
+        box.SetGap(0.0)
+        x0, y0, z0, x1, y1, z1 = box.Get()
+        return (-x0, -y0, -z0, x1, y1, z1)
+
+    faces = []
+    for face in solid.Faces():
+        box = Bnd_Box()
+        BRepBndLib.Add_s(face.wrapped, box, False)
+        faces.append((corners(box), face))
+    reach = [-math.inf] * 6
+    measured: set[int] = set()
+    for side in range(6):
+        for number in sorted(range(len(faces)), key=lambda number: -faces[number][0][side]):
+            loose, face = faces[number]
+            if loose[side] <= reach[side] + SLACK:
+                break
+            if number not in measured:
+                measured.add(number)
+                box = Bnd_Box()
+                BRepBndLib.AddOptimal_s(face.wrapped, box, False, False)
+                reach = [max(a, b) for a, b in zip(reach, corners(box), strict=True)]
+    a, b, c, d, e, f = reach
+    return (0.0 - a, 0.0 - b, 0.0 - c), (d, e, f)
+
+
+def mass_properties(geometry: Geometry, density: float) -> MassProperties:
+    """Mass properties in SI and part coordinates.
+
+    Args:
+        geometry: of the solid, mm.
+        density: kg/m^3.
+    """
+    low, high = geometry.bounding_box
+    return MassProperties(
+        volume=geometry.volume * MM**3,
+        mass=geometry.volume * MM**3 * density,
+        centre_of_mass=tuple(value * MM for value in geometry.centre),
+        inertia=tuple(tuple(value * MM**5 * density for value in row) for row in geometry.second_moments),
+        bounding_box=(tuple(value * MM for value in low), tuple(value * MM for value in high)),
+    )
+
+
+def density_of(design: Any, material: str) -> float:
+    """Density of a material of the parameter file, kg/m^3."""
+    return design.materials[material].density
+
+
+def placed(properties: MassProperties, frame: Frame) -> MassProperties:
+    """The same body where `frame` puts it. The box of a body that is turned askew encloses its turned box.
+
+    Args:
+        properties: in part coordinates, SI.
+        frame: its shift is in millimetres.
+    """
+    rotation = frame.rotation
+    shift = scaled(frame.shift, MM)
+    inertia = tuple(
+        tuple(
+            sum(rotation[i][a] * properties.inertia[a][b] * rotation[j][b] for a in range(3) for b in range(3))
+            for j in range(3)
+        )
+        for i in range(3)
+    )
+    low, high = properties.bounding_box
+    corners = [
+        add(frame.direction((x, y, z)), shift)
+        for x in (low[0], high[0])
+        for y in (low[1], high[1])
+        for z in (low[2], high[2])
+    ]
+    box = (
+        tuple(min(corner[axis] for corner in corners) for axis in range(3)),
+        tuple(max(corner[axis] for corner in corners) for axis in range(3)),
+    )
+    centre = add(frame.direction(properties.centre_of_mass), shift)
+    return MassProperties(properties.volume, properties.mass, centre, inertia, box)

@@ -1,0 +1,242 @@
+"""Triangles and outline edges of a solid: what STL, GLB and pictures are made from. Lengths in millimetres."""
+
+# The kernel's Python bindings are compiled and carry no names that a type checker could see.
+# pyright: reportAttributeAccessIssue=false
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from stagecad.solids.export.triangulation import Triangulation, triangulations
+from stagecad.solids.modelling.frame import UNMOVED, Frame
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+LINEAR = 0.05
+"""Largest distance between a triangle and the face, mm."""
+
+ANGULAR = (0.2, 0.17, 0.12, 0.09, 0.06, 0.04)
+"""Largest turn between neighbouring chords, rad: the first that keeps the volume. A circle of chords encloses
+1 - angle^2/6 of its area, but the mesher goes finer than it is told on a torus, and a plate hardly feels its holes."""
+
+VOLUME_ERROR = 0.0028
+"""Largest difference between the volume of a mesh and of its solid, of the latter; an exported mesh may have 0.003."""
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles face by face, so that normals jump where the solid has an edge and are smooth where it is round.
+
+    Attributes:
+        vertices: (n, 3) float64, mm; points on an edge occur once for each face that meets there, bit for bit the same.
+        normals: (n, 3) unit, out of the material.
+        triangles: (m, 3) indices, counter-clockwise seen from outside.
+        faces: (m,) number of the solid's face that each triangle stands for, from 0.
+        edge_points: (k, 3) points of the solid's sharp edges, mm.
+        edge_ends: (e + 1,) where each edge's points begin in `edge_points`, and the end of the last.
+    """
+
+    vertices: np.ndarray
+    normals: np.ndarray
+    triangles: np.ndarray
+    faces: np.ndarray
+    edge_points: np.ndarray
+    edge_ends: np.ndarray
+
+    @property
+    def volume(self) -> float:
+        """Volume within the triangles by the divergence theorem, mm^3."""
+        a, b, c = (self.vertices[self.triangles[:, i]] for i in range(3))
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    def placed(self, frame: Frame) -> Mesh:
+        """The mesh where `frame` puts it."""
+        if frame == UNMOVED:
+            return self
+        rotation, shift = np.array(frame.rotation), np.array(frame.shift)
+        return Mesh(
+            self.vertices @ rotation.T + shift,
+            self.normals @ rotation.T,
+            self.triangles,
+            self.faces,
+            self.edge_points @ rotation.T + shift,
+            self.edge_ends,
+        )
+
+
+def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
+    """Mesh of a solid, fine enough to keep its volume within `VOLUME_ERROR`. The solid itself is left without a mesh.
+
+    Args:
+        shape: the solid.
+        volume: its exact volume, mm^3.
+
+    Raises:
+        ValueError: a face could not be meshed, or no mesh keeps the volume.
+    """
+    error = 1.0
+    for angular in ANGULAR:
+        if angular**2 / 12.0 > VOLUME_ERROR and _wire(shape):
+            continue
+        mesh = triangulated(shape, LINEAR, angular)
+        error = abs(mesh.volume / volume - 1.0)
+        if error <= VOLUME_ERROR:
+            return mesh
+    raise ValueError(f"the finest mesh misses the solid's volume by {error:.2%}")
+
+
+def _wire(shape: cq.Shape) -> bool:
+    """Whether all of a solid that is not plane is torus, as of a wire bent in arcs.
+
+    The mesher goes twice as fine there as it is told, along the wire and around it, and the chords of both take from
+    the volume: angle^2/12 of it.
+    """
+    kinds = {face.geomType() for face in shape.Faces()}
+    return "TORUS" in kinds and kinds <= {"TORUS", "PLANE"}
+
+
+def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
+    """Mesh of a shape within `linear` mm and `angular` rad."""
+    from OCP.BRep import BRep_Tool
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
+    from OCP.BRepLib import BRepLib_ToolTriangulatedShape
+    from OCP.BRepMesh import BRepMesh_IncrementalMesh
+    from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS
+
+    # A mesh makes the bounding box loose and the stored solid large: it goes on a copy.
+    copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
+    BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
+    faces: list[Any] = []
+    explorer = TopExp_Explorer(copy, TopAbs_FACE)
+    while explorer.More():
+        face = TopoDS.Face_s(explorer.Current())
+        explorer.Next()
+        part = BRep_Tool.Triangulation_s(face, TopLoc_Location())
+        if part is not None:
+            BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, part)
+        faces.append(face)
+    parts = triangulations(faces)
+    vertices: list[np.ndarray] = []
+    normals: list[np.ndarray] = []
+    triangles: list[np.ndarray] = []
+    count = 0
+    for face, part in zip(faces, parts, strict=True):
+        places, outward, corners = part.places, part.normals, part.corners
+        location = TopLoc_Location()
+        BRep_Tool.Triangulation_s(face, location)
+        if not location.IsIdentity():
+            places, outward = _moved(places, outward, location.Transformation())
+        if face.Orientation() == TopAbs_REVERSED:
+            corners = corners[:, ::-1]
+            outward = -outward
+        # At the pole of a sphere a side of a triangle has no length: such a triangle covers nothing and opens the mesh.
+        a, b, c = (places[corners[:, i]] for i in range(3))
+        flat = (a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1)
+        corners = corners[~flat]
+        vertices.append(places)
+        normals.append(outward)
+        triangles.append(corners + count)
+        count += len(places)
+    edge_points, edge_ends = _edges(faces, parts)
+    return Mesh(
+        np.concatenate(vertices),
+        _unit(np.concatenate(normals)),
+        np.concatenate(triangles).astype(np.uint32),
+        np.repeat(np.arange(len(triangles), dtype=np.int32), [len(corners) for corners in triangles]),
+        edge_points,
+        edge_ends,
+    )
+
+
+def _moved(places: np.ndarray, directions: np.ndarray, move: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Points and directions after the kernel's rigid move ``gp_Trsf``."""
+    rows = np.array([[move.Value(row, column) for column in range(1, 5)] for row in range(1, 4)])
+    return places @ rows[:, :3].T + rows[:, 3], directions @ rows[:, :3].T
+
+
+def _edges(meshed: Sequence[Any], parts: Sequence[Triangulation]) -> tuple[np.ndarray, np.ndarray]:
+    """Edges where the surface has a corner, as the faces' mesh has them; seams and tangent joints are left out."""
+    from OCP.BRep import BRep_Tool
+    from OCP.GeomAbs import GeomAbs_C0
+    from OCP.TopAbs import TopAbs_EDGE
+    from OCP.TopExp import TopExp_Explorer
+    from OCP.TopLoc import TopLoc_Location
+    from OCP.TopoDS import TopoDS
+    from OCP.TopTools import TopTools_IndexedMapOfShape
+
+    # Edges numbered by a map, with the faces that have them: the kernel's own table of the two is slow to read.
+    numbered = TopTools_IndexedMapOfShape()
+    beside: list[list[int]] = []
+    for index, face in enumerate(meshed):
+        edges_left = TopExp_Explorer(face, TopAbs_EDGE)
+        while edges_left.More():
+            number = numbered.Add(edges_left.Current())
+            edges_left.Next()
+            if number > len(beside):
+                beside.append([])
+            beside[number - 1].append(index)
+    lines: list[np.ndarray] = []
+    for number, indices in enumerate(beside, start=1):
+        edge = TopoDS.Edge_s(numbered.FindKey(number))
+        faces = [meshed[index] for index in indices]
+        if BRep_Tool.Degenerated_s(edge) or len(faces) != 2 or faces[0].IsSame(faces[1]):
+            continue
+        if BRep_Tool.Continuity_s(edge, faces[0], faces[1]) != GeomAbs_C0 or _tangent(edge, faces):
+            continue
+        location = TopLoc_Location()
+        surface = BRep_Tool.Triangulation_s(faces[0], location)
+        polygon = BRep_Tool.PolygonOnTriangulation_s(edge, surface, location)
+        if polygon is None:
+            continue
+        line = parts[indices[0]].places[[polygon.Node(i) - 1 for i in range(1, polygon.NbNodes() + 1)]]
+        if not location.IsIdentity():
+            line, _ = _moved(line, line, location.Transformation())
+        lines.append(line)
+    if not lines:
+        return np.zeros((0, 3)), np.zeros(1, dtype=np.int64)
+    return np.concatenate(lines), np.cumsum([0, *(len(line) for line in lines)])
+
+
+def _tangent(edge: object, faces: list) -> bool:
+    """Whether two faces meet at the middle of an edge without a corner (within 3 degrees)."""
+    from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    directions = []
+    for face in faces:
+        curve = BRepAdaptor_Curve2d(edge, face)  # type: ignore[arg-type]
+        place = curve.Value((curve.FirstParameter() + curve.LastParameter()) / 2)
+        point, along_u, along_v = gp_Pnt(), gp_Vec(), gp_Vec()
+        BRepAdaptor_Surface(face).D1(place.X(), place.Y(), point, along_u, along_v)
+        directions.append(along_u.Crossed(along_v))
+    if any(direction.Magnitude() < 1e-12 for direction in directions):
+        return False
+    return directions[0].IsParallel(directions[1], np.radians(3.0))
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.where(length > 0.0, length, 1.0)
+
+
+def save(mesh: Mesh, path: Path) -> None:
+    """Write a mesh to a file that `load` reads."""
+    memory = io.BytesIO()
+    np.savez(memory, **{name: getattr(mesh, name) for name in Mesh.__dataclass_fields__})
+    path.write_bytes(memory.getvalue())
+
+
+def load(path: Path) -> Mesh:
+    """Read a mesh written by `save`."""
+    with np.load(path) as stored:
+        return Mesh(**{name: cast(np.ndarray, stored[name]) for name in Mesh.__dataclass_fields__})

@@ -1,0 +1,94 @@
+"""What a part module is: the contract between the parts, their cache, the assembly and the drawings.
+
+A part is one module of `stagecad.solids` (or `stagecad.solids.purchased`), named after the part, that has
+
+- ``NAME``: the part's name everywhere (files, tables, command line).
+- ``build(design) -> cadquery.Solid``: the solid, one valid closed solid, millimetres, in part coordinates.
+- ``material(design) -> str``: name of its material in the parameter file's ``materials``.
+- ``datums(design) -> dict[str, Datum]``: named places others refer to (below).
+- ``dimensions(design) -> tuple[Dimension, ...]``: every dimension a maker needs (purchased parts have none).
+
+A part that is made has besides, where its function asks for them, ``requirements(design) -> tuple[FaceRequirement,
+...]``: datum letters, geometrical tolerances and surface texture of its faces; and ``NOTES``, texts for its sheet.
+
+A purchased part has besides ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
+and may have ``mass(design)`` in kilograms where the catalogue knows it better than the simplified solid.
+
+**Coordinates.** Millimetres; x along the travel, y across it, z up, as the part stands in the assembly, with the part's
+own origin said in its docstring. A turned part that is used in more than one direction (screws, pins, spring) has its
+axis along z.
+
+**Reading the design.** `design` may be the `Design` itself or a `Reading` of it
+(`stagecad.solids.artefacts.tracked_design`) that notes what is read. The cache key covers just what was noted, so a
+part must read all its numbers from the `design` it is handed, as attributes (``design.stage.thickness``), and neither
+from a module global nor by walking over all fields. Functions of other modules may be called with the same `design`.
+
+**Imports.** The cache follows a module's imports within `stagecad` to know its source. Prefer to leave ``import
+cadquery`` to the functions that make geometry: ``material``, ``datums``, ``dimensions`` then cost no second of loading.
+
+**Datums.** A datum is a right-handed frame: origin, unit normal, and a unit x direction at right angles to it.
+
+- On a face, the normal points out of the material; in a hole, pocket or bore, out of the opening towards the air.
+- On the end of something that goes into a hole or stands on a face (a screw's bearing face under the head, a pin's end,
+  a piezo's foot, a way's underside), it points out of the material as well.
+- So a mate is always the same: origins together, normals opposed, x directions parallel.
+
+The assembly (`stagecad.solids.assembly.assemble`) relies on these names, all in part coordinates. On base, way, stage
+and holder a datum named after another part and a number or side (``way_screw_3``, ``magnet_1``, ``tooth_bar_left``) is
+the seat of one of that part: there are as many in the assembly as there are such datums.
+
+=============  =======================================================================================================
+part           datums (numbers count from 1)
+=============  =======================================================================================================
+base           ``top``: at actuator 1, x along the travel; ``bearing_way_left`` (y > 0), ``bearing_way_right``: seats of
+               the ways' undersides, at the middle of the footprint, x as the way's own x will point;
+               ``pocket_K``: mouth of actuator pocket K, on its axis, normal up, x as the holder's x will point;
+               ``pin_1_bore_K``: where the axes of the two pin bores meet, normal along the horizontal bore towards its
+               side face, x up; ``pin_2_bore_K``: mouth of the vertical bore in the pocket's floor, normal up, x towards
+               that side face; ``spring_K``: end of the bore where the spring rests, normal towards the pin;
+               ``clamp_screw_long_1`` .., ``clamp_screw_short_1`` ..: counterbore floors, normal out; K where it serves
+               pocket K is in the order of the pockets; ``tooth_bar_left``, ``tooth_bar_right``: seats of the bars
+bearing_way    ``bottom``: middle of the footprint, normal down, x as the part's x; ``top``: middle of the bearing
+               face, normal up; ``way_screw_1`` ..: bearing faces of the heads on the ledge, normal up
+stage          ``pad_1`` ..: crown of each pad, normal down; ``pads``: plane of the crowns under the middle of the
+               stage, normal down, x along the travel; ``top``: payload face; ``sea``: face of the sea at the middle,
+               normal down; ``tooth_iron_1`` .., ``magnet_1`` ..: their seats, normal down
+holder         ``bottom``: at its axis, normal down, x as the part's x; ``top``; ``piezo_1`` .. ``piezo_3``: bore floors
+tip            ``apex``: normal up; ``piezo_1`` .. ``piezo_3``: seats of the piezos' ends, normal down, x as part's x
+height_pin_1   ``axis``: where the wedge face is taken at mid-stroke, on the axis; normal along the axis away from the
+               set screw, x towards the wedge face; ``wedge``: on the wedge face over that point, normal out of it;
+               ``screw_end``: normal towards the screw; ``spring_end``: shoulder the spring rests on
+height_pin_2   ``axis``: on the axis at the sloping end, normal down, x towards the set screw; ``wedge``: same point,
+               normal out of the sloping face; ``top``: apex of the upper end, normal up
+magnet         ``seat``: face on its pocket's floor; ``face``: the opposite one
+tooth_iron     ``seat``: face on the stage; ``teeth``: plane of the tooth crests
+tooth_bar      ``seat``: face on the base; ``teeth``: plane of the crests; ``bar_screw_1`` ..: under the heads
+purchased      ``piezo``: ``foot`` (normal down), ``end`` (apex of its rounded end); screws: ``seat`` (under the head,
+               normal towards the shank), ``end``; ``set_screw``: ``end`` (pushes the pin), ``socket``; ``spring``:
+               ``end_1``, ``end_2``
+=============  =======================================================================================================
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Datum, Dimension
+
+
+@runtime_checkable
+class PartModule(Protocol):
+    """A module that follows the contract above. `design` is a `Design` or a `Reading` of one."""
+
+    NAME: str
+
+    def build(self, design: Any) -> cq.Solid: ...
+
+    def material(self, design: Any) -> str: ...
+
+    def datums(self, design: Any) -> dict[str, Datum]: ...
+
+    def dimensions(self, design: Any) -> tuple[Dimension, ...]: ...

@@ -1,0 +1,169 @@
+"""The base: an Invar block that houses the actuators, carries the bearing ways, and takes every adjustment.
+
+Part coordinates: origin on the top face at actuator 1, x along the travel, y across it, z up: the assembly frame. The
+block is symmetric about y = 0, as thermal stability asks.
+
+Features and what each is for
+- Block: flat lapped top, on which the ways are bedded; chamfered edges.
+- Way holes: two rows of blind tapped holes for the 3/8 inch screws of the ways, deep enough for their thread.
+- Setting-pin holes: reamed holes along the inner edge of each way, for pins against which a way is pushed while its
+  screws are tightened; the pins come out afterwards.
+- Pockets: three bores for the piezo holders, on an equilateral triangle; only pocket 1 is fitted for one axis. The
+  floor is clear of the holder, which stands on height pin 2 alone.
+- Pin bores: a vertical guide for height pin 2 in each pocket's floor and, crossing it below, a horizontal bore for
+  height pin 1, stepped down from the side face: access for the wrench, thread of the set screw, guide of the pin, flat
+  end on which the spring rests. All from one face in one set-up; pin and spring pass through the thread. A vent from
+  the underside lets the air out of its blind end.
+- Clamps: see `base_clamp`.
+- Lead channels: grooves in the top from each pocket to the side face its set screw is on, for the piezos' leads.
+- Tooth bar holes, bracket holes: tapped, for the bars with the stationary teeth and for the sensors' brackets.
+- Lifting holes in the top corners (the block weighs some 90 kg), and three foot holes in the underside: three feet
+  carry the block without bending it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.holes import OVERRUN, corners, repeated, stepped_hole
+from stagecad.solids.modelling.primitives import cut_all, plate
+from stagecad.solids.parts.base_clamp import clamp_cutters, clamp_datums
+from stagecad.solids.parts.base_dimensions import declare_base
+from stagecad.solids.parts.base_positions import bar_hole_places, pocket_centres, reach_side, way_hole_places
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME = "base"
+
+NOTES = (
+    "Pocket 1 in the middle of length and width; the base is symmetric about the plane of pocket 1 along the length.",
+    "Way holes, setting-pin, lifting, bracket and tooth bar holes also symmetric about the middle of the length.",
+    "Pockets 2 and 3 as pocket 1, turned to the opposite side face: height bores, leads, clamps.",
+    "Cut clamp slots after the pockets, and finish the pockets last.",
+)
+
+Place = tuple[float, float, float]
+
+
+def build(design: Any) -> cq.Solid:
+    """The base as one solid, mm."""
+    base, threads = design.base, design.threads
+    block = plate((0.0, 0.0, 0.0), base.length, base.width, -base.height)
+    block = block.chamfer(base.edge_chamfer, None, block.Edges()).Solids()[0]
+    cutters: list[cq.Shape] = []
+
+    def tapped(drill: float, depth: float, places: list[tuple[float, float]], *, up: bool = False) -> None:
+        z = -base.height if up else 0.0
+        hole = stepped_hole(
+            (0, 0, z), (0, 0, 1 if up else -1), [(drill, depth)], mouth_chamfer=base.hole_chamfer, drill_point=True
+        )
+        cutters.extend(repeated(hole, [(x, y, 0.0) for x, y in places]))
+
+    tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, way_hole_places(design))
+    tapped(threads.m10_tap_drill, base.lift_drill_depth, corners(base.lift_spacing_along, base.lift_spacing_across))
+    tapped(
+        threads.m6_tap_drill, base.bracket_drill_depth, corners(base.bracket_spacing_along, base.bracket_spacing_across)
+    )
+    along, across = base.foot_spacing_along / 2, base.foot_spacing_across / 2
+    tapped(threads.m10_tap_drill, base.foot_drill_depth, [(-along, 0.0), (along, -across), (along, across)], up=True)
+    if design.teeth.fitted:
+        tapped(threads.m5_tap_drill, base.bar_drill_depth, bar_hole_places(design))
+
+    pin = stepped_hole(
+        (0, 0, 0), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)], mouth_chamfer=base.hole_chamfer
+    )
+    edge = base.way_gap - base.setting_pin_hole
+    cutters += repeated(pin, [(x, y, 0.0) for x, y in corners(base.setting_pin_spacing, edge)])
+
+    for number, (x, y) in enumerate(pocket_centres(design), start=1):
+        cutters += _pocket(design, number, x, y)
+    return cut_all(block, [*cutters, *clamp_cutters(design)])
+
+
+def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
+    """Cutters of one actuator pocket with its pin bores, vent and lead channel."""
+    base = design.base
+    side = reach_side(number)
+    face = side * base.length / 2
+    to_axis = abs(face - x)
+    pocket = stepped_hole(
+        (x, y, 0),
+        (0, 0, -1),
+        [(base.pocket_diameter, base.pocket_depth), (base.pin_2_bore, base.pin_1_axis_depth)],
+        mouth_chamfer=base.pocket_chamfer,
+    )
+    bore = stepped_hole(
+        (face, y, -base.pin_1_axis_depth),
+        (-side, 0, 0),
+        [
+            (base.set_screw_access, to_axis - base.set_screw_thread_start),
+            (design.threads.unc_1_tap_drill, to_axis - base.set_screw_thread_end),
+            (base.pin_1_bore, to_axis + base.pin_1_bore_end),
+        ],
+        mouth_chamfer=base.hole_chamfer,
+    )
+    vent_at = x - side * (base.pin_1_bore_end - base.vent_hole)
+    vent = stepped_hole(
+        (vent_at, y, -base.height),
+        (0, 0, 1),
+        [(base.vent_hole, base.height - base.pin_1_axis_depth)],
+        mouth_chamfer=base.hole_chamfer,
+    )
+    channel = plate(
+        ((x + face + side * OVERRUN) / 2, y, -base.lead_channel_depth),
+        to_axis + OVERRUN,
+        base.lead_channel_width,
+        base.lead_channel_depth + OVERRUN,
+    )
+    return [pocket, bore, vent, channel]
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.base.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Seats of the ways, pockets, pin bores, springs, clamp screws and tooth bars."""
+    base, way = design.base, design.bearing_way
+    across = (base.way_gap + way.width) / 2
+    found = [
+        Datum("top", (0.0, 0.0, 0.0), Z),
+        Datum("bearing_way_left", (0.0, across, 0.0), Z, (-1.0, 0.0, 0.0)),
+        Datum("bearing_way_right", (0.0, -across, 0.0), Z),
+    ]
+    for k, (x, y) in enumerate(pocket_centres(design), start=1):
+        side = (reach_side(k), 0.0, 0.0)
+        found += [
+            Datum(f"pocket_{k}", (x, y, 0.0), Z),
+            Datum(f"pin_1_bore_{k}", (x, y, -base.pin_1_axis_depth), side, Z),
+            Datum(f"pin_2_bore_{k}", (x, y, -base.pocket_depth), Z, side),
+            Datum(f"spring_{k}", (x - side[0] * base.pin_1_bore_end, y, -base.pin_1_axis_depth), side, Z),
+        ]
+    found += clamp_datums(design)
+    if design.teeth.fitted:
+        half = design.teeth.bar_spacing / 2
+        found += [Datum("tooth_bar_left", (0.0, half, 0.0), Z, X), Datum("tooth_bar_right", (0.0, -half, 0.0), Z, X)]
+    return named(*found)
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the base."""
+    declarations = Declarations(design)
+    declare_base(declarations, design)
+    return tuple(declarations)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Bed of the ways, as flat as they are to stay once bolted on; pockets upright on it."""
+    f, base = FaceRequirements(design), design.base
+    top = ((0.0, base.width / 2 - 3, 0.0),)
+    middle = ((0.0, 0.0, -base.pocket_depth / 2),)
+    f.datum("A", top, Z, "front")
+    f.keeps("flatness", "top", "bearing.way_straightness", top, Z, "front")
+    f.smooth("top", "bearing.way_roughness", top, Z, "front", "lapped")
+    f.keeps("perpendicularity", "pocket", "drawing.tolerance_x_xx", middle, Z, "section", datums=("A",), round=True)
+    return tuple(f)

@@ -1,0 +1,168 @@
+"""The bearing way: a silicon carbide rail, lapped on top and bottom, bolted to the base along its outer edge.
+
+Part coordinates: origin in the middle of the footprint, on the bedded underside; x along the travel, y across it with
+the inner edge (the one towards the actuator) at +y, z up. The two ways are the same part: the right one (y < 0) stands
+as here, the left one is turned half a turn about z.
+
+Features and what each is for
+- Rail: the pads slide on its top between the inner edge and the ledge; top and bottom are lapped, since both the
+  smoothness of motion and the stiffness of the bedded joint come from these faces.
+- Ledge along the outer edge: the screw heads sit on it, below the running face, and clamp a flange of uniform
+  thickness 1.5 bolt diameters. (A counterbore so close to the edge would leave a wall of 2 mm of ceramic.)
+- Fillet at the ledge's root: a sharp inner corner in a ceramic starts a crack.
+- Clearance holes: a row of through holes at the spacing that makes the bolted joint stiffest.
+- Chamfers on every outer edge: ceramic edges chip, and a chip on the running face is the end of a film of 2 um.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Y, Z, named
+from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
+from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME = "bearing_way"
+
+NOTES = ("Row of holes symmetric about the middle of the length. Two off, alike.",)
+
+
+def bolt_places(design: Any) -> list[tuple[float, float]]:
+    """Places (x, y) of the screws in part coordinates, mm: one row, centred on the length."""
+    way = design.bearing_way
+    count = int(way.bolt_count)
+    return [((i - (count - 1) / 2) * way.bolt_spacing, -way.width / 2 + way.bolt_edge) for i in range(count)]
+
+
+def build(design: Any) -> cq.Solid:
+    """The bearing way as one solid, mm."""
+    way = design.bearing_way
+    body = plate((0.0, 0.0, 0.0), way.length, way.width, way.height)
+    ledge = plate(
+        (0.0, -way.width / 2 + way.ledge_width / 2 - OVERRUN / 2, way.flange_thickness),
+        way.length + 2 * OVERRUN,
+        way.ledge_width + OVERRUN,
+        way.height,
+    )
+    body = cut_all(body, [ledge])
+    root = -way.width / 2 + way.ledge_width
+
+    def at_root(p: cq.Vector) -> bool:
+        return abs(p.y - root) < 1e-6 and abs(p.z - way.flange_thickness) < 1e-6
+
+    body = body.fillet(way.ledge_fillet, edges_where(body, at_root)).Solids()[0]
+
+    def outer(p: cq.Vector) -> bool:
+        on_end, on_side = abs(abs(p.x) - way.length / 2) < 1e-6, abs(abs(p.y) - way.width / 2) < 1e-6
+        on_top = abs(p.z - way.height) < 1e-6 or abs(p.z) < 1e-6
+        on_ledge = abs(p.z - way.flange_thickness) < 1e-6 and p.y < root
+        on_riser = abs(p.y - root) < 1e-6 and p.z > way.flange_thickness
+        return on_end + on_side + on_top + on_ledge + on_riser >= 2
+
+    body = body.chamfer(way.edge_chamfer, None, edges_where(body, outer)).Solids()[0]
+    hole = stepped_hole(
+        (0.0, 0.0, way.flange_thickness),
+        (0, 0, -1),
+        [(way.bolt_hole, way.flange_thickness + OVERRUN)],
+        mouth_chamfer=way.hole_chamfer,
+    )
+    return cut_all(body, repeated(hole, [(x, y, 0.0) for x, y in bolt_places(design)]))
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.bearing_way.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Bed, running face, and the seats of the screw heads."""
+    way = design.bearing_way
+    root = -way.width / 2 + way.ledge_width
+    screws = [
+        Datum(f"way_screw_{i}", (x, y, way.flange_thickness), Z)
+        for i, (x, y) in enumerate(bolt_places(design), start=1)
+    ]
+    return named(
+        Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        Datum("top", (0.0, (root + way.width / 2) / 2, way.height), Z),
+        *screws,
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the bearing way."""
+    way, d = design.bearing_way, Declarations(design)
+    x, y, top, flange = way.length / 2, way.width / 2, way.height, way.flange_thickness
+    root, bolts = -y + way.ledge_width, bolt_places(design)
+    row = bolts[0][1]
+    d.linear("length", "bearing_way.length", (-x, y / 2, top / 2), (x, y / 2, top / 2), view="top")
+    d.linear("width", "bearing_way.width", (0, -y, flange / 2), (0, y, flange / 2), view="top")
+    d.linear("height", "bearing_way.height", (0, 0, 0), (0, 0, top), view="right")
+    d.linear(
+        "ledge width",
+        "bearing_way.ledge_width",
+        (0, -y, flange / 2),
+        (0, root, (flange + top) / 2 + 1),
+        Y,
+        view="right",
+    )
+    d.linear("flange thickness", "bearing_way.flange_thickness", (x - 4, row, 0), (x - 4, row, flange), view="right")
+    nook = way.ledge_fillet * (1 - math.sqrt(0.5))
+    d.radius("ledge fillet", "bearing_way.ledge_fillet", (0, root - nook, flange + nook), X, view="right")
+    hole = "screw hole"
+    d.diameter(
+        "screw hole",
+        "bearing_way.bolt_hole",
+        (bolts[0][0], row, flange / 2),
+        feature=hole,
+        count=len(bolts),
+        note="through",
+        view="top",
+    )
+    d.counted("screw holes", "bearing_way.bolt_count", (bolts[0][0], row, flange), X, feature=hole, view="top")
+    d.linear(
+        "screw spacing",
+        "bearing_way.bolt_spacing",
+        (bolts[0][0], row, flange),
+        (bolts[1][0], row, flange),
+        count=len(bolts) - 1,
+        view="top",
+    )
+    d.linear(
+        "screw row to edge",
+        "bearing_way.bolt_edge",
+        (bolts[0][0], -y, flange / 2),
+        (bolts[0][0], row, flange),
+        Y,
+        view="top",
+    )
+    c = way.edge_chamfer / 2
+    d.chamfer("edge chamfer", "bearing_way.edge_chamfer", (0, y - c, top - c), note="all outer edges", view="right")
+    c = way.hole_chamfer / 2
+    d.chamfer(
+        "hole chamfer",
+        "bearing_way.hole_chamfer",
+        (bolts[0][0] + way.bolt_hole / 2 + c, row, flange - c),
+        count=len(bolts),
+        view="top",
+    )
+    return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Lapped running face and bed: the motion is as straight as they are, the joint as stiff."""
+    f, way = FaceRequirements(design), design.bearing_way
+    ledge, down = -way.width / 2 + way.ledge_width, (0.0, 0.0, -1.0)
+    bed, run = ((0.0, way.width / 4, 0.0),), ((0.0, (ledge + way.width / 2) / 2, way.height),)
+    f.datum("A", bed, down, "right")
+    f.keeps("flatness", "bed", "bearing.way_straightness", bed, down, "right")
+    f.keeps("flatness", "running face", "bearing.way_straightness", run, Z, "right")
+    f.keeps("parallelism", "running face to bed", "drawing.tolerance_x_xx", run, Z, "right", datums=("A",))
+    f.smooth("bed", "bearing.way_roughness", bed, down, "right", "lapped")
+    f.smooth("running face", "bearing.way_roughness", run, Z, "right", "lapped")
+    return tuple(f)

@@ -1,0 +1,137 @@
+"""Height pin 1: the wedge. Pushed along its bore by the set screw, it lifts height pin 2, against the spring.
+
+Part coordinates: axis along z, origin on the axis at mid-length, +z towards the set screw; the wedge face looks to +x.
+At mid-stroke the origin is below the axis of height pin 2.
+
+Features and what each is for
+- Shank: turned, a sliding fit in its bore; it passes through the set screw's thread, so pin and spring go in from the
+  side face and come out again. End chamfers lead it in.
+- Wedge face: milled flat along the whole length, sloping against the axis; pushed away from the screw the pin grows
+  thicker under height pin 2, which rests on it flat and so keeps both pins from turning. The slope is far below the
+  angle of friction: it locks by itself. The flat also lets air pass along the bore.
+- Spigot: centres the spring on the other end (the flat runs out over it).
+- Withdrawal thread: tapped in the screw's end, to draw the pin out with any M5 screw.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.holes import OVERRUN, stepped_hole, turned
+from stagecad.solids.modelling.primitives import cut_all
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME = "height_pin_1"
+
+
+def build(design: Any) -> cq.Solid:
+    """Height pin 1 as one solid, mm."""
+    import cadquery as cq
+
+    pin = design.height_pin_1
+    half, radius, spigot, chamfer = pin.length / 2, pin.diameter / 2, pin.spigot_diameter / 2, pin.end_chamfer
+    blank = turned(
+        (0, 0, 0),
+        (0, 0, 1),
+        [
+            (0.0, -half - pin.spigot_length),
+            (spigot - chamfer, -half - pin.spigot_length),
+            (spigot, -half - pin.spigot_length + chamfer),
+            (spigot, -half),
+            (radius - chamfer, -half),
+            (radius, -half + chamfer),
+            (radius, half - chamfer),
+            (radius - chamfer, half),
+            (0.0, half),
+        ],
+    )
+    # What stands above the sloping face goes, spigot included: the cutter runs out over it.
+    ends = (-half - pin.spigot_length - OVERRUN, half + OVERRUN)
+    low, high = (pin.flat_height + pin.slope * z for z in ends)
+    over = cq.Wire.makePolygon(
+        [
+            (low, -radius - OVERRUN, ends[0]),
+            (high, -radius - OVERRUN, ends[1]),
+            (2 * radius, -radius - OVERRUN, ends[1]),
+            (2 * radius, -radius - OVERRUN, ends[0]),
+        ],
+        close=True,
+    )
+    wedge = cq.Solid.extrudeLinear(over, [], cq.Vector(0, 2 * (radius + OVERRUN), 0))
+    thread = stepped_hole(
+        (0, 0, half),
+        (0, 0, -1),
+        [(design.threads.m5_tap_drill, pin.withdrawal_drill_depth)],
+        mouth_chamfer=chamfer,
+        drill_point=True,
+    )
+    return cut_all(blank, [wedge, thread])
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.height_pin_1.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Axis and wedge face at mid-length, and both ends."""
+    pin = design.height_pin_1
+    half, size = pin.length / 2, math.hypot(1.0, pin.slope)
+    normal, slope = (1.0 / size, 0.0, -pin.slope / size), (pin.slope / size, 0.0, 1.0 / size)
+    return named(
+        Datum("axis", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), X),
+        Datum("wedge", (pin.flat_height, 0.0, 0.0), normal, slope),
+        Datum("screw_end", (0.0, 0.0, half), Z, X),
+        Datum("spring_end", (0.0, 0.0, -half), (0.0, 0.0, -1.0), X),
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of height pin 1."""
+    pin, d = design.height_pin_1, Declarations(design)
+    half, radius, back = pin.length / 2, pin.diameter / 2, (-1.0, 0.0, 0.0)
+    d.diameter("diameter", "height_pin_1.diameter", (0, 0, 0), on=back, view="top", note="sliding fit in its bore")
+    d.linear("length", "height_pin_1.length", (-radius + 2, 0, -half), (-radius + 2, 0, half), view="front")
+    d.linear(
+        "wedge face height",
+        "height_pin_1.flat_height",
+        (0, 0, 0),
+        (pin.flat_height, 0, 0),
+        view="front",
+        note="from the axis, at mid-length",
+    )
+    d.slope("wedge slope", "height_pin_1.slope", (pin.flat_height, 0, 0), Z, view="front", note="rise over run")
+    tail = -half - pin.spigot_length
+    d.diameter("spigot", "height_pin_1.spigot_diameter", (0, 0, (tail - half) / 2), on=back, view="front")
+    d.linear("spigot length", "height_pin_1.spigot_length", (-radius + 2, 0, -half), (0, 0, tail), Z, view="front")
+    d.tapped(
+        "withdrawal hole",
+        "m5",
+        (0, 0, half),
+        (0, 0, -1),
+        thread_depth="height_pin_1.withdrawal_thread_depth",
+        drill_depth="height_pin_1.withdrawal_drill_depth",
+    )
+    c = pin.end_chamfer / 2
+    d.chamfer(
+        "end chamfer",
+        "height_pin_1.end_chamfer",
+        (-(radius - c), 0, half - c),
+        view="front",
+        note="all turned edges and the hole's mouth",
+    )
+    return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """A wedge face that height pin 2 stands on in full, and a shank that guides it."""
+    f, wedge, back = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, -design.height_pin_1.length / 4)
+    f.keeps("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
+    f.keeps("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
+    f.smooth("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
+    return tuple(f)

@@ -1,0 +1,101 @@
+"""Height pin 2: stands on the wedge of height pin 1 and carries the piezo holder.
+
+Part coordinates: axis along z, origin where the axis meets the sloping lower end, x towards the set screw, z up.
+
+Features and what each is for
+- Shank: turned, a sliding fit in the base's vertical bore.
+- Lower end: cut to the wedge's slope, so that the two meet in a face, stiff and without turning.
+- Crown: the upper end is a piece of a large sphere; the holder, guided by its pocket, is pushed up at one point and not
+  tilted by a pin that leans in its bore.
+- Chamfer: leads the crowned end in, and leaves no edge to raise a burr under the holder.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.holes import OVERRUN
+from stagecad.solids.modelling.primitives import cut_all, revolved
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME = "height_pin_2"
+
+
+def build(design: Any) -> cq.Solid:
+    """Height pin 2 as one solid, mm."""
+    import cadquery as cq
+
+    pin, slope = design.height_pin_2, design.height_pin_1.slope
+    radius, chamfer, crown = pin.diameter / 2, pin.end_chamfer, pin.crown_radius
+    foot = -radius * slope - OVERRUN
+    rim = radius - chamfer
+
+    def crown_height(r: float) -> float:
+        return pin.length - crown + math.sqrt(crown**2 - r**2)
+
+    profile = cq.Workplane("XZ").moveTo(0, foot).lineTo(radius, foot).lineTo(radius, crown_height(rim) - chamfer)
+    profile = profile.lineTo(rim, crown_height(rim))
+    profile = profile.threePointArc((rim / 2, crown_height(rim / 2)), (0, pin.length)).close()
+    blank = revolved(profile)
+    reach = radius + OVERRUN
+    under = cq.Wire.makePolygon(
+        [
+            (-reach, -reach, -reach * slope),
+            (reach, -reach, reach * slope),
+            (reach, -reach, foot - OVERRUN),
+            (-reach, -reach, foot - OVERRUN),
+        ],
+        close=True,
+    )
+    return cut_all(blank, [cq.Solid.extrudeLinear(under, [], cq.Vector(0, 2 * reach, 0))])
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.height_pin_2.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Axis and sloping end, and the crown."""
+    slope = design.height_pin_1.slope
+    size = math.hypot(1.0, slope)
+    return named(
+        Datum("axis", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), X),
+        Datum("wedge", (0.0, 0.0, 0.0), (slope / size, 0.0, -1.0 / size), (1.0 / size, 0.0, slope / size)),
+        Datum("top", (0.0, 0.0, design.height_pin_2.length), Z, X),
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of height pin 2."""
+    pin, d = design.height_pin_2, Declarations(design)
+    radius, length = pin.diameter / 2, pin.length
+    d.diameter(
+        "diameter", "height_pin_2.diameter", (0, 0, length / 2), on=X, view="front", note="sliding fit in its bore"
+    )
+    d.linear("length", "height_pin_2.length", (0, 0, 0), (0, 0, length), view="front", note="on the axis")
+    d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, view="front", note="rise over run")
+    d.radius("crown", "height_pin_2.crown_radius", (0, 0, length), view="front", note="spherical")
+    rim = radius - pin.end_chamfer
+    edge = length - pin.crown_radius + math.sqrt(pin.crown_radius**2 - rim**2)
+    d.chamfer(
+        "end chamfer",
+        "height_pin_2.end_chamfer",
+        (rim + pin.end_chamfer / 2, 0, edge - pin.end_chamfer / 2),
+        view="front",
+    )
+    return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """A lower end that meets the wedge in full, and a shank that its bore guides."""
+    f, wedge, middle = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, design.height_pin_2.length / 2)
+    f.keeps("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
+    f.keeps("flatness", "lower end", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
+    f.smooth("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
+    return tuple(f)

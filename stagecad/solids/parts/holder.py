@@ -1,0 +1,227 @@
+"""The piezo holder: an Invar cylinder that stands three piezos upright and takes the drive's side load off them.
+
+Part coordinates: origin on the axis in the bottom face, x along the travel, y across it, z up. Bores 1, 2 and 3 lie as
+the piezos under the tip: 1 and 2 at x = -D/2 and +D/2, 3 at +y.
+
+Features and what each is for
+- Body: a close sliding fit in the base's pocket, in which it is raised by height pin 2 and then clamped; chamfers top
+  and bottom lead it in.
+- Bores: guide each piezo over most of its length, since the drive loads them sideways, and end in a floor it stands on.
+- Ejector holes: through each floor, to push a defective piezo out from below, and to let the air out of a close bore.
+- Clamp holes: tapped from the side into each bore near the floor, for a soft-tipped set screw that holds the piezo's
+  foot and leaves its stroke free. (Screws are set before the holder goes into the pocket.)
+- Well and lead slots: each bore opens through a narrow slot into a well in the middle, by which the leads come out at
+  the top: there is no room for them between holder and pocket.
+- Lifting holes: tapped in the top face between the bores, to pull the holder out of its pocket.
+- Index notches: keys in the rim on the +x and -x sides; a gauge laid through the base's lead channel into one of them
+  sets the piezos' line along the travel before the clamps are drawn.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
+from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+from stagecad.solids.parts.tip import bolt_circle_radius, piezo_places
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME = "holder"
+
+NOTES = (
+    "Bores on an equilateral triangle about the axis; clamp holes in line with them, through to the bore.",
+    "Lifting holes midway between the bores; index notches on the diameter parallel to the line of two bores.",
+)
+
+
+def build(design: Any) -> cq.Solid:
+    """The holder as one solid, mm."""
+    import cadquery as cq
+
+    h, threads = design.holder, design.threads
+    axis = cq.Vector(0, 0, 1)
+    body = cq.Solid.makeCylinder(h.diameter / 2, h.height, cq.Vector(0, 0, 0), axis)
+    body = body.chamfer(h.edge_chamfer, None, edges_where(body, lambda p: p.z < 1e-6 or p.z > h.height - 1e-6))
+    body = body.Solids()[0]
+
+    cutters: list[cq.Shape] = []
+    places = piezo_places(design)
+    bore = stepped_hole(
+        (0, 0, h.height),
+        (0, 0, -1),
+        [(h.bore_diameter, h.height - h.floor), (h.ejector_hole, h.height + OVERRUN)],
+        mouth_chamfer=h.bore_chamfer,
+    )
+    cutters += repeated(bore, [(x, y, 0.0) for x, y in places])
+    cutters.append(
+        stepped_hole(
+            (0, 0, h.height), (0, 0, -1), [(h.well_diameter, h.height - h.floor)], mouth_chamfer=h.bore_chamfer
+        )
+    )
+    radius, outside = bolt_circle_radius(design), h.diameter / 2
+    for x, y in places:
+        angle = math.degrees(math.atan2(y, x))
+        slot = cq.Solid.makeBox(
+            radius, h.lead_slot_width, h.height - h.floor + OVERRUN, cq.Vector(0, -h.lead_slot_width / 2, h.floor)
+        )
+        cutters.append(slot.rotate(cq.Vector(0, 0, 0), axis, angle))
+        c, s = x / radius, y / radius
+        cutters.append(
+            stepped_hole(
+                (outside * c, outside * s, h.clamp_height),
+                (-c, -s, 0),
+                [(threads.m4_tap_drill, outside - radius)],
+                mouth_chamfer=h.bore_chamfer,
+            )
+        )
+    for k in range(3):
+        angle = math.radians(30.0 + 120.0 * k)
+        cutters.append(
+            stepped_hole(
+                (h.lift_radius * math.cos(angle), h.lift_radius * math.sin(angle), h.height),
+                (0, 0, -1),
+                [(threads.m4_tap_drill, h.lift_drill_depth)],
+                mouth_chamfer=h.bore_chamfer,
+                drill_point=True,
+            )
+        )
+    for side in (-1, 1):
+        middle = side * (outside - (h.index_depth - OVERRUN) / 2)
+        cutters.append(
+            plate(
+                (middle, 0.0, h.height - h.index_depth), h.index_depth + OVERRUN, h.index_width, h.index_depth + OVERRUN
+            )
+        )
+    return cut_all(body, cutters)
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.holder.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Bottom, top, and the floors the piezos stand on."""
+    h = design.holder
+    floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(piezo_places(design), start=1)]
+    return named(
+        Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
+        Datum("top", (0.0, 0.0, h.height), Z),
+        *floors,
+    )
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the holder."""
+    h, d = design.holder, Declarations(design)
+    (x1, y1), (x2, _), (_, y3) = piezo_places(design)
+    top, outside, middle = h.height, h.diameter / 2, (h.height + h.floor) / 2
+    d.diameter(
+        "diameter", "holder.diameter", (0, 0, h.floor / 2), on=X, view="front", note="sliding fit in the base's pocket"
+    )
+    d.linear("height", "holder.height", (0, 0, 0), (0, -outside + 4, top), Z, view="front")
+    d.linear(
+        "piezo spacing",
+        "actuator.piezo_spacing",
+        (x1, y1, top),
+        (x2, y1, top),
+        view="top",
+        note="3 bores on an equilateral triangle about the axis",
+    )
+    bore = "piezo bore"
+    d.diameter("piezo bore", "holder.bore_diameter", (x1, y1, middle), feature=bore, count=3, view="top")
+    d.linear("floor", "holder.floor", (x1, y1, 0), (x1, y1, h.floor), count=4, view="section", note="bores and well")
+    d.diameter(
+        "ejector hole",
+        "holder.ejector_hole",
+        (x1, y1, h.floor / 2),
+        feature=bore,
+        count=3,
+        note="through",
+        view="top",
+    )
+    d.diameter("well", "holder.well_diameter", (0, 0, middle), on=(0.0, -1.0, 0.0), view="top")
+    slot, half = (h.well_diameter / 2 + y3 - h.bore_diameter / 2) / 2, h.lead_slot_width / 2
+    d.linear(
+        "lead slot width",
+        "holder.lead_slot_width",
+        (-half, slot, middle),
+        (half, slot, middle),
+        count=3,
+        view="top",
+        note="bore to well, down to the floor",
+    )
+    d.tapped("clamp hole", "m4", (0, outside, h.clamp_height), (0, -1, 0), count=3, view="back")
+    d.linear(
+        "clamp hole height",
+        "holder.clamp_height",
+        (0, outside - 3, 0),
+        (0, outside, h.clamp_height),
+        Z,
+        count=3,
+        view="back",
+    )
+    lift = (0.0, -h.lift_radius, top)
+    d.linear("lifting hole radius", "holder.lift_radius", (0, 0, top), lift, count=3, view="top")
+    d.tapped(
+        "lifting hole",
+        "m4",
+        lift,
+        (0, 0, -1),
+        thread_depth="holder.lift_thread_depth",
+        drill_depth="holder.lift_drill_depth",
+        shows_drill=False,
+        count=3,
+    )
+    notch = outside - h.index_depth / 2
+    d.linear(
+        "index notch width",
+        "holder.index_width",
+        (notch, -h.index_width / 2, top - h.index_depth / 2),
+        (notch, h.index_width / 2, top - h.index_depth / 2),
+        count=2,
+        view="top",
+    )
+    d.linear(
+        "index notch depth",
+        "holder.index_depth",
+        (0, -outside + 4, top),
+        (notch, 0, top - h.index_depth),
+        Z,
+        count=2,
+        view="front",
+        note="and as deep radially",
+    )
+    c = h.edge_chamfer / 2
+    d.chamfer("edge chamfer", "holder.edge_chamfer", (0, -(outside - c), c), note="both ends", view="front")
+    c = h.bore_chamfer / 2
+    d.chamfer(
+        "bore chamfer",
+        "holder.bore_chamfer",
+        (x1 - h.bore_diameter / 2 - c, y1, top - c),
+        note="mouths of all holes",
+        view="top",
+    )
+    return tuple(d)
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Piezos upright in the pocket: their floors square to the diameter that the pocket guides."""
+    f, h = FaceRequirements(design), design.holder
+    axis, floors = (0.0, 0.0, h.floor / 2), tuple((x, y, h.floor) for x, y in _beside_ejectors(design))
+    f.datum("A", (axis,), Z, "front", round=True)
+    f.keeps("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
+    f.keeps("perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True)
+    f.smooth("floors", "bearing.way_roughness", floors, Z, "section")
+    return tuple(f)
+
+
+def _beside_ejectors(design: Any) -> list[tuple[float, float]]:
+    """A place (x, y) on each bore's floor: the ejector hole takes its middle."""
+    aside = (design.holder.ejector_hole + design.holder.bore_diameter) / 4
+    return [(x + aside, y) for x, y in piezo_places(design)]

@@ -1,0 +1,133 @@
+"""The tooth iron: a pole of soft iron on the stage, with teeth along the travel that face the teeth of a bar.
+
+Part coordinates: origin in the middle of the seat (the face on the pocket's floor), x along the travel, y across it,
+z up; the iron hangs below z = 0, its tooth crests at z = -height.
+
+Features and what each is for
+- Block of homogeneous soft iron of low hysteresis, two to a magnet; upright corners rounded more than the pocket's.
+- Teeth: ridges along the travel, at the pitch of the bar's. Moving along them changes nothing; moving across them meets
+  the magnetic stiffness that keeps the stage on its line. Half a groove at either side keeps the pitch across the
+  magnet. Crests keep sharp edges (the field works there); all other edges are broken.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
+from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, Y, Z, named
+from stagecad.solids.modelling.holes import OVERRUN
+from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+NAME = "tooth_iron"
+
+NOTES = ("Teeth symmetric about the middle of the width, half a groove at either side. Four off, alike.",)
+
+
+def tooth_centres(design: Any) -> list[float]:
+    """Middle y of each tooth of one iron, mm, about the iron's own middle."""
+    count, pitch = int(design.teeth.per_iron), design.teeth.pitch
+    return [(i - (count - 1) / 2) * pitch for i in range(count)]
+
+
+def groove_spans(centres: list[float], width: float, edge: float) -> list[tuple[float, float]]:
+    """The stretches of y between the teeth, from -edge to +edge, mm."""
+    sides = [-edge]
+    for centre in centres:
+        sides += [centre - width / 2, centre + width / 2]
+    sides.append(edge)
+    return list(zip(sides[::2], sides[1::2], strict=True))
+
+
+def build(design: Any) -> cq.Solid:
+    """The tooth iron as one solid, mm."""
+    iron, teeth = design.tooth_iron, design.teeth
+    width = teeth.per_iron * teeth.pitch
+    block = plate((0.0, 0.0, 0.0), iron.length, width, -iron.height, corner_radius=iron.corner_radius)
+    block = block.chamfer(iron.edge_chamfer, None, edges_where(block, lambda p: abs(p.z) < 1e-6)).Solids()[0]
+    return cut_all(
+        block,
+        [
+            plate(
+                (0.0, (low + high) / 2, -iron.height + teeth.groove_depth),
+                iron.length + 2 * OVERRUN,
+                high - low,
+                -(teeth.groove_depth + OVERRUN),
+            )
+            for low, high in groove_spans(tooth_centres(design), teeth.width, width / 2 + OVERRUN)
+        ],
+    )
+
+
+def material(design: Any) -> str:
+    """Name of its material."""
+    return design.tooth_iron.material
+
+
+def datums(design: Any) -> dict[str, Datum]:
+    """Seat on the stage, and the plane of the tooth crests."""
+    height = design.tooth_iron.height
+    return named(Datum("seat", (0.0, 0.0, 0.0), Z), Datum("teeth", (0.0, 0.0, -height), (0.0, 0.0, -1.0)))
+
+
+def dimensions(design: Any) -> tuple[Dimension, ...]:
+    """Every dimension of the tooth iron."""
+    iron, d = design.tooth_iron, Declarations(design)
+    centres = tooth_centres(design)
+    x, y, crest = iron.length / 2, design.teeth.per_iron * design.teeth.pitch / 2, -iron.height
+    d.linear("length", "tooth_iron.length", (-x, 0, crest / 4), (x, 0, crest / 4), view="top")
+    d.linear("height", "tooth_iron.height", (0, centres[0], 0), (0, centres[0], crest), view="right")
+    if design.teeth.per_iron > 1:
+        keys = ("teeth.pitch", "teeth.per_iron")
+        d.derived("width", 2 * y, keys, (0, -y, crest / 4), (0, y, crest / 4), view="top")
+    nook = iron.corner_radius * (1 - math.sqrt(0.5))
+    d.radius("corner radius", "tooth_iron.corner_radius", (x - nook, y - nook, crest / 4), count=4, view="top")
+    c = iron.edge_chamfer / 2
+    d.chamfer("edge chamfer", "tooth_iron.edge_chamfer", (0, y - c, -c), note="rim of the seat", view="right")
+    declare_teeth(d, design, centres, crest, into=1.0, groups=1)
+    return tuple(d)
+
+
+def declare_teeth(
+    d: Declarations, design: Any, centres: list[float], crest: float, *, into: float, groups: int
+) -> None:
+    """Dimensions of the teeth, alike on iron and bar: crests at z = `crest`, the iron on the side `into`, +1 or -1."""
+    teeth = design.teeth
+    half, flank = teeth.width / 2, crest + into * teeth.groove_depth / 2
+    first, pitch = centres[0], teeth.pitch
+    d.counted("teeth in a group", "teeth.per_iron", (0, first, crest), Y, count=groups, view="right", feature="teeth")
+    d.linear("tooth width", "teeth.width", (0, first - half, flank), (0, first + half, flank), view="right")
+    d.depth(
+        "groove depth",
+        "teeth.groove_depth",
+        (0, first, crest),
+        (0, first + pitch / 2, crest + into * teeth.groove_depth),
+        Z,
+        view="right",
+    )
+    if len(centres) // groups > 1:
+        d.linear("tooth pitch", "teeth.pitch", (0, first - half, flank), (0, first + pitch - half, flank), view="right")
+    else:
+        d.linear(
+            "iron width",
+            "teeth.pitch",
+            (0, first - pitch / 2, crest + into * 2 * teeth.groove_depth),
+            (0, first + pitch / 2, crest + into * 2 * teeth.groove_depth),
+            view="right",
+        )
+
+
+def requirements(design: Any) -> tuple[FaceRequirement, ...]:
+    """Crests parallel to the seat: the gap to the bar is the same all over."""
+    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
+    seat = ((0.0, 0.0, 0.0),)
+    crests = tuple((0.0, y, -design.tooth_iron.height) for y in tooth_centres(design))
+    f.datum("A", seat, Z, "right")
+    f.keeps(
+        "parallelism", "crests to seat", "drawing.tolerance_x_xx", crests, down, "right", datums=("A",), combined=True
+    )
+    return tuple(f)

@@ -1,0 +1,268 @@
+"""What a verdict is made from: a base model's misfit, the effects tried on it, and what can be read off both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from sim.library.effect import Effect
+from sysid.diagnosis.own_patterns import apart_from, own_coordinates
+from sysid.diagnosis.pairs import Pair, pairs_on_top
+from sysid.diagnosis.residual_maps import patterns_of
+from sysid.diagnosis.trials import Search, Trial, significance_of
+from sysid.diagnosis.verdict_limits import (
+    ADEQUATE_OVER_NOISE,
+    ALIKE,
+    AT_REST,
+    AT_REVERSALS,
+    BENT,
+    CLEARLY_AWAY,
+    LATE,
+    LEAST_AWAY,
+    LEAST_GAIN,
+    LEAST_OF_MOST,
+    LEAST_PATTERN,
+    LEAST_PERSISTENCE,
+    LEAST_SIGNIFICANCE,
+    LEAST_STEADINESS,
+    MOST_OF_IT,
+    SHARE_AWAY,
+    SPELLS,
+)
+from sysid.estimation.base_fit import ranking_error
+from sysid.estimation.misfit import ChannelMisfit, Weighting, away_from_turns, blocks, excess, huber_square, misfit
+from sysid.estimation.reference_fit import BaseFit, best_laws, holds_better
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.model import Model, Prepared, law_family
+from sysid.prediction.problem import Case
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a verdict is made from.
+
+    Args:
+        case, base: records and scales, and the model fitted to them.
+        search: every effect tried on it.
+        ranked: the best law of each effect, best first.
+        over: error over noise of the base model, the worst of its records.
+        pattern: share of its residual that the best coordinate explains.
+        all_effects: second effects too are looked for in the whole library.
+        added: effects of the model that earlier rounds added.
+        textured: whether the position foretells the residual of moments it has not seen, be it little of it.
+    """
+
+    case: Case
+    base: BaseFit
+    search: Search
+    ranked: Sequence[Trial]
+    over: float
+    pattern: float
+    all_effects: bool
+    added: Sequence[Effect] = ()
+    textured: bool = False
+
+    @property
+    def allowance(self) -> float:
+        """Error over noise up to which a model of this form is adequate."""
+        return ADEQUATE_OVER_NOISE[self.case.form]
+
+    @property
+    def balance(self) -> bool:
+        """Whether the records are compared as a force balance."""
+        return self.case.form == "force_balance"
+
+    @property
+    def error(self) -> float:
+        """Ranking error of the base model on the held-out records, in deviations."""
+        return ranking_error(self.base.residual)
+
+    def left_by(self, trial: Trial) -> float:
+        """Share of the variance above the noise that an effect leaves."""
+        return self.left_at(excess(*misfits_of(self.case, trial)))
+
+    def left_at(self, over: float) -> float:
+        """Share of the variance above the noise that is left where a model's error over noise is `over`."""
+        return float(min(1.0, max(0.0, over**2 - 1.0) / max(self.over**2 - 1.0, 1e-9)))
+
+    @property
+    def patterned(self) -> bool:
+        """Whether the base model's residual follows some coordinate, known or not."""
+        return self.pattern >= LEAST_PATTERN or self.textured or self._persistence() >= LEAST_PERSISTENCE
+
+    @property
+    def in_spells(self) -> bool:
+        """Whether some stretches lie far above the noise, though the robust error, or that of the held-out records,
+        does not say so: what happens once may be in one record alone."""
+        fitted = self.base.fitted
+        in_fit = ranking_error(fitted.fit.residual) >= SPELLS
+        return (self.error >= SPELLS and self._persistence() >= LEAST_PERSISTENCE) or (
+            in_fit
+            and persistence(self.case, self.case.fit_records, fitted.weights, fitted.fit.residual) >= LEAST_PERSISTENCE
+        )
+
+    def _persistence(self) -> float:
+        return persistence(self.case, self.case.validate_records, self.base.weights, self.base.residual)
+
+    def patterns_left(self, model: Model) -> dict[str, float]:
+        """Share of a model's residual that each coordinate explains."""
+        case, base = self.case, self.base
+        return patterns_of(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
+
+    def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
+        """Largest share of a model's residual that one coordinate explains, of all or of some."""
+        shares = self.patterns_left(model)
+        return max((share for name, share in shares.items() if not coordinates or name in coordinates), default=0.0)
+
+    def bent(self, trial: Trial) -> bool:
+        """Whether an effect of the position, or of time, leaves a residual that still follows it, whichever law of its
+        family is taken: the true law is another."""
+        own = trial.candidate.effect.coordinates
+        if len(own) != 1 or own[0] not in BENT:
+            return False
+        fitted = trial.candidate.fitted
+        if self.pattern_left(fitted.model, own) < BENT[own[0]]:
+            return False
+        best, _ = best_laws(self.case, fitted, [law_family(trial.name)], partial(holds_better, self.case))
+        return best is fitted or self.pattern_left(best.model, own) >= BENT[own[0]]
+
+    def on_top(self, trial: Trial) -> list[Pair]:
+        """An effect with each of the most promising others on top of it, best first."""
+        return pairs_on_top(self.case, self.base, trial.candidate, self.all_effects, self.search.first.seen)
+
+    def share_away(self, trial: Trial) -> float | None:
+        """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.
+
+        Of the held-out records; of those fitted, where the held-out ones have too little of it there.
+        """
+        held_out, fitted = away_of(self.case, self.base, trial)
+        if held_out is None:
+            return None
+        # Where there is little above the noise a share of it says nothing.
+        clear = next((loss for loss in (held_out, fitted) if loss is not None and loss.clear), None)
+        return clear.share if clear is not None else 0.0
+
+    def share_apart(self, trial: Trial) -> float:
+        """Share of the held-out loss above the noise that an effect takes, apart from the patterns of added effects."""
+        own = own_coordinates(self.added)
+        if not own:
+            return 0.0
+        records, weights = self.case.validate_records, self.base.weights
+        before, after = (
+            float(np.mean(huber_square(apart_from(r, records, weights, own))))
+            for r in (self.base.residual, trial.residual)
+        )
+        return (before - after) / max(before - min(1.0, after), 1e-9)
+
+    def like_turns(self, trial: Trial) -> bool:
+        """Whether a small error in the time of the turns would look like this effect."""
+        # On a driven mass a late sensor of its motion is a late drive.
+        late = self.case.kind == "force-drive" and trial.family in LATE
+        return (late or trial.family in AT_REVERSALS) and trial.share_at_rest < AT_REST
+
+
+@dataclass(frozen=True)
+class LossAway:
+    """Mean squared loss of some records away from the turns of a driven mass, before and after an effect.
+
+    Args:
+        before, after: in noise deviations squared.
+        significance: of the drop, were what the effect leaves all noise, in standard errors.
+    """
+
+    before: float
+    after: float
+    significance: float
+
+    @property
+    def clear(self) -> bool:
+        """Whether there is enough above the noise for a share of it to say something."""
+        return self.before > CLEARLY_AWAY
+
+    @property
+    def share(self) -> float:
+        """Part of the loss above the noise that is gone."""
+        return (self.before - self.after) / max(self.before - min(1.0, self.after), 1e-9)
+
+
+def away_of(case: Case, base: BaseFit, trial: Trial) -> tuple[LossAway | None, LossAway | None]:
+    """What an effect does away from the turns, on the held-out records and on those fitted; none where all is near."""
+    held_out = _away(case.validate_records, base.weights, base.residual, trial.residual)
+    after = trial.candidate.fitted.fit.residual
+    whole = after.size == base.fitted.fit.residual.size
+    fitted = _away(case.fit_records, base.fitted.weights, base.fitted.fit.residual, after) if whole else None
+    return held_out, fitted
+
+
+def _away(records: Sequence[Prepared], weights: Weighting, before: np.ndarray, after: np.ndarray) -> LossAway | None:
+    away = away_from_turns(records, weights)
+    if np.mean(away) < LEAST_AWAY:
+        return None
+    worse, better = before[away], after[away]
+    return LossAway(
+        float(np.mean(huber_square(worse))),
+        float(np.mean(huber_square(better))),
+        significance_of(worse, better, blocks(records, weights)[away]),
+    )
+
+
+def misfits_of(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:
+    """Misfits with an effect in, kept with its trial."""
+    if not trial.after_fit:
+        trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
+        trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
+    return trial.after_fit, trial.after_validate
+
+
+def persistence(case: Case, records: Sequence[Prepared], weights: Weighting, residual: np.ndarray) -> float:
+    """Correlation of a residual (n,) with itself four scored samples on, less that of the sensors' noise: what is
+    left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
+    lag, best = 4, 0.0
+    start = 0
+    for record, picks in zip(records, weights.picks, strict=True):
+        for channel, pick in picks.items():
+            r = np.clip(residual[start : start + pick.size], -8.0, 8.0)
+            start += pick.size
+            if r.size < 50:
+                continue
+            noise = case.noise.get(channel)
+            own = noise.correlation**lag if noise is not None and case.form == "output" else 0.0
+            if isinstance(record, Balance) and record.whole is not None:
+                # Filtered white noise; a record is thinned to a sample per filter width, rounded down.
+                apart = lag * max(1, int(record.whole.width / record.step)) * record.step
+                own = float(np.exp(-0.25 * (apart / record.whole.width) ** 2))
+            best = max(best, float(np.corrcoef(r[lag:], r[:-lag])[0, 1]) - own)
+    return best
+
+
+def is_worthwhile(case: Case, base: BaseFit, trial: Trial) -> bool:
+    """Whether an effect lowers the held-out loss by more than chance, and by enough to matter.
+
+    On a driven mass what its stops leave may hide that: then it counts away from its turns, where an effect has to take
+    nearly all of a clear loss, on all records.
+    """
+    return _takes_enough(base, trial) or _takes_all_away(case, base, trial)
+
+
+def _takes_all_away(case: Case, base: BaseFit, trial: Trial) -> bool:
+    losses = away_of(case, base, trial)
+    known = [loss for loss in losses if loss is not None]
+    return (
+        len(known) == len(losses)
+        and any(loss.clear for loss in known)
+        and all(loss.share >= SHARE_AWAY and loss.significance >= LEAST_SIGNIFICANCE for loss in known)
+    )
+
+
+def _takes_enough(base: BaseFit, trial: Trial) -> bool:
+    before = ranking_error(base.residual) ** 2
+    before_fit = ranking_error(base.fitted.fit.residual) ** 2
+    alike = trial.fit_gain * before >= ALIKE * trial.gain * before_fit
+    certain = trial.significance >= LEAST_SIGNIFICANCE or (trial.steadiness >= LEAST_STEADINESS and alike)
+    # What shows at a few break-aways alone is never steady: there it must take most, on all records.
+    most = trial.gain >= MOST_OF_IT * before and trial.fit_gain >= MOST_OF_IT * before_fit
+    certain |= most and trial.significance >= LEAST_OF_MOST
+    return certain and trial.gain >= LEAST_GAIN * before and trial.fit_gain >= LEAST_GAIN * before_fit

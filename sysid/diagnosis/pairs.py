@@ -1,0 +1,289 @@
+"""Two effects missing at once: which pair explains what no single one does.
+
+The best single effect need not be one of the two: an effect that leans on both may beat each alone. In the linear score
+a pair costs no more than its parts: the columns of every effect, at its best few grid points, are there already, so the
+drop for each of some thousand pairs is a small solution of normal equations. The best pairs are then refitted in full,
+and judged on the held-out records.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from sim.library.effect import Effect
+from sysid.diagnosis.trials import FirstLooks, Seen, Trial, looks_on, trial_of
+from sysid.estimation.base_fit import Fitted, fit_model, ranking_error
+from sysid.estimation.initial_fit import has_shape
+from sysid.estimation.misfit import weighted_residual
+from sysid.estimation.reference_fit import BaseFit
+from sysid.estimation.score_test import IN_PAIRS, Score, out_of_bounds, start_for, target_of
+from sysid.estimation.screening import Candidate, Look, Scored, look_at, refined
+from sysid.estimation.starting_points import with_bounds_of, without_family
+from sysid.prediction.model import Model, base_name, with_effect
+from sysid.prediction.problem import Case
+from sysid.signals.side_by_side import side_by_side
+
+PAIRS_REFITTED = 6
+
+BESIDE_IT = 0.05
+"""Part of the squared residual beside an effect searched for anew that another must promise to take."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two effects on top of the base model, refitted.
+
+    Args:
+        effects: the two.
+        fitted: model with both, and its fit.
+        error: ranking error on the held-out records, in deviations.
+        residual: of the held-out records, in deviations, (n,).
+    """
+
+    effects: tuple[Effect, Effect]
+    fitted: Fitted
+    error: float
+    residual: np.ndarray
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """The two, as everyone calls them."""
+        return (base_name(self.effects[0].name), base_name(self.effects[1].name))
+
+    @property
+    def model(self) -> Model:
+        """With both."""
+        return self.fitted.model
+
+    def partner(self, family: str) -> str:
+        """The other name than this one."""
+        return self.names[1] if self.names[0] == family else self.names[0]
+
+    def other(self, family: str) -> Effect:
+        """The one of the two that is not of this family."""
+        return self.effects[1] if base_name(self.effects[0].name) == family else self.effects[0]
+
+
+@dataclass(frozen=True)
+class _Part:
+    known: Scored
+    score: Score
+    columns: slice
+
+
+def best_pairs(
+    case: Case,
+    base: BaseFit,
+    first: FirstLooks,
+    wanted: str | None = None,
+    given: Model | None = None,
+) -> list[Pair]:
+    """The pairs of effects that looked best together, refitted, best on the held-out records first.
+
+    Args:
+        case: records and scales.
+        base: the fitted model that the looks were taken on.
+        first: looks at every effect on top of it.
+        wanted: family that must be one of the two.
+        given: a model whose bounds, priors and held values stay, where one of the two stood in it before.
+    """
+    parts, blocks = [], []
+    start = 0
+    alone = ranking_error(base.fitted.fit.residual)
+    # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
+    able = [look for look in first.looks if look.linear or look.error < alone]
+    for known in [*able, *first.unfitted]:
+        for score in known.scores[:IN_PAIRS]:
+            norms = np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
+            blocks.append(score.columns / norms)
+            parts.append(_Part(known, score, slice(start, start + norms.size)))
+            start += norms.size
+    if len(parts) < 2:
+        return []
+    columns = np.hstack(blocks)
+    gram, right = columns.T @ columns, columns.T @ first.target
+    together = sorted(_pair_drops(parts, gram, right), key=lambda found: -found[0])
+    least = 0.0 if wanted is None else _least_with(wanted, parts, first.target)
+    chosen: dict[frozenset[str], tuple[_Part, _Part]] = {}
+    for drop, one, other in together:
+        families = frozenset((base_name(one.known.effect.name), base_name(other.known.effect.name)))
+        if len(chosen) >= PAIRS_REFITTED or drop < least:
+            break
+        if wanted is None or wanted in families:
+            chosen.setdefault(families, (one, other))
+    shared = (*(part.known.effect for part in parts), *base.fitted.model.effects, base.fitted.weights)
+    found = side_by_side(
+        lambda two: _refitted(case, base, two, gram, right, given), list(chosen.values()), shared
+    )  # fmt: skip
+    return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
+
+
+def _least_with(wanted: str, parts: Sequence[_Part], target: np.ndarray) -> float:
+    """What a pair must take of the squared target for the other to be worth a fit beside an effect that is wanted."""
+    total = float(target @ target)
+    alone = total * max((p.score.drop for p in parts if base_name(p.known.effect.name) == wanted), default=0.0)
+    return alone + BESIDE_IT * (total - alone)
+
+
+def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> list[tuple[float, _Part, _Part]]:
+    """What each two effects of different families take of the squared target together."""
+    found = []
+    for first, second in combinations(parts, 2):
+        a, b = first.known.effect, second.known.effect
+        if base_name(a.name) == base_name(b.name) or (a.core is not None and b.core is not None):
+            continue
+        index = np.r_[first.columns, second.columns]
+        weights = _weights(gram, right, index)
+        count = first.score.columns.shape[1]
+        # A Stribeck curve turned over does what a drag does, but no fit will have it.
+        if _possible(first, weights[:count]) and _possible(second, weights[count:]):
+            found.append((float(right[index] @ weights), first, second))
+    return found
+
+
+def _possible(part: _Part, weights: np.ndarray) -> bool:
+    """Whether the weights (k,) of an effect's scaled columns are amplitudes that its bounds allow."""
+    norms = np.maximum(np.linalg.norm(part.score.columns, axis=0), 1e-300)
+    return not out_of_bounds(part.known.effect, part.score.moves, weights / norms)
+
+
+def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarray:
+    block = gram[np.ix_(index, index)] + 1e-6 * np.eye(index.size)
+    return np.linalg.solve(block, right[index])
+
+
+def _refitted(
+    case: Case, base: BaseFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray, given: Model | None
+) -> Pair | None:
+    weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
+    model = base.fitted.model
+    # A core replaces the one before it and starts from its level: it comes first.
+    for part in sorted(two, key=lambda part: part.known.effect.core is None):
+        effect, score = part.known.effect, part.score
+        own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
+        own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
+        model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.moves, own))
+    if given is not None:
+        model = with_bounds_of(model, given)
+    fitted = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
+    residual = weighted_residual(fitted.model, case.validate_records, base.weights)
+    if not np.isfinite(residual).all():
+        return None
+    return Pair((two[0].known.effect, two[1].known.effect), fitted, ranking_error(residual), residual)
+
+
+ON_TOP = 3
+"""Effects refitted on top of another."""
+
+COULD_EXPLAIN = 0.3
+"""Share of the loss above the noise that two effects must take at first sight: a fit in full may find as much again."""
+
+PROMISING = 10
+"""Effects fitted shortly to choose those from: the best three were among the first seven by score (17 generated)."""
+
+
+def pairs_on_top(
+    case: Case, base: BaseFit, first: Candidate, all_effects: bool = False, seen: Seen | None = None
+) -> list[Pair]:
+    """Pairs with the second effect looked for on top of the first one's fit, best on the held-out records first.
+
+    What the scores of two together, taken on the base model alone, rank too low: the shape of the one is clear only
+    where the other is there.
+
+    Args:
+        case, base: records, and the fitted base model.
+        first: effect on top of it.
+        all_effects: try whatever else the library has, too.
+        seen: what effects do to the residual of the base model.
+    """
+    below = BaseFit(
+        first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
+    )
+    present = [e.name for e in first.fitted.model.effects]
+
+    def refitted(look: Look) -> Pair | None:
+        fitted = refined(first.fitted, look, case.fit_records, case.scales).fitted
+        residual = weighted_residual(fitted.model, case.validate_records, base.weights)
+        if not np.isfinite(residual).all():
+            return None
+        return Pair((first.effect, look.effect), fitted, ranking_error(residual), residual)
+
+    before = ranking_error(base.fitted.fit.residual) ** 2
+    enough = before - COULD_EXPLAIN * max(before - 1.0, 0.0)
+    needed = 1.0 - enough / max(ranking_error(first.fitted.fit.residual) ** 2, 1e-300)
+    seen_on_top = looks_on(case, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
+    looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
+    shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
+    found = side_by_side(refitted, looks, shared)
+    return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
+
+
+def searched_again(
+    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, seen: Seen | None = None
+) -> list[Trial]:
+    """Effects tried while one that the model has is searched for anew, best first.
+
+    A pitch fitted while another effect was missing may sit in a wrong place that no step leads out of; every effect
+    tried on top of it then seems to do little.
+
+    Args:
+        case, base: records, and the fitted model.
+        present: names of its effects.
+        all_effects: try whatever else the library has, too.
+        seen: what effects do to the residual of the model.
+    """
+    trials = []
+    for family in _shaped(base.fitted.model):
+        below, first = less_one(case, base, present, family, all_effects, seen)
+        for pair in best_pairs(case, below, first, family, base.fitted.model)[:2]:
+            trial = trial_of(case, base, Candidate(pair.other(family), 0.0, pair.fitted))
+            if trial is not None:
+                trials.append(trial)
+    return sorted(trials, key=lambda trial: trial.error)
+
+
+def added_anew(case: Case, base: BaseFit, options: Sequence[Effect]) -> list[Fitted]:
+    """Fits of the model with one of `options` added, while one effect that it has is searched for anew."""
+    fits = []
+    for family in _shaped(base.fitted.model):
+        below = less(case, base, family)
+        basis, target = target_of(below.fitted)
+        own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
+        found = [look_at(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)]
+        seen = FirstLooks([look for look in found if look is not None], [], target)
+        pairs = best_pairs(case, below, seen, family, base.fitted.model)
+        fits += [pair.fitted for pair in pairs[:1]]
+    return fits
+
+
+def _shaped(model: Model) -> list[str]:
+    """Families of the model's effects that have a shape which the fit may move."""
+    free = {u.key.partition(".")[0] for u in model.unknowns}
+    return [base_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
+
+
+def less_one(
+    case: Case, base: BaseFit, present: Sequence[str], family: str, all_effects: bool, seen: Seen | None = None
+) -> tuple[BaseFit, FirstLooks]:
+    """The fit without one family of effects, and the looks on top of it, once for whoever asks."""
+    below = less(case, base, family)
+    key = f"looks, {all_effects}"
+    if key not in below.memo:
+        others = [name for name in present if base_name(name) != family]
+        below.memo[key] = looks_on(case, below, others, all_effects, promising=PROMISING, seen=seen)
+    return below, below.memo[key]
+
+
+def less(case: Case, base: BaseFit, family: str) -> BaseFit:
+    """The fit of the model without one family of effects, on the same weights."""
+    key = f"less {family}"
+    if key not in base.memo:
+        model = without_family(base.fitted.model, family)
+        rest = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
+        residual = weighted_residual(rest.model, case.validate_records, base.weights)
+        base.memo[key] = BaseFit(rest, base.weights, residual)
+    return base.memo[key]

@@ -1,0 +1,47 @@
+"""Quantisation is read off the values themselves: a channel whose steps are coarser than its noise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sim.library.catalogue import find
+from sysid.diagnosis.trials import Trial
+from sysid.estimation.base_fit import ranking_error
+from sysid.estimation.misfit import excess, misfit
+from sysid.estimation.reference_fit import BaseFit, fit_case
+from sysid.estimation.screening import Candidate
+from sysid.prediction.problem import Case, make_case
+
+NOISE_IS_GONE = 0.2
+"""Error over the noise below which that noise cannot be in the values: they were rounded."""
+
+
+def coarse_steps(case: Case, base: BaseFit, enough: float) -> Trial | None:
+    """The coarse grid of a channel's values as a trial, where it is coarser than the noise the user gave.
+
+    None where there is none, where the base model's error over noise is `enough` as it is, or where little falls. A
+    channel that shows few values may be met exactly, by levels that are a little off: its noise, gone, tells of steps.
+    """
+    if any(name.partition("@")[0] == "sensor_quantisation" for name in case.experiment.effects):
+        return None
+    coarse = [
+        channel for channel, noise in case.noise.items()
+        if noise.quantum is not None and noise.quantum / np.sqrt(12.0) > noise.value
+    ]  # fmt: skip
+    if not coarse:
+        return None
+    names = [
+        *case.experiment.effects,
+        *(["sensor_quantisation"] if len(case.noise) == len(coarse) else [f"sensor_quantisation@{c}" for c in coarse]),
+    ]
+    other = make_case(case.experiment, case.records, names)
+    refit = fit_case(other)
+    after_fit = misfit(refit.fitted.model, other.fit_records)
+    after = misfit(refit.fitted.model, other.validate_records)
+    before = excess(misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records))
+    rounded_away = before < NOISE_IS_GONE
+    if not rounded_away and (before <= enough or excess(after_fit, after) > 0.9 * before):
+        return None
+    error = ranking_error(refit.residual)
+    candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)
+    return Trial(names[-1], candidate, error, 0.0, 99.0, 0.0, refit.residual, after_fit, after)

@@ -1,0 +1,193 @@
+"""Where a model fails: its residual against every coordinate, with how much of it each explains, and by what chance.
+
+A map is a table of `residual_shares`, drawn: the mean residual in bins of a coordinate, for either direction of motion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from sysid.diagnosis.coordinate_bins import cells_of, edges_of, means_of
+from sysid.diagnosis.residual_shares import Samples, compared, less_time, shared, told_by
+from sysid.estimation.misfit import Weighting
+from sysid.prediction.model import Model, Prepared, predict
+
+PERMUTATIONS = 500
+
+
+@dataclass(frozen=True)
+class ResidualMap:
+    """Residual against one coordinate.
+
+    Args:
+        coordinate: its name.
+        share: of the residual's variance that the map explains where it was not learned, in [0, 1].
+        pattern: what a verdict goes by: the same before what happened once is taken off.
+        beside_time: share that the coordinate explains of what time leaves, less that of time of what it leaves.
+        p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
+            unrelated.
+        centres: of the bins, (k,), in the coordinate's SI unit.
+        forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
+    """
+
+    coordinate: str
+    share: float
+    pattern: float
+    p_value: float
+    centres: np.ndarray
+    forward: np.ndarray
+    backward: np.ndarray
+    beside_time: float = 0.0
+
+
+def residual_maps(
+    model: Model,
+    fit_records: Sequence[Prepared],
+    fit_weights: Weighting,
+    held_out: Sequence[Prepared],
+    held_out_weights: Weighting,
+    seed: int = 0,
+) -> list[ResidualMap]:
+    """Maps of the residual against every coordinate the records have, in the order of `order_maps`.
+
+    Residuals are in noise deviations, winsorised so that no few samples decide.
+    """
+    rng = np.random.default_rng(seed)
+    maps: list[ResidualMap] = []
+    for channel, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
+        maps += [_map(name, learn, judge, rng) for name in shared(learn, judge)]
+        maps.append(_spectrum(model, held_out or fit_records, channel))
+    best: dict[str, ResidualMap] = {}
+    for m in maps:
+        other = best.get(m.coordinate, m)
+        kept = m if m.share > other.share else other
+        best[m.coordinate] = replace(kept, pattern=max(m.pattern, other.pattern))
+    return order_maps(list(best.values()))
+
+
+def patterns_of(
+    model: Model,
+    fit_records: Sequence[Prepared],
+    fit_weights: Weighting,
+    held_out: Sequence[Prepared],
+    held_out_weights: Weighting,
+) -> dict[str, float]:
+    """`ResidualMap.pattern` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
+    out: dict[str, float] = {}
+    for channel, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
+        for name in shared(learn, judge):
+            out[name] = max(out.get(name, 0.0), told_by(name, learn, judge).pattern)
+        out["frequency"] = max(out.get("frequency", 0.0), _spectrum(model, held_out or fit_records, channel).pattern)
+    return out
+
+
+def against_time(
+    maps: Sequence[ResidualMap],
+    model: Model,
+    fit_records: Sequence[Prepared],
+    fit_weights: Weighting,
+    held_out: Sequence[Prepared],
+    held_out_weights: Weighting,
+) -> list[ResidualMap]:
+    """The maps of a residual that no effect of the library explains: weighed against time, and in that order."""
+    weighed: dict[str, tuple[float, float]] = {}
+    for _, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
+        for name in shared(learn, judge):
+            if name in OF_MOTION:
+                told = told_by(name, learn, judge)
+                weighed[name] = max(weighed.get(name, (-1.0, 0.0)), (told.share, less_time(told)))
+    beside = [replace(m, beside_time=weighed.get(m.coordinate, (0.0, 0.0))[1]) for m in maps]
+    return order_maps(beside, nameless=True)
+
+
+def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[ResidualMap]:
+    """Strongest first; a coordinate comes before time where it explains nearly as much.
+
+    Args:
+        maps: of one residual.
+        nameless: what is missing is no effect of the library. Then a coordinate of the motion, of which the library has
+            every kind of law, comes after time where time explains more beside it than it does beside time; so does
+            the distance travelled, which is time by another clock.
+    """
+
+    def weight(m: ResidualMap) -> float:
+        return m.share * _TRUST.get(m.coordinate, 1.0)
+
+    time = max((weight(m) for m in maps if m.coordinate == "time"), default=0.0)
+
+    def place(m: ResidualMap) -> tuple[float, bool]:
+        no_more = m.coordinate == "distance_travelled" or (m.coordinate in OF_MOTION and m.beside_time < 0.0)
+        yields = nameless and no_more and time > 0.0
+        return (-min(weight(m), time), True) if yields else (-weight(m), False)
+
+    return sorted(maps, key=place)
+
+
+OF_MOTION = ("velocity", "direction", "acceleration", "distance_since_reversal", "contact_age", "input")
+"""Coordinates that are of the motion, or drive it."""
+
+
+_TRUST = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
+"""Weight of a share that has a map of its own for each record, or is that of the strongest of very many lines. Distance
+runs with time; few things follow it alone."""
+
+
+def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:
+    """Map of one coordinate, drawn finer than it is judged, from every sample."""
+    told = told_by(name, learn, judge)
+    p_value = _p_value(told.residual, told.foretold, told.block, rng)
+    fine = edges_of(told.values, name, told.drawn)
+    means = means_of(cells_of(told.values, told.direction, fine), told.residual, 2 * (fine.size - 1))
+    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], told.values)
+    forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
+    return ResidualMap(name, told.share, told.pattern, p_value, centres, forward, backward)
+
+
+def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
+    low, high = float(np.min(values)), float(np.max(values))
+    full = np.concatenate([[low], inner, [high]])
+    return 0.5 * (full[1:] + full[:-1])
+
+
+def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator) -> float:
+    """Chance of so good a prediction, by turning the sign of the residual in whole blocks."""
+    inner = np.bincount(block, residual * predicted)
+    inner = inner[np.bincount(block) > 0]
+    if inner.sum() <= 0.0:
+        return 1.0
+    signs = rng.choice([-1.0, 1.0], size=(PERMUTATIONS, inner.size))
+    return float((1 + np.sum(signs @ inner >= inner.sum())) / (1 + PERMUTATIONS))
+
+
+def _spectrum(model: Model, records: Sequence[Prepared], channel: str) -> ResidualMap:
+    """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
+    best = ResidualMap("frequency", 0.0, 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
+    for record in records:
+        if channel not in record.measured or record.size < 2 * (8 + 1):
+            continue
+        predicted = predict(record, model.effects, model.values)
+        y = record.measured[channel]
+        r = np.where(record.valid[channel], y - predicted[channel], 0.0) / record.noise[channel]
+        corner = 5.0 * max(1.4826 * float(np.median(np.abs(r))), 1.0)
+        r = np.clip(r - r.mean(), -corner, corner)
+        power = np.abs(np.fft.rfft(r * np.hanning(r.size))) ** 2
+        frequency = np.fft.rfftfreq(r.size, record.step)
+        total = float(power.sum()) or 1.0
+        band = np.convolve(power, np.ones(3), mode="same")
+        # Below eight cycles a record a line is a drift in disguise.
+        k = 8 + int(np.argmax(band[8:]))
+        share = float(band[k] / total)
+        # Under no line, the largest of n exponentials: P(max > x) = 1 - (1 - exp(-x))^n, generous for colour.
+        local = float(np.median(power[max(8, k // 2) : 2 * k + 9])) / np.log(2.0) + 1e-300
+        p = float(min(1.0, power.size * np.exp(-min(power[k] / local, 700.0))))
+        if share > best.share:
+            rough = min(96, frequency.size)
+            edges = np.linspace(0, frequency.size, rough + 1).astype(int)
+            mean = np.array([power[a:b].max() for a, b in pairwise(edges)])
+            centre = 0.5 * (frequency[edges[:-1]] + frequency[np.minimum(edges[1:], frequency.size - 1)])
+            best = ResidualMap("frequency", share, share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
+    return best

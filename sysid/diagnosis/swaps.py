@@ -1,0 +1,97 @@
+"""Early mistakes: effects added before that another explains better, or that nothing needs any more."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sysid.diagnosis.pairs import less, less_one
+from sysid.diagnosis.trials import Seen, trial_of
+from sysid.estimation.base_fit import ranking_error
+from sysid.estimation.misfit import misfit
+from sysid.estimation.reference_fit import BaseFit
+from sysid.estimation.screening import refined
+from sysid.prediction.model import base_name
+from sysid.prediction.problem import Case
+
+TRIED = 4
+"""Effects refitted in the place of an old one: those that looked best."""
+
+CLEARLY = 0.8
+"""Part of the loss above the noise that another effect must stay below to take an old one's place."""
+
+NEEDLESS = 1.01
+"""Held-out error without an effect, over that with it, up to which the effect is not needed."""
+
+
+@dataclass(frozen=True)
+class Swap:
+    """An effect of the model that should go.
+
+    Args:
+        old: its name.
+        new: the effect to put in its place; none where the model does as well without.
+        before, after: error over noise on the held-out records, as it is and with the swap.
+    """
+
+    old: str
+    new: str | None
+    before: float
+    after: float
+
+
+def find_swaps(
+    case: Case,
+    base: BaseFit,
+    added: Sequence[str],
+    others_too: bool = True,
+    all_effects: bool = False,
+    seen: Seen | None = None,
+) -> list[Swap]:
+    """Effects added earlier that should go, each with what should come in its place.
+
+    Args:
+        case, base: the model as it is, fitted.
+        added: names of the effects that were added to it.
+        others_too: look for effects to put in their place, not only for those that nothing needs.
+        all_effects: try whatever else the library has, too.
+        seen: what effects do to the residual of the model.
+    """
+    now = ranking_error(base.residual)
+    found = []
+    for name in added:
+        family = base_name(name)
+        # Steps are read off the values themselves, not off a misfit that a model without them could be spared.
+        if family == "sensor_quantisation" or not any(
+            base_name(e.name) == family and e.core is None for e in base.fitted.model.effects
+        ):
+            continue
+        own = [u for u in base.fitted.model.unknowns if base_name(u.key.rpartition(".")[0]) == family]
+        if own and all(u.prior is not None for u in own):
+            # Something else than these residuals told of it, as a mode's ringing does above what they show.
+            continue
+        below = less(case, base, family)
+        without = ranking_error(below.residual)
+        if without <= NEEDLESS * now:
+            found.append(Swap(name, None, _worst(case, base), _worst(case, below)))
+            continue
+        if not others_too:
+            continue
+        below, first = less_one(case, base, [e.name for e in case.start.effects], family, all_effects, seen)
+        best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
+        for look in [look for look in first.looks if base_name(look.effect.name) != family][:TRIED]:
+            candidate = refined(below.fitted, look, case.fit_records, case.scales)
+            trial = trial_of(case, below, candidate)
+            if trial is not None and trial.error**2 - 1.0 < least:
+                best, least = trial, trial.error**2 - 1.0
+        if best is not None:
+            after = misfit(best.candidate.fitted.model, case.validate_records)
+            found.append(Swap(name, best.family, _worst(case, base), max(m.over_noise for m in after.values())))
+    return found
+
+
+def _worst(case: Case, base: BaseFit) -> float:
+    over = [m.over_noise for m in misfit(base.fitted.model, case.validate_records).values()]
+    return max(over, default=float(np.nan))

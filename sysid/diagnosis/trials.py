@@ -1,0 +1,389 @@
+"""Effects tried on top of a fitted model: refitted, and measured on the held-out records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sim.library.effect import Effect
+from sysid.estimation.base_fit import fit_model, ranking_error
+from sysid.estimation.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
+from sysid.estimation.reference_fit import BaseFit, best_laws
+from sysid.estimation.score_test import EVERY_ROW, GridPoint, grid_of, linear_scores, target_of
+from sysid.estimation.screening import Candidate, Look, Scored, as_it_looks, look_from, refined, settled
+from sysid.estimation.truncated_records import looked_at
+from sysid.prediction.friction_drive.record import FrictionDriveRecord
+from sysid.prediction.model import base_name, in_contact
+from sysid.prediction.observable import candidates_of
+from sysid.prediction.problem import Case
+from sysid.signals.side_by_side import side_by_side
+
+Progress = Callable[[str, int, int], None]
+"""Called with what comes next, how many steps are done, and of how many; once more when all are."""
+
+
+@dataclass
+class Trial:
+    """One effect tried: its refit, and what it does on the held-out records.
+
+    Args:
+        name: of the effect, with variant and channel.
+        candidate: score and refit on the records of the fit.
+        error: ranking error on the held-out records, in deviations.
+        gain: drop of the mean squared loss on the held-out records.
+        significance: of that gain, were what the effect leaves all noise, in standard errors.
+        p_value: chance of so large a gain, by turning the sign of whole blocks' gains.
+        steadiness: mean gain of a block over its standard error.
+        share_at_rest: part of the gain made by displacements while friction holds the body.
+        fit_gain: drop of the mean squared loss on the records of the fit.
+        after_fit, after_validate: misfit by channel.
+    """
+
+    name: str
+    candidate: Candidate
+    error: float
+    gain: float
+    significance: float
+    fit_gain: float
+    residual: np.ndarray
+    after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
+    after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
+
+    p_value: float = 1.0
+    steadiness: float = 0.0
+    share_at_rest: float = 0.0
+
+    @property
+    def family(self) -> str:
+        """The name everyone uses."""
+        return base_name(self.name)
+
+
+REFITTED = 10
+"""Effects refitted in full: those that looked best. The others keep what their first look found."""
+
+
+ONLY_NOISE = 1.05
+"""Ranking error of a trial on the held-out records, in deviations, that leaves nothing to look for."""
+
+IN_FULL = 3
+"""Of those, effects refitted to the whole of long records; the others keep what their beginnings showed."""
+
+
+LEAST_PROMISE = 0.02
+OF_THE_BEST = 0.1
+"""Share of the squared residual, and of the best effect's, below which a score promises too little for a short fit: a
+second effect that was there promised 0.05 and more, and 0.4 of the best (generated records)."""
+
+OF_THE_NEEDED = 0.25
+"""The same of what it has to take: a fit may find several times what a straight line promises."""
+
+ROWS_SEEN = 5000
+"""Rows of the residual, at the least if there are so many, at which it is kept what every effect does."""
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What effects do to the residual of a model: much the same on top of one that has another effect more or less.
+
+    Args:
+        size: of the residual.
+        rows: of it that are kept.
+        grids: points of the shape grid, by effect.
+    """
+
+    size: int
+    rows: slice
+    grids: Mapping[str, list[GridPoint]]
+
+
+@dataclass(frozen=True)
+class FirstLooks:
+    """Every candidate on top of a fitted model at first sight.
+
+    Args:
+        looks: short fits, best first.
+        unfitted: scores of the effects that promised too little for a fit.
+        target: residual of the model as the scores took it, (n,).
+        seen: what each effect does to the residual, for looks on top of this model.
+    """
+
+    looks: list[Look]
+    unfitted: list[Scored]
+    target: np.ndarray
+    seen: Seen | None = None
+
+
+@dataclass(frozen=True)
+class Search:
+    """Every candidate tried on top of a fitted model.
+
+    Args:
+        trials: best on the held-out records first.
+        first: the looks they began with.
+    """
+
+    trials: list[Trial]
+    first: FirstLooks
+
+
+def looks_on(
+    case: Case,
+    base: BaseFit,
+    present: Sequence[str],
+    all_effects: bool = False,
+    progress: Progress | None = None,
+    promising: int | None = None,
+    seen: Seen | None = None,
+    needed: float = 0.0,
+) -> FirstLooks:
+    """A first look at every candidate on top of a fitted model.
+
+    Args:
+        case, base: records, and the fitted model.
+        present: names of its effects.
+        all_effects: try whatever else the library has, too.
+        progress: called before each step.
+        promising: effects fitted shortly, at the most: those whose scores promise most; all where left out.
+        seen: what effects do to the residual of a model much like it, for their scores; only what is not there is
+            looked at anew.
+        needed: share of the squared residual that an effect has to take to be of any use.
+    """
+    fitted, records = looked_at(base.fitted, case.fit_records)
+    size = fitted.fit.residual.size
+    if seen is not None and (seen.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
+        # One effect more, and a driven stage slips at other times.
+        seen = None
+    rows = EVERY_ROW if seen is None else seen.rows
+    kept = slice(None, None, max(1, size // ROWS_SEEN))
+    basis, target = target_of(fitted, rows)
+    effects = candidates_of(case, present, all_effects)
+    shared = (*effects, *fitted.model.effects, fitted.weights)
+    _bring_in(case, effects)
+
+    def tell(step: int, name: str) -> None:
+        if progress is not None:
+            progress(name, step, 2 * len(effects))
+
+    def score(numbered: tuple[int, Effect]) -> tuple[Scored, list[GridPoint]]:
+        effect = numbered[1]
+        if seen is not None and effect.name in seen.grids:
+            return Scored(effect, linear_scores(effect, seen.grids[effect.name], basis, target)), []
+        grid = grid_of(fitted, effect, records, case.scales, rows)
+        thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if seen is None else []
+        return Scored(effect, linear_scores(effect, grid, basis, target)), thinned
+
+    def look(numbered: tuple[int, Scored]) -> Look | None:
+        return look_from(numbered[1], fitted, records, case.scales, basis, rows)
+
+    scored = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
+    grids = {one.effect.name: grid for one, grid in scored}
+    known = sorted((one for one, _ in scored), key=lambda one: -one.promise)
+    # What no linear weight stands for, only a fit can tell.
+    best = max((one.promise for one in known if one.linear), default=0.0)
+    least = max(LEAST_PROMISE, OF_THE_BEST * best, OF_THE_NEEDED * needed)
+    fits = [
+        promising is None or not one.linear or (k < promising and one.promise >= least) for k, one in enumerate(known)
+    ]
+    fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
+    unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
+    shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
+    numbered = list(enumerate(fitting, start=len(effects)))
+    found = side_by_side(look, numbered, shared, lambda one: tell(one[0], one[1].effect.name))
+    looks = [one for one in found if one is not None and np.isfinite(one.error)]
+    looks.sort(key=lambda look: look.error)
+    return FirstLooks(looks, unfitted, target, Seen(size, kept, grids) if seen is None else seen)
+
+
+def _bring_in(case: Case, effects: Sequence[Effect]) -> None:
+    """Have the libraries and compiled loops of what acts on signals, before processes part: each would bring them in.
+
+    The user's own effects are left out: they are called with what they are made for.
+    """
+    signal = np.linspace(0.0, 1.0, 8)
+    for effect in effects:
+        if effect.signal is not None and effect not in case.custom:
+            effect.signal(signal, 1.0, effect.values())
+
+
+def try_all(
+    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
+) -> Search:
+    """Try every candidate on top of a fitted model."""
+    looked, steps = 0, 0
+
+    def scoring(name: str, count: int, total: int) -> None:
+        nonlocal looked, steps
+        looked, steps = total, total + min(REFITTED, total)
+        if progress is not None:
+            progress(name, count, steps)
+
+    first = looks_on(case, base, present, all_effects, scoring)
+    fitted, records = looked_at(base.fitted, case.fit_records)
+
+    def tried(numbered: tuple[int, Look]) -> Trial | None:
+        k, look = numbered
+        if k >= REFITTED:
+            return trial_of(case, base, as_it_looks(look, records))
+        return trial_of(case, base, refined(fitted, look, records, case.scales))
+
+    def tell(numbered: tuple[int, Look]) -> None:
+        k, look = numbered
+        if progress is not None and k < REFITTED:
+            progress(f"refitting {look.effect.name}", looked + k, steps)
+
+    shared = (*(look.effect for look in first.looks), *fitted.model.effects, fitted.weights)
+    found = side_by_side(tried, list(enumerate(first.looks)), shared, tell)
+    trials = [trial for trial in found if trial is not None]
+    if progress is not None:
+        progress("", steps, steps)
+    trials.sort(key=lambda t: t.error)
+    if fitted is not base.fitted:
+        whole = [trial_of(case, base, _in_full(base, trial.candidate, case)) for trial in trials[:IN_FULL]]
+        trials = sorted([*(t for t in whole if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
+    trials = _with_laws_anew(case, base, _gone_on(case, base, trials))
+    return Search(trials, first)
+
+
+def _gone_on(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
+    """The trials with the first gone on to the lowest valley near, where it is promising.
+
+    Where the best still leaves more than the noise, those between tip and stage go on too, whatever they promise: what
+    a contact holds decides every slip, and a fit that began beside the true one shows little of how it does.
+    """
+    for k in range(len(trials)):
+        trial = trials[k]
+        slips = in_contact(trial.candidate.effect)
+        if k > 0 and (not slips or any(t.family == trial.family for t in trials[:k])):
+            continue
+        if min(t.error for t in trials) <= ONLY_NOISE:
+            break
+        gone_on = settled(base.fitted, trial.candidate, case.fit_records, of_contact=slips)
+        further = trial_of(case, base, gone_on) if gone_on is not trial.candidate else None
+        if further is not None and further.error < trial.error:
+            trials[k] = further
+    return sorted(trials, key=lambda t: t.error)
+
+
+LAWS_ANEW = 2
+"""Effects beside which the laws of the model are chosen anew."""
+
+PART_WITH_LAWS = 0.2
+"""Share of the loss above the noise that an effect must take for that."""
+
+
+def _with_laws_anew(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
+    """The trials with the laws chosen anew beside the best of them, where the program chose any for the model.
+
+    A law that made up for what was missing may be the wrong one where that is there.
+    """
+    families = dict.fromkeys(base_name(name) for name in base.laws)
+    known = {trial.family: trial for trial in reversed(trials)}
+    for trial in sorted(known.values(), key=lambda t: t.error)[:LAWS_ANEW] if families else []:
+        if trial.error <= ONLY_NOISE or explained_share(base, trial) < PART_WITH_LAWS or trial.family in families:
+            continue
+        if trial.candidate.fitted.fit.residual.size != base.fitted.fit.residual.size:
+            # Fitted to the beginnings of long records: too little to choose laws by.
+            continue
+        fitted, _ = best_laws(case, trial.candidate.fitted, list(families))
+        anew = trial_of(case, base, replace(trial.candidate, fitted=fitted))
+        if fitted is not trial.candidate.fitted and anew is not None and anew.error < trial.error:
+            trials = [anew if t is trial else t for t in trials]
+    return sorted(trials, key=lambda t: t.error)
+
+
+def _in_full(base: BaseFit, candidate: Candidate, case: Case) -> Candidate:
+    """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
+    return replace(candidate, fitted=fit_model(candidate.fitted.model, case.fit_records, base.fitted.weights))
+
+
+def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
+    """What a fitted candidate does on the held-out records; none where it predicts no number."""
+    residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
+    if not np.isfinite(residual).all():
+        return None
+    numbers = blocks(case.validate_records, base.weights)
+    count = int(numbers.max()) + 1 if numbers.size else 0
+    before = np.bincount(numbers, huber_square(base.residual), minlength=count)
+    loss = np.bincount(numbers, huber_square(residual), minlength=count)
+    before_fit = ranking_error(base.fitted.fit.residual)
+    return Trial(
+        name=candidate.effect.name,
+        candidate=candidate,
+        error=ranking_error(residual),
+        gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
+        significance=significance_of(base.residual, residual, numbers),
+        fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
+        residual=residual,
+        p_value=_chance(before - loss),
+        steadiness=_steadiness(before - loss),
+        share_at_rest=_share_at_rest(base, residual),
+    )
+
+
+def _share_at_rest(base: BaseFit, residual: np.ndarray) -> float:
+    drops = huber_square(base.residual) - huber_square(residual)
+    total = float(drops.sum())
+    return float(drops[at_rest(base.weights)].sum()) / total if total > 0.0 else 0.0
+
+
+def _chance(drops: np.ndarray, flips: int = 2000) -> float:
+    """Chance of so large a total drop, were each block's drop as likely a rise (sign-flip test, (m,) blocks)."""
+    rng = np.random.default_rng(0)
+    signs = rng.choice([-1.0, 1.0], size=(flips, drops.size))
+    return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + flips))
+
+
+def _steadiness(drops: np.ndarray) -> float:
+    """Mean drop per block of time over its standard error, (m,) blocks: is it one lucky stretch, or throughout?"""
+    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
+    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0 else 0.0
+
+
+def significance_of(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) -> float:
+    """Drop of the squared residual over its standard error, were the better model's residual all noise.
+
+    The drop of r^2 to (r - d)^2 is 2 r d - d^2; its noise is that of 2 r d, summed within blocks of time so that
+    correlated samples count once, and with the residual's own size where d is large, so that a rough spot weighs less.
+    Beyond the corner the loss is linear: there d counts up to it, as it does in the drop.
+    """
+    d = np.clip(worse, -LOSS_CORNER, LOSS_CORNER) - np.clip(better, -LOSS_CORNER, LOSS_CORNER)
+    drop = float(huber_square(worse).sum() - huber_square(better).sum())
+    sums = np.bincount(numbers, d * np.clip(better, -8.0, 8.0))
+    # Within a block noise may cancel by luck: no less than independent samples would give.
+    floor = float(np.sum((d * np.clip(better, -8.0, 8.0)) ** 2))
+    spread = 2.0 * float(np.sqrt(max(float(np.sum(sums**2)), floor)))
+    return drop / spread if spread > 0 else 0.0
+
+
+def one_per_family(trials: Sequence[Trial]) -> list[Trial]:
+    """The best law of each effect; between laws that differ by chance only, the one with fewer parameters."""
+    kept: dict[str, Trial] = {}
+    for trial in trials:
+        other = kept.get(trial.family)
+        if other is None or (parameter_count(trial) < parameter_count(other) and trial.error <= 1.01 * other.error):
+            kept[trial.family] = trial
+    return sorted(kept.values(), key=lambda t: t.error)
+
+
+WHERE = ("phase", "rest_position")
+"""Parameters that say where along the axis a law lies: one law is no simpler than another for being told that."""
+
+
+def parameter_count(trial: Trial) -> int:
+    """How many values the model has to fit, but for those that only say where it lies."""
+    return sum(unknown.key.rpartition(".")[2] not in WHERE for unknown in trial.candidate.fitted.model.unknowns)
+
+
+def explained_share(base: BaseFit, trial: Trial) -> float:
+    """Share of the held-out loss above the noise that the effect takes away."""
+    return share_of_error(base, trial.error)
+
+
+def share_of_error(base: BaseFit, error: float) -> float:
+    """Share of the held-out loss above the noise that is gone where a model's ranking error is `error`."""
+    before = ranking_error(base.residual) ** 2
+    floor = min(1.0, error**2)
+    return float((before - error**2) / max(before - floor, 1e-9))

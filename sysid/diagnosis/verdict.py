@@ -1,0 +1,305 @@
+"""The verdict on a model and the effects tried on it: one is missing, nothing is, or what is missing has no name here.
+
+The questions stand in the order in which they are asked (`verdict_on`); docs/theory.md section 9 tells them in words,
+`sysid/diagnosis/verdict_limits.py` holds the limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from sysid.diagnosis.evidence import Evidence, is_worthwhile, misfits_of
+from sysid.diagnosis.pairs import Pair, best_pairs
+from sysid.diagnosis.ties import tied, tied_beside
+from sysid.diagnosis.trials import Trial, explained_share, share_of_error
+from sysid.diagnosis.verdict_limits import (
+    AT_REST,
+    AT_STARTS,
+    BENT,
+    BENT_TOGETHER,
+    CLEARLY_ABOVE,
+    HARDLY_MORE,
+    LEANS,
+    LEAST_PATTERN,
+    LEAST_PATTERN_LEFT,
+    LEAST_SIGNIFICANCE,
+    MOST_OF_IT,
+    MUCH_OF_IT,
+    NEARLY_ALL_OF_TWO,
+    NEARLY_NOISE,
+    NOISE_ALONE,
+    NOTHING_ABOVE,
+    RESTORING,
+    SHARE_AWAY,
+    SHARE_ENOUGH,
+    SHARE_OF_A_PART,
+    SHARE_OF_NOISE,
+    SHARE_OF_TWO,
+    SHARE_WITH_THE_PATTERN,
+    SURE_PART,
+    SURE_SIGNIFICANCE,
+    SURE_STEADINESS,
+    UNDERRATED,
+    VARIANCE_ENOUGH,
+    VARIANCE_OF_TWO,
+)
+from sysid.estimation.misfit import excess, misfit
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is missing.
+
+    Args:
+        verdict: `missing-effect`, `adequate` or `unexplained`.
+        best: the trial named, for `missing-effect`.
+        ties: families that these records cannot tell from it.
+        left: of the variance above the noise, the share that stays.
+        reason: why, in words.
+        told_by: what tells of the effect, in words, where it is not the error that falls.
+    """
+
+    verdict: str
+    best: Trial | None
+    ties: tuple[str, ...]
+    left: float
+    reason: str
+    told_by: str = ""
+
+
+@dataclass(frozen=True)
+class _Named:
+    """An effect that gains: its trial, what ties with it, and what it takes and leaves.
+
+    Args:
+        trial: the effect.
+        ties: families that the records cannot tell from it.
+        share: of the loss above the noise that it takes.
+        left: of the variance above the noise that it leaves.
+        away: its share of the loss away from the turns of a driven mass; none where there are no turns.
+    """
+
+    trial: Trial
+    ties: tuple[str, ...]
+    share: float
+    left: float
+    away: float | None
+
+    @property
+    def enough_alone(self) -> bool:
+        away = self.away is not None and self.away >= SHARE_AWAY
+        return self.share >= SHARE_ENOUGH or 1.0 - self.left >= VARIANCE_ENOUGH or away
+
+    @property
+    def part(self) -> float:
+        return max(self.share, 1.0 - self.left)
+
+    def missing(self, reason: str) -> Verdict:
+        return Verdict("missing-effect", self.trial, self.ties, self.left, reason)
+
+
+EXPLAINS_ALL = "explains what can be explained"
+
+
+def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
+    """The verdict on a base model and the effects tried on it.
+
+    Args:
+        evidence: the base model's misfit, and the effects tried.
+        quantised: the sensor's grid as an effect, where the values lie on one coarser than their noise.
+    """
+    if quantised is not None:
+        left = evidence.left_by(quantised)
+        on_a_grid = "the measured values lie on a grid coarser than the noise"
+        return Verdict("missing-effect", quantised, (), left, on_a_grid, on_a_grid)
+    best = evidence.ranked[0] if evidence.ranked else None
+    if best is None or not is_worthwhile(evidence.case, evidence.base, best):
+        return _nothing_gains(evidence, best)
+    ties, best = tied(evidence.case, evidence.base, evidence.ranked)
+    named = _named(evidence, best, ties)
+    noise = _only_noise(evidence, named)
+    if noise is not None:
+        return _adequate(noise)
+    if excess(best.after_fit, best.after_validate) <= NEARLY_NOISE:
+        return named.missing(EXPLAINS_ALL)
+    bent = named.enough_alone and evidence.bent(best)
+    pairs = best_pairs(evidence.case, evidence.base, evidence.search.first)
+    pair, first = _beside(evidence, best, pairs)
+    if first is not best:
+        named = _named(evidence, first, ())
+    elif named.enough_alone and not bent:
+        return named.missing(EXPLAINS_ALL)
+    if pair is not None and _explains(evidence, pair, bent):
+        partner = pair.partner(first.family)
+        beside = tied_beside(evidence.case, evidence.base, pair, pairs, partner)
+        ties = tuple(dict.fromkeys(name for name in (*beside, *named.ties) if name != partner))[:2]
+        return replace(named, ties=ties).missing(f"explains its share; {partner} the rest")
+    return _of_a_part(evidence, named, bent)
+
+
+def _named(evidence: Evidence, trial: Trial, ties: tuple[str, ...]) -> _Named:
+    return _Named(
+        trial, ties, explained_share(evidence.base, trial), evidence.left_by(trial), evidence.share_away(trial)
+    )
+
+
+def _adequate(reason: str) -> Verdict:
+    return Verdict("adequate", None, (), 0.0, reason)
+
+
+def _unexplained(left: float, reason: str) -> Verdict:
+    return Verdict("unexplained", None, (), left, reason)
+
+
+def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
+    """Where no single effect lowers the held-out loss by more than chance."""
+    at_the_noise = evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE
+    if at_the_noise and not evidence.in_spells:
+        return _adequate("what is left is noise; no effect lowers it by more than chance")
+    if evidence.over <= UNDERRATED and not evidence.patterned:
+        return _adequate(
+            "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought"
+        )
+    for pair in _only_together(evidence, best):
+        first = next((trial for trial in evidence.ranked if trial.family in pair.names), None)
+        if first is not None and _explains(evidence, pair):
+            reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
+            return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
+    where = "above the noise in stretches" if at_the_noise else "above the noise"
+    return _unexplained(1.0, f"the misfit is {where}, and no effect lowers it on held-out records by more than chance")
+
+
+def _only_noise(evidence: Evidence, named: _Named) -> str | None:
+    """Why the gain of an effect is none to believe, in words; none where it is one."""
+    best = named.trial
+    taken = best.gain / evidence.error**2
+    clear = not evidence.balance or evidence.over >= CLEARLY_ABOVE or taken >= MUCH_OF_IT
+    to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
+    # Where the noise is all there is by the ranking, a few samples at turns may still lie above it.
+    to_the_noise &= evidence.error > 1.0 or taken >= MUCH_OF_IT
+    to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
+    steady = best.steadiness >= SURE_STEADINESS and best.significance >= LEAST_SIGNIFICANCE
+    to_the_noise |= steady and (taken >= SURE_PART or best.significance >= SURE_SIGNIFICANCE)
+    of_starts = evidence.like_turns(best) or best.family in AT_STARTS
+    certain = taken >= MUCH_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
+    nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0 and not certain
+    little = nothing_above or named.share < 0.5 or (of_starts and not to_the_noise)
+    if evidence.over <= evidence.allowance and little:
+        return "what is left is noise; no effect is worth its parameters"
+    if evidence.balance and of_starts and not to_the_noise and (evidence.error <= 1.0 or not evidence.patterned):
+        return "what is left follows no coordinate: the timing of the axis's turns and starts"
+    return None
+
+
+def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
+    """Where neither one effect nor two of the best-scored ones explain the misfit."""
+    case, best = evidence.case, named.trial
+    remaining = evidence.pattern_left(best.candidate.fitted.model)
+    turn_like = evidence.balance and evidence.like_turns(best)
+    had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
+    little_left = excess(*misfits_of(case, best)) <= UNDERRATED
+    took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
+    quiet = remaining < LEAST_PATTERN_LEFT and not bent and not evidence.bent(best)
+    # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
+    at_rest = best.share_at_rest >= AT_REST
+    beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest
+    if took_the_pattern or (named.part >= SHARE_OF_A_PART and quiet and beside_turns):
+        return named.missing("explains its share; what it leaves follows no coordinate closely")
+    apart = _apart_from_patterns(evidence)
+    if apart is not None:
+        reason = "explains what is left apart from the patterns of effects added before"
+        return Verdict("missing-effect", apart, (), evidence.left_by(apart), reason)
+    patterned = evidence.patterned
+    for first in _as_good(evidence, best, bent) if patterned else []:
+        above = evidence.on_top(first)[:1]
+        if above and _explains(evidence, above[0], bent):
+            reason = f"explains its share; {above[0].partner(first.family)} the rest"
+            return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
+    if not patterned and evidence.over <= UNDERRATED and named.share < SHARE_OF_NOISE:
+        return _adequate(
+            "no effect explains what is left, and it follows no coordinate: noise, though more than was thought"
+        )
+    if bent:
+        return _unexplained(
+            named.left,
+            f"{best.family} takes {100 * named.part:.0f} % of the misfit, but what it leaves still follows "
+            f"{best.candidate.effect.coordinates[0]}: the law is another than its own",
+        )
+    return _unexplained(
+        1.0 - max(named.share, 0.0),
+        f"the best effect, {best.family}, takes only {100 * named.share:.0f} % of the misfit, "
+        "and no second one the rest",
+    )
+
+
+def _apart_from_patterns(evidence: Evidence) -> Trial | None:
+    """The effect that explains what is left apart from the patterns of the effects that earlier rounds added."""
+    if not evidence.added:
+        return None
+    able = [
+        t for t in evidence.ranked[:6] if is_worthwhile(evidence.case, evidence.base, t) and not evidence.like_turns(t)
+    ]
+    best = max(able, key=evidence.share_apart, default=None)
+    return best if best is not None and evidence.share_apart(best) >= SHARE_ENOUGH else None
+
+
+def _as_good(evidence: Evidence, best: Trial, bent: bool) -> list[Trial]:
+    """The effect named, and the next best that leave hardly more: any of them may be one of two.
+
+    Of a `bent` effect its other laws: beside a second effect another of them may be straight.
+    """
+    among = evidence.search.trials if bent else evidence.ranked
+    others = [
+        trial for trial in among
+        if trial is not best and trial.error <= HARDLY_MORE * best.error and (not bent or trial.family == best.family)
+    ]  # fmt: skip
+    return [best, *others[:2]]
+
+
+def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
+    """Whether two effects together explain the misfit; after a `bent` one, or where both bend, only if they leave no
+    pattern."""
+    if set(pair.names) <= RESTORING:
+        return False
+    case = evidence.case
+    after = excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
+    rest_left = evidence.left_at(after)
+    rest = share_of_error(evidence.base, pair.error)
+    patterns = evidence.patterns_left(pair.model)
+    pattern_left = max(patterns.values(), default=0.0)
+    own = {name for effect in pair.effects for name in effect.coordinates if len(effect.coordinates) == 1}
+    some_left = rest < NEARLY_ALL_OF_TWO
+    bent_together = some_left and any(patterns.get(name, 0.0) >= BENT_TOGETHER for name in own & set(BENT))
+    # A straight pull and something beside it are what a curved one looks like.
+    pulled = some_left and bool(RESTORING & set(pair.names))
+    bent |= pulled and patterns.get("position", 0.0) >= BENT["position"]
+    quiet = rest >= SHARE_ENOUGH and pattern_left < (min(BENT.values()) if bent else LEAST_PATTERN_LEFT)
+    silent = rest >= SHARE_OF_A_PART and evidence.pattern >= LEAST_PATTERN > pattern_left
+    much = not bent and not bent_together and (rest >= SHARE_OF_TWO or 1.0 - rest_left >= VARIANCE_OF_TWO)
+    return quiet or silent or much
+
+
+def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:
+    """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
+    case, base, search = evidence.case, evidence.base, evidence.search
+    yield from best_pairs(case, base, search.first)[:1]
+    if best is not None:
+        yield from evidence.on_top(best)[:1]
+
+
+def _beside(evidence: Evidence, best: Trial, pairs: list[Pair]) -> tuple[Pair | None, Trial]:
+    """The pair of effects that explains most, and the one of the two to name first.
+
+    A pair without the best single effect is taken where it leaves far less than any pair with it: then that effect
+    only leans on the two.
+    """
+    if not pairs:
+        return None, best
+    with_best = [pair for pair in pairs if best.family in pair.names]
+    least = min([best.error, *(pair.error for pair in with_best)])
+    if max(pairs[0].error ** 2 - 1.0, 0.0) < LEANS * (least**2 - 1.0):
+        members = [trial for trial in evidence.ranked if trial.family in pairs[0].names]
+        if members and best not in members:
+            return pairs[0], members[0]
+    return (with_best[0] if with_best else None), best

@@ -1,0 +1,209 @@
+"""Intervals of fitted values by refitting: what the values would have been, had the records' errors fallen otherwise.
+
+The wild bootstrap in blocks of time (Liu 1988; Shao 2010). Each draw makes records
+
+    y* = f(best) + s_b e_b + sum_j g_j c_j,    s_b = +1 or -1 for each block b,   g_j standard normal
+
+and fits the model to them anew, from its best values. A block of the residual keeps its place and its inside, so the
+errors of a draw are as correlated and as uneven as those measured, and zero where they were; only how blocks stand to
+each other is chance. `e_b` is the residual as it would be had the block not pulled the fit towards itself,
+(1 - H_b)^-1 of what is left (MacKinnon and Webb 2018). `c_j` are the changes of `sysid.estimation.systematic_errors`,
+and what was known of a value beforehand is drawn anew too. Unlike `sysid.estimation.covariance`, nothing is taken to be
+linear or far from its bounds.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from sim.library.catalogue import find
+from sim.library.custom import load_all_custom
+from stagecad.parameters.errors import InputError
+from sysid.estimation.base_fit import Fitted
+from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE
+from sysid.estimation.least_squares import least_squares
+from sysid.estimation.misfit import Weighting, weighted_residual
+from sysid.estimation.systematic_errors import systematic_changes
+from sysid.experiment.experiment import Experiment
+from sysid.experiment.record import Record
+from sysid.experiment.unknowns import Prior, Unknown
+from sysid.prediction.model import Model, Prepared
+from sysid.prediction.problem import Case, make_case
+
+ITERATIONS = 15
+"""Of one refit, which begins at the best values."""
+LEAST_DRAWS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """A fitted case as plain data, so that it can be refitted in another process: records, values, and what is moved.
+
+    Args:
+        experiment: without its files.
+        records: as read.
+        names: of the model's effects, laws as chosen.
+        values: best values by key.
+        unknowns: what the fit moved.
+        weights: of the fit.
+        custom: texts of the user's own effects by file name.
+    """
+
+    experiment: Experiment
+    records: tuple[Record, ...]
+    names: tuple[str, ...]
+    values: dict[str, float]
+    unknowns: tuple[Unknown, ...]
+    weights: Weighting
+    custom: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class _Prepared:
+    model: Model
+    records: tuple[Prepared, ...]
+    residual: np.ndarray  # (n,), at the best values
+    basis: np.ndarray  # (n, p) orthonormal, of the directions in which the fit can follow the records
+    changes: tuple[np.ndarray, ...]
+
+
+@lru_cache(maxsize=1)
+def _prepared(refit: Refit) -> _Prepared:
+    """What the draws of a case are made of, worked out once a process."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for name, text in refit.custom:
+            files.append(Path(folder) / name)
+            files[-1].write_text(text, "utf-8")
+        custom = load_all_custom(files)
+        experiment = replace(refit.experiment, custom=tuple(files))
+        records = make_case(experiment, refit.records, refit.names).fit_records
+    model = Model(tuple(find(name, custom) for name in refit.names), refit.values, refit.unknowns).at({})
+    # One step from the best values: for the slopes there.
+    result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
+    residual = weighted_residual(model, records, refit.weights)
+    columns = result.jacobian[:, np.linalg.norm(result.jacobian, axis=0) > 0.0]
+    basis = np.linalg.qr(columns)[0] if columns.size else np.empty((residual.size, 0))
+    changes = systematic_changes(Fitted(model, result, refit.weights), records)
+    return _Prepared(model, records, residual, basis, tuple(changes))
+
+
+def _residual(refit: Refit, model: Model, records: Sequence[Prepared], point: np.ndarray) -> np.ndarray:
+    values = {**model.values, **dict(zip((u.key for u in model.unknowns), point.tolist(), strict=True))}
+    return weighted_residual(model, records, refit.weights, values)
+
+
+def refit_of(case: Case, fitted: Fitted) -> Refit:
+    """What another process needs to refit a case.
+
+    Raises:
+        InputError: the model has nothing to fit.
+    """
+    if not fitted.model.unknowns:
+        raise InputError(f"{case.experiment.path}: the model has no value to fit, so there is nothing to bootstrap")
+    return Refit(
+        experiment=replace(case.experiment, records=(), custom=()),
+        records=case.records,
+        names=tuple(effect.name for effect in fitted.model.effects),
+        values=dict(fitted.model.values),
+        unknowns=fitted.model.unknowns,
+        weights=fitted.weights,
+        custom=tuple((path.name, path.read_text("utf-8")) for path in case.experiment.custom),
+    )
+
+
+def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
+    """Values of one draw, in the order of the unknowns; None where its fit did not settle."""
+    ready = _prepared(refit)
+    random = np.random.default_rng(seed)
+    numbers = _blocks(ready.records, refit.weights, float(random.uniform()))
+    signs = random.choice((-1.0, 1.0), int(numbers.max()) + 1)[numbers]
+    shift = signs * _without_own_pull(ready.residual, ready.basis, numbers) - ready.residual
+    for change in ready.changes:
+        shift = shift + random.normal() * change
+    unknowns = tuple(
+        u if u.prior is None else replace(u, prior=Prior(float(random.normal(u.prior.value, u.prior.std)), u.prior.std))
+        for u in ready.model.unknowns
+    )
+    result = least_squares(
+        lambda point: _residual(refit, ready.model, ready.records, point) + shift, unknowns, iterations=ITERATIONS
+    )
+    return tuple(result.values[u.key] for u in unknowns) if result.converged else None
+
+
+def _blocks(records: Sequence[Prepared], weights: Weighting, offset: float) -> np.ndarray:
+    """Number (n,) of each sample's block of time, the same for all channels of a record; `offset` in blocks."""
+    parts, start = [], 0
+    for record, picks in zip(records, weights.picks, strict=True):
+        for pick in picks.values():
+            parts.append(start + (pick * BLOCKS_PER_RECORD / record.size + offset).astype(int))
+        start += BLOCKS_PER_RECORD + 1
+    return np.concatenate(parts)
+
+
+def _without_own_pull(residual: np.ndarray, basis: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """The residual (n,) with each block's own pull on the fit taken back: (1 - U_b U_b^T)^-1 e_b."""
+    out = residual.copy()
+    order = np.argsort(numbers, kind="stable")
+    edges = np.searchsorted(numbers[order], np.arange(int(numbers.max()) + 2))
+    for first, last in pairwise(edges):
+        own = order[first:last]
+        share, axes = np.linalg.eigh(basis[own].T @ basis[own])
+        share = np.minimum(share, MOST_LEVERAGE)
+        out[own] += basis[own] @ (axes @ ((axes.T @ (basis[own].T @ residual[own])) / (1.0 - share)))
+    return out
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """Values over the draws.
+
+    Args:
+        keys: of the fitted values.
+        best: of the fit itself, (p,).
+        values: (draws, p), of the draws whose fit settled.
+        asked: draws asked for.
+    """
+
+    keys: tuple[str, ...]
+    best: np.ndarray
+    values: np.ndarray
+    asked: int
+
+    @property
+    def std(self) -> np.ndarray:
+        """Standard deviation of each value, (p,)."""
+        return self.values.std(axis=0, ddof=1)
+
+    @property
+    def band(self) -> tuple[np.ndarray, np.ndarray]:
+        """What 95 % of the draws lie between, (p,) each."""
+        low, high = np.quantile(self.values, [0.025, 0.975], axis=0)
+        return low, high
+
+
+def bootstrap_of(refit: Refit, found: Sequence[tuple[float, ...] | None]) -> Bootstrap:
+    """The draws together.
+
+    Raises:
+        InputError: too few fits settled to say anything.
+    """
+    settled = [values for values in found if values is not None]
+    if len(settled) < max(LEAST_DRAWS // 2, len(found) // 2):
+        raise InputError(
+            f"{refit.experiment.path}: only {len(settled)} of {len(found)} refits settled; the model's values are not "
+            "told apart by these records (see what compare says of them)"
+        )
+    keys = tuple(u.key for u in refit.unknowns)
+    return Bootstrap(keys, _ordered(refit.values, keys), np.array(settled), len(found))
+
+
+def _ordered(values: Mapping[str, float], keys: Sequence[str]) -> np.ndarray:
+    return np.array([values[key] for key in keys])

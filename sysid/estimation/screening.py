@@ -1,0 +1,205 @@
+"""Every effect that may be missing, tried: a linear score orders the starts, a refit decides.
+
+The score says what an effect promises at each point of its shape grid (`sysid/estimation/score_test.py`). A few steps
+of a fit from the best point show what the effect is good for; the best effects are then refitted in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.library.effect import Effect
+from sysid.estimation.base_fit import Fitted, fit_model, ranking_error, with_columns
+from sysid.estimation.driven_stage_minima import ROUNDS, lowest_valley
+from sysid.estimation.driven_stage_starts import slipping_starts
+from sysid.estimation.score_test import EVERY_ROW, Score, grid_of, linear_scores, project_out
+from sysid.estimation.synchronised_fit import led
+from sysid.prediction.friction_drive.record import FrictionDriveRecord
+from sysid.prediction.model import Prepared, Scales, with_effect
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One effect tried on top of a base model.
+
+    Args:
+        effect: tried.
+        expected_drop: share of the squared residual that its linear score promised.
+        fitted: the model with it.
+        barred: share that only amplitudes beyond their bounds would have taken.
+    """
+
+    effect: Effect
+    expected_drop: float
+    fitted: Fitted
+    barred: float = 0.0
+
+
+@dataclass(frozen=True)
+class Scored:
+    """An effect scored over its grid, not fitted yet."""
+
+    effect: Effect
+    scores: list[Score]
+
+    @property
+    def promise(self) -> float:
+        """Share of the squared residual that its best point promises; without any point only a fit can tell."""
+        return max((score.whole for score in self.scores), default=np.inf)
+
+    @property
+    def linear(self) -> bool:
+        """Whether its scores say what it can do: it has amplitudes that a linear weight stands for."""
+        return bool(self.scores) and any(p.role == "amplitude" for p in self.effect.parameters)
+
+
+@dataclass(frozen=True)
+class Look(Scored):
+    """A first look at an effect: its scores over the grid, and a short fit from the best of them."""
+
+    fitted: Fitted
+
+    @property
+    def barred(self) -> float:
+        """Largest drop that only an amplitude beyond its bounds would make."""
+        return max((score.barred for score in self.scores), default=0.0)
+
+    @property
+    def expected(self) -> float:
+        """Share of the squared residual that the linear score promised."""
+        return max(self.scores[0].drop, 0.0)
+
+    @property
+    def error(self) -> float:
+        """Ranking error of the short fit, in deviations."""
+        return ranking_error(self.fitted.fit.residual)
+
+
+SHORT = 4
+"""Steps of the fit of a first look: enough to see what an effect is good for, not to know its values."""
+
+
+FAR = 5.0
+"""Ranking error of a driven stage, in deviations, from which a linear score says little of where a fit should begin."""
+STARTS_FROM_AFAR = 3
+FROM_AFAR = 8
+"""Points of the grid, and steps of the fit from each, in a first look from so far away."""
+
+
+def look_at(
+    base: Fitted,
+    effect: Effect,
+    records: Sequence[Prepared],
+    scales: Scales,
+    basis: np.ndarray,
+    target: np.ndarray,
+) -> Look | None:
+    """Score an effect over its grid, and fit it shortly from the best point; none where it changes nothing."""
+    scores = linear_scores(effect, grid_of(base, effect, records, scales), basis, target)
+    return look_from(Scored(effect, scores), base, records, scales, basis)
+
+
+def look_from(
+    known: Scored,
+    base: Fitted,
+    records: Sequence[Prepared],
+    scales: Scales,
+    basis: np.ndarray,
+    rows: slice = EVERY_ROW,
+) -> Look | None:
+    """The look at an effect whose scores, at some rows of the residual, are known; none where it changes nothing."""
+    effect, scores = known.effect, known.scores
+    far = any(isinstance(r, FrictionDriveRecord) for r in records) and ranking_error(base.fit.residual) > FAR
+    points = [score.start for score in (_spread(scores, STARTS_FROM_AFAR) if far and scores else scores[:1])]
+    if scores and effect.core is not None:
+        # Part of a long stretch may promise most, and a short one is what fits as a whole.
+        best = max(scores, key=lambda score: score.whole).start
+        points += [best] if best is not points[0] else []
+    starts = [with_effect(base.model, effect, scales, point) for point in points]
+    starts += slipping_starts(base.model, effect, records, scales, far, points[0] if points else None)
+    if not starts:
+        return None
+    if far:
+        starts += led(starts, records, base.weights, FROM_AFAR)
+    steps = FROM_AFAR if far else SHORT
+    fits = [fit_model(start, records, base.weights, steps, near=base, last_word=False) for start in starts]
+    nearest = min(fits, key=lambda fitted: fitted.fit.cost)
+    if not scores:
+        # No gradient where it began: what it did where it ended stands for what it can do.
+        own = {key: value for key, value in nearest.model.values.items() if key.startswith(f"{effect.name}.")}
+        change = project_out((base.fit.residual - nearest.fit.residual)[rows, None], basis)
+        scores = [Score(0.0, own, own, [{}], change)]
+    return Look(effect, scores, nearest)
+
+
+def refined(
+    base: Fitted, look: Look, records: Sequence[Prepared], scales: Scales, starts: int = 2, iterations: int = 15
+) -> Candidate:
+    """The effect of a look refitted: further from where the look ended, and from other points of the grid."""
+    best = fit_model(look.fitted.model, records, base.weights, iterations, near=look.fitted)
+    others = _spread(look.scores, starts)[1:]
+    if look.effect.core is not None:
+        others += sorted(look.scores, key=lambda score: -score.whole)[:2]
+    for score in others:
+        start = with_effect(base.model, look.effect, scales, score.start)
+        fitted = fit_model(start, records, base.weights, iterations, near=base)
+        if fitted.fit.cost < best.fit.cost:
+            best = fitted
+    return Candidate(look.effect, look.expected, best, look.barred)
+
+
+HALFWAY = 0.5
+"""Part of the base model's error below which an effect is promising: what it leaves may be of a side valley."""
+
+
+def settled(base: Fitted, candidate: Candidate, records: Sequence[Prepared], of_contact: bool = False) -> Candidate:
+    """A promising effect on a driven stage, its fit gone on to the lowest valley near; any other as it is.
+
+    Args:
+        base: the fitted base model.
+        candidate: an effect on top of it.
+        records: those fitted.
+        of_contact: it acts between tip and stage: one round over its numbers, promising or not.
+    """
+    if not of_contact and ranking_error(candidate.fitted.fit.residual) > HALFWAY * ranking_error(base.fit.residual):
+        return candidate
+    lowest = lowest_valley(candidate.fitted, records, 1 if of_contact else ROUNDS)
+    return candidate if lowest is candidate.fitted else replace(candidate, fitted=lowest)
+
+
+def try_effect(
+    base: Fitted,
+    effect: Effect,
+    records: Sequence[Prepared],
+    scales: Scales,
+    basis: np.ndarray,
+    target: np.ndarray,
+    starts: int = 2,
+    iterations: int = 15,
+) -> Candidate | None:
+    """Score an effect over its grid, refit it from the best few points, keep the best."""
+    look = look_at(base, effect, records, scales, basis, target)
+    return refined(base, look, records, scales, starts, iterations) if look is not None else None
+
+
+def as_it_looks(look: Look, records: Sequence[Prepared]) -> Candidate:
+    """The effect as the first look left it."""
+    return Candidate(look.effect, look.expected, with_columns(look.fitted, records), look.barred)
+
+
+def _spread(scores: list[Score], count: int) -> list[Score]:
+    """The best score, and further ones that begin elsewhere on the grid."""
+    picked = [scores[0]]
+    for score in scores[1:]:
+        if len(picked) >= count:
+            break
+        if score.drop > 0.5 * scores[0].drop and all(_apart(score.start, other.start) for other in picked):
+            picked.append(score)
+    return picked
+
+
+def _apart(a: dict[str, float], b: dict[str, float]) -> bool:
+    return any(abs(a[k] - b.get(k, 0.0)) > 0.3 * max(abs(a[k]), abs(b.get(k, 0.0))) for k in a)

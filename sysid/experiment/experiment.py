@@ -1,0 +1,204 @@
+"""An experiment: the rig, the model as it stands, the records and their noise, read from `experiment.toml`."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from stagecad.parameters.errors import InputError, nearest
+from sysid.experiment.known import DesignValues, Known, known_axes, read_known
+from sysid.experiment.readers.record_file import shown_path
+from sysid.experiment.record_spec import RecordSpec, read_record_specs
+from sysid.experiment.rigs import CHANNELS, RigKind, find_rig
+from sysid.experiment.settings import Setting, check_effects, read_settings
+from sysid.experiment.toml_quantity import quantity
+from sysid.experiment.toml_table import TomlTable, read_toml, shown
+
+SCHEMA = 1
+
+
+@dataclass(frozen=True)
+class Rig:
+    """The rig of an experiment.
+
+    Args:
+        kind: name of the kind of rig (`sysid.experiment.rigs`).
+        known: what is known; `inertia` is filed under `mass`.
+        rotary: whether the axis turns.
+        input_hold: how the logged input goes from row to row: held, or linear.
+    """
+
+    kind: str
+    known: Mapping[str, Known]
+    rotary: bool
+    input_hold: Literal["zero", "linear"] = "zero"
+
+    @property
+    def declaration(self) -> RigKind:
+        """What this kind of rig imposes and measures."""
+        return find_rig(self.kind, "rig.kind")
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """An experiment as read.
+
+    Args:
+        folder: where `experiment.toml` lies.
+        path: the file.
+        rig: kind, known numbers, axis.
+        effects: the model's effects in order.
+        custom: files of the user's own effects.
+        parameters: start, bounds, or fixed value by `effect.parameter`, SI.
+        records: the records.
+        noise: standard deviation by channel, SI.
+        text: the file, to edit it with its comments.
+        sha256: of the file's bytes.
+    """
+
+    folder: Path
+    path: Path
+    rig: Rig
+    effects: tuple[str, ...]
+    custom: tuple[Path, ...]
+    parameters: Mapping[str, Setting]
+    records: tuple[RecordSpec, ...]
+    noise: Mapping[str, float]
+    text: str
+    sha256: str
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where an experiment lies: its folder and its file, whatever the file says."""
+
+    folder: Path
+    path: Path
+
+
+def find_experiment(path: str | Path) -> Place:
+    """The place of an experiment whose file is TOML, and need not be a valid experiment.
+
+    Args:
+        path: the folder, or its `experiment.toml`.
+
+    Raises:
+        InputError: no such file, or no TOML.
+    """
+    file = _experiment_file(Path(path))
+    read_toml(file, shown_path(str(file)))
+    return Place(file.parent, file)
+
+
+def load_experiment(path: str | Path, design: DesignValues | None = None) -> Experiment:
+    """Read an experiment.
+
+    Args:
+        path: the folder, or its `experiment.toml`.
+        design: what a value of `"design"` stands for, SI, by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a
+            table, or a function that is called only for the names the file asks for.
+
+    Raises:
+        InputError: one line with file, key, value, and what would be right.
+    """
+    file = _experiment_file(Path(path))
+    name = shown_path(str(file))
+    data, text, top = read_toml(file, name)
+    top.allow(("schema", "rig", "model", "record", "noise"))
+    _check_schema(top)
+    for key, example in (("rig", "[rig]"), ("model", "[model]"), ("record", "[[record]]")):
+        if key not in top.data:
+            raise InputError(f"{name}: '{key}' is missing; write {example}")
+    rig_table = top.table("rig")
+    rig_table.allow(("kind", "known", "input_hold"))
+    kind = find_rig(rig_table.text("kind"), rig_table.where("kind"))
+    hold: Any = rig_table.choice("input_hold", ("zero", "linear"), "zero")
+    records, axes = read_record_specs(top, kind, file)
+    known_table = rig_table.table("known")
+    rotary = _axis(axes + known_axes(known_table, kind), name)
+    known = read_known(known_table, kind, rotary, design)
+    measured = {channel for record in records for channel in record.sources}
+    noise = _read_noise(top.table("noise"), kind, rotary)
+    records = tuple(_with_noise(record, table, kind, rotary) for record, table in zip(records, top.tables("record")))
+    model = top.table("model")
+    model.allow(("effects", "custom", "parameters"))
+    if "effects" not in model.data:
+        raise InputError(f'{model.where()}: \'effects\' is missing; write effects = ["coulomb", "viscous"], or []')
+    effects = model.texts("effects")
+    custom = tuple(file.parent / item for item in model.texts("custom"))
+    found = check_effects(effects, custom, kind, measured, model)
+    parameters = read_settings(model.table("parameters"), found, kind, rotary, design)
+    return Experiment(
+        folder=file.parent,
+        path=file,
+        rig=Rig(kind.name, known, rotary, hold),
+        effects=effects,
+        custom=custom,
+        parameters=parameters,
+        records=records,
+        noise=noise,
+        text=text,
+        sha256=hashlib.sha256(data).hexdigest(),
+    )
+
+
+def _experiment_file(path: Path) -> Path:
+    name = shown_path(str(path))
+    try:
+        if path.is_dir():
+            file = path / "experiment.toml"
+            if not file.is_file():
+                meant = _meant("experiment.toml", path) or "; 'stagecad demo' writes one to start from"
+                raise InputError(f"{name}: has no experiment.toml{meant}")
+            return file
+        if path.is_file():
+            return path
+        meant = _meant(path.name, path.parent)
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    raise InputError(f"{name}: no such folder or file{meant}")
+
+
+def _meant(name: str, folder: Path) -> str:
+    """Ending of a message that names what lies in `folder` under nearly this name; empty where nothing does."""
+    near = nearest(name, [other.name for other in folder.iterdir()]) if folder.is_dir() else ""
+    return near if "did you mean" in near else ""
+
+
+def _check_schema(top: TomlTable) -> None:
+    if "schema" not in top.data:
+        raise InputError(f"{top.file}: 'schema' is missing; write schema = {SCHEMA} at the top")
+    value = top.data["schema"]
+    if isinstance(value, bool) or value != SCHEMA:
+        raise InputError(f"{top.where('schema')}: {shown(value)} is not allowed; write schema = {SCHEMA}")
+
+
+def _axis(axes: list[tuple[str, bool]], name: str) -> bool:
+    for place, rotary in axes:
+        if rotary != axes[0][1]:
+            turning, sliding = (place, axes[0][0]) if rotary else (axes[0][0], place)
+            raise InputError(
+                f"{name}: {turning} has a rotary unit, {sliding} a linear one; an axis is one or the other "
+                "(rad, N*m, kg*m^2, N*m/rad, or m, N, kg, N/m)"
+            )
+    return bool(axes) and axes[0][1]
+
+
+def _read_noise(table: TomlTable, kind: RigKind, rotary: bool) -> dict[str, float]:
+    noise = {}
+    channels = tuple(channel for channel in kind.channels if channel != "time")
+    table.allow(channels)
+    for key in table.data:
+        declared = CHANNELS[key]
+        unit = declared.si_unit(rotary)
+        noise[key] = quantity(table, key, unit, positive=True)
+    return noise
+
+
+def _with_noise(record: RecordSpec, table: TomlTable, kind: RigKind, rotary: bool) -> RecordSpec:
+    return replace(record, noise=_read_noise(table.table("noise"), kind, rotary))

@@ -1,0 +1,296 @@
+"""The ladder of an experiment: one file per rung, and `experiment.toml` in step with the last of them.
+
+`ladder/NNN.json` holds the whole `[model]`, what was added, the fit, the errors, and the hashes of the records; rung
+000 is the model before anything was added. Nothing is deleted: an undone rung moves to `ladder/undone/`.
+
+Order of writes: a note of what is about to happen (`ladder/pending.json`), the rung, `experiment.toml`, the note away.
+Each file appears whole. A run that is stopped in between leaves the note, and `experiment.toml` tells how far it came:
+if it holds the new model, the change stands, if not, the rung is set aside. Readers come to the same conclusion without
+writing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import Experiment
+from sysid.experiment.file_lock import file_lock
+from sysid.experiment.model_table import grown_model, json_data, model_hash, model_of, with_model
+from sysid.experiment.unknowns import Prior
+
+SCHEMA = 1
+LOCK_SECONDS = 10.0
+_RUNG = re.compile(r"(\d{3,})\.json")
+
+
+class Placed(Protocol):
+    """What the ladder needs of an experiment: where it lies."""
+
+    @property
+    def folder(self) -> Path: ...
+
+    @property
+    def path(self) -> Path: ...
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One rung.
+
+    Args:
+        number: 0 for the model before anything was added.
+        path: its file.
+        model: `[model]` as plain data.
+        document: the whole file: `effects`, `added`, `parameters`, `before` and what else the fit gave.
+    """
+
+    number: int
+    path: Path
+    model: Mapping[str, Any]
+    document: Mapping[str, Any]
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Effects of the model on this rung."""
+        return tuple(self.model.get("effects", ()))
+
+
+@contextmanager
+def ladder_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[None]:
+    """Keep other runs from writing to the experiment; may be taken again by whoever holds it.
+
+    Raises:
+        InputError: another run holds it for longer than `timeout` seconds.
+    """
+    with file_lock(experiment.folder / "ladder" / ".lock", timeout, str(experiment.path)):
+        yield
+
+
+def read_ladder(experiment: Placed) -> list[Rung]:
+    """The rungs from 000 up; empty where nothing was added yet. Writes nothing.
+
+    Raises:
+        InputError: a rung that cannot be read, or one missing between others.
+    """
+    rungs = _read_rungs(experiment.folder / "ladder")
+    pending = _pending(experiment.folder)
+    if pending is None or not rungs or rungs[-1].number != pending["rung"]:
+        return rungs
+    return rungs if _stands(experiment, rungs[-1]) else rungs[:-1]
+
+
+def edited_by_hand(experiment: Placed, rungs: Sequence[Rung]) -> bool:
+    """Whether `[model]` says something else than the last rung."""
+    return bool(rungs) and model_hash(model_of(_current_text(experiment))) != model_hash(rungs[-1].model)
+
+
+def append_rung(
+    experiment: Experiment,
+    effects: Sequence[str],
+    starts: Mapping[str, tuple[float, str]],
+    document: Mapping[str, Any],
+    base_document: Mapping[str, Any],
+    record_hashes: Mapping[str, str],
+    timeout: float = LOCK_SECONDS,
+    known: Mapping[str, Prior] | None = None,
+) -> Rung:
+    """Write the next rung, then `experiment.toml`.
+
+    Args:
+        experiment: as loaded before the fit.
+        effects: effects of the new model, in order.
+        starts: fitted values by `effect.parameter`, SI with unit; they become the starts of the next fit.
+        document: fit, errors and parameters of the new model (JSON data; `before` is its own error).
+        base_document: the same of the model as it stood; it becomes rung 000, or a rung of its own where `[model]` was
+            edited by hand since the last one.
+        record_hashes: sha256 by record name.
+        timeout: s to wait for another run.
+        known: what was known of them before the fit, SI: written in place of the fitted value.
+
+    Returns:
+        The new rung.
+
+    Raises:
+        InputError: `experiment.toml` changed since it was loaded, another run holds the lock, a file cannot be written.
+    """
+    with ladder_lock(experiment, timeout), _readable_errors():
+        _recover(experiment)
+        text = _current_text(experiment)
+        if hashlib.sha256(experiment.path.read_bytes()).hexdigest() != experiment.sha256:
+            raise InputError(f"{experiment.path}: changed while the fit ran; nothing was added, run again")
+        rungs = _read_rungs(experiment.folder / "ladder")
+        model = model_of(text)
+        if not rungs or model_hash(model) != model_hash(rungs[-1].model):
+            added = {"added": [], "edited_by_hand": True} if rungs else {"added": []}
+            _write_rung(experiment, len(rungs), model, {**base_document, **added}, record_hashes, None, text)
+            rungs = _read_rungs(experiment.folder / "ladder")
+        grown = grown_model(model, effects, starts, known)
+        after = with_model(text, grown, str(experiment.path))
+        added = [name for name in effects if name not in model.get("effects", ())]
+        removed = [name for name in model.get("effects", ()) if name not in effects]
+        number = len(rungs)
+        _note_pending(experiment, "add", number)
+        rung = _write_rung(
+            experiment, number, grown, {**document, "added": added, "removed": removed}, record_hashes, text, after
+        )
+        atomic_write_text(experiment.path, after)
+        _pending_path(experiment.folder).unlink(missing_ok=True)
+        return rung
+
+
+def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Rung, Path]:
+    """Go back to the rung before the last; the last one is kept in `ladder/undone/`.
+
+    Args:
+        experiment: where it lies: a `[model]` edited by hand may be one that cannot be loaded.
+        timeout: s to wait for another run.
+
+    Returns:
+        The rung restored, and where the undone one lies now.
+
+    Raises:
+        InputError: nothing to undo, `[model]` was edited by hand since, or another run holds the lock.
+    """
+    if not (experiment.folder / "ladder").is_dir():
+        raise InputError(f"{experiment.path}: nothing to undo; no effect was added yet")
+    with ladder_lock(experiment, timeout), _readable_errors():
+        _recover(experiment)
+        rungs = _read_rungs(experiment.folder / "ladder")
+        if len(rungs) < 2:
+            raise InputError(f"{experiment.path}: nothing to undo; no effect was added yet")
+        last, before = rungs[-1], rungs[-2]
+        text = _current_text(experiment)
+        if edited_by_hand(experiment, rungs):
+            raise InputError(
+                f"{experiment.path}: [model] was edited by hand since rung {last.number:03d}, so nothing is undone; "
+                f"make it say again what {last.path} says, or write the model you want by hand"
+            )
+        restored = last.document.get("experiment_before")
+        if not isinstance(restored, str) or _sha(text) != last.document.get("experiment_sha256"):
+            restored = with_model(text, before.model, str(experiment.path))
+        _note_pending(experiment, "undo", last.number)
+        atomic_write_text(experiment.path, restored)
+        kept = _set_aside(last.path)
+        _pending_path(experiment.folder).unlink(missing_ok=True)
+        return before, kept
+
+
+def _current_text(experiment: Placed) -> str:
+    try:
+        return experiment.path.read_bytes().decode("utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{experiment.path}: cannot be read: {error.strerror}") from None
+
+
+def _sha(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()
+
+
+@contextmanager
+def _readable_errors() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise InputError(f"{error.filename}: cannot be written: {error.strerror}") from None
+
+
+def _read_rungs(folder: Path) -> list[Rung]:
+    if not folder.is_dir():
+        return []
+    rungs = [_read_rung(path) for path in sorted(folder.iterdir()) if _RUNG.fullmatch(path.name)]
+    rungs.sort(key=lambda rung: rung.number)
+    for place, rung in enumerate(rungs):
+        if rung.number != place:
+            raise InputError(f"{folder}: rung {place:03d}.json is missing, but {rung.path.name} is there")
+    return rungs
+
+
+def _read_rung(path: Path) -> Rung:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is no JSON: {error}") from None
+    if not isinstance(document, dict) or document.get("schema") != SCHEMA:
+        raise InputError(f"{path}: is no rung of this program; 'schema': {SCHEMA} is wanted")
+    if not isinstance(document.get("model"), dict):
+        raise InputError(f"{path}: 'model' is missing, or no table")
+    return Rung(int(path.stem), path, document["model"], document)
+
+
+def _write_rung(
+    experiment: Placed,
+    number: int,
+    model: Mapping[str, Any],
+    document: Mapping[str, Any],
+    record_hashes: Mapping[str, str],
+    text_before: str | None,
+    text_after: str,
+) -> Rung:
+    path = experiment.folder / "ladder" / f"{number:03d}.json"
+    whole = {
+        "schema": SCHEMA,
+        "rung": number,
+        "effects": list(model.get("effects", ())),
+        **{key: value for key, value in document.items() if key not in ("schema", "rung", "effects", "model")},
+        "model": dict(model),
+        "records": dict(record_hashes),
+        "experiment_sha256": _sha(text_after),
+        "experiment_before": text_before,
+    }
+    whole = json_data(whole)
+    atomic_write_text(path, json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+    return Rung(number, path, whole["model"], whole)
+
+
+def _pending_path(folder: Path) -> Path:
+    return folder / "ladder" / "pending.json"
+
+
+def _note_pending(experiment: Placed, operation: str, number: int) -> None:
+    note = json.dumps({"operation": operation, "rung": number}).encode()
+    atomic_write_bytes(_pending_path(experiment.folder), note)
+
+
+def _pending(folder: Path) -> dict[str, Any] | None:
+    try:
+        note = json.loads(_pending_path(folder).read_text(encoding="utf-8"))
+        return {"rung": int(note["rung"]), "operation": str(note["operation"])}
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _stands(experiment: Placed, rung: Rung) -> bool:
+    """Whether `experiment.toml` holds the model of `rung`, which a stopped run was about to write or to undo."""
+    return model_hash(model_of(_current_text(experiment))) == model_hash(rung.model)
+
+
+def _recover(experiment: Placed) -> None:
+    """Bring a change that was stopped half way to one side or the other."""
+    folder = experiment.folder
+    pending = _pending(folder)
+    if pending is not None:
+        rungs = _read_rungs(folder / "ladder")
+        if rungs and rungs[-1].number == pending["rung"] and not _stands(experiment, rungs[-1]):
+            _set_aside(rungs[-1].path)
+    _pending_path(folder).unlink(missing_ok=True)
+
+
+def _set_aside(path: Path) -> Path:
+    folder = path.parent / "undone"
+    folder.mkdir(exist_ok=True)
+    number = 1
+    while (kept := folder / f"{path.stem}-{number}.json").exists():
+        number += 1
+    path.rename(kept)
+    return kept

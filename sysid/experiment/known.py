@@ -1,0 +1,130 @@
+"""`[rig.known]`: what the user knows about the rig, as quantities, with their uncertainty, or taken from the design."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.quantities import parse_uncertain
+from sysid.experiment.rigs import RigKind
+from sysid.experiment.toml_quantity import check_value, quantity_text
+from sysid.experiment.toml_table import TomlTable
+
+
+@dataclass(frozen=True)
+class DesignValue:
+    """What the design says of a number, SI.
+
+    Args:
+        value: the number.
+        std: its standard deviation, where the design states one: a prior of the fit.
+        low, high: bounds within which the design expects it.
+    """
+
+    value: float
+    std: float | None = None
+    low: float | None = None
+    high: float | None = None
+
+
+DesignValues = Mapping[str, float | DesignValue] | Callable[[str], float | DesignValue]
+"""SI values that `"design"` stands for, by the name of the known quantity or by `effect.parameter`."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A number known about the rig, SI.
+
+    Args:
+        value: the number.
+        std: its standard deviation; none where the user gave none.
+        origin: `given` in the file, or taken from the `design`.
+    """
+
+    value: float
+    std: float | None = None
+    origin: Literal["given", "design"] = "given"
+
+
+def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
+    """Which known values tell by their unit whether the axis is rotary, each with its place in the file.
+
+    Raises:
+        InputError: a key the kind of rig does not know, or no quantity of its dimension on either axis.
+    """
+    table.allow(kind.known)
+    if "mass" in table.data and "inertia" in table.data:
+        raise InputError(f"{table.where()}: 'mass' and 'inertia' are both given; one of them is wanted")
+    axes = []
+    for key, value in table.data.items():
+        declared = kind.known[key]
+        if value == "design" or declared.unit == declared.rotary_unit:
+            continue
+        text = quantity_text(table, key, declared.unit)
+        try:
+            parse_uncertain(text, declared.unit, table.where(key))
+            axes.append((f"rig.known.{key}", False))
+        except InputError as linear:
+            try:
+                parse_uncertain(text, declared.rotary_unit, table.where(key))
+            except InputError:
+                raise linear from None
+            axes.append((f"rig.known.{key}", True))
+    return axes
+
+
+def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValues | None) -> dict[str, Known]:
+    """The known values in SI; `inertia` is filed under `mass`.
+
+    Args:
+        table: `[rig.known]`.
+        kind: kind of rig.
+        rotary: whether the axis turns.
+        design: what `"design"` stands for.
+
+    Raises:
+        InputError: naming the key, the value and what would be right.
+    """
+    known: dict[str, Known] = {}
+    for key, value in table.data.items():
+        declared = kind.known[key]
+        if key == "inertia" and not rotary:
+            raise InputError(f"{table.where(key)}: the axis is linear; write mass = '1 kg'")
+        unit = declared.rotary_unit if rotary else declared.unit
+        filed = "mass" if key == "inertia" else key
+        if value == "design":
+            found = design_value(design, filed, rotary, table.where(key))
+            known[filed] = Known(found.value, found.std, "design")
+            continue
+        number, std = parse_uncertain(quantity_text(table, key, unit), unit, table.where(key))
+        check_value(number, declared.positive, table, key)
+        if std is not None and not std > 0.0:
+            raise InputError(f"{table.where(key)}: '{value}': the uncertainty must be above zero")
+        known[filed] = Known(number, std)
+    return known
+
+
+def design_value(design: DesignValues | None, key: str, rotary: bool, where: str) -> DesignValue:
+    """What the design says of `key`, which stands at `where`.
+
+    Raises:
+        InputError: there is no design at hand, it is of another kind of axis, or has no such number.
+    """
+    if design is None:
+        raise InputError(f"{where}: 'design' needs a parameter file, and none is at hand; write the quantity")
+    if rotary:
+        raise InputError(f"{where}: the design is of a linear axis; write the quantity")
+    if callable(design):
+        try:
+            found = design(key)
+        except InputError as error:
+            # What the design has to say about a key of this file is said with the file.
+            file = where.partition(": ")[0] + ": " if str(error).startswith(("rig.", "model.")) else ""
+            raise InputError(f"{file}{error}") from None
+    elif key not in design:
+        raise InputError(f"{where}: the design has no '{key}'{nearest(key, design)}")
+    else:
+        found = design[key]
+    return found if isinstance(found, DesignValue) else DesignValue(float(found))

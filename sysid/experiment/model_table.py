@@ -1,0 +1,183 @@
+"""The `[model]` table of an experiment file, changed in place with everything around it kept."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.unknowns import Prior
+
+
+def model_of(text: str) -> dict[str, Any]:
+    """The `[model]` of an experiment file as plain data."""
+    return tomllib.loads(text).get("model", {})
+
+
+def model_hash(model: Mapping[str, Any]) -> str:
+    """Hash of what a `[model]` says; comments, order of keys and layout do not count."""
+    return hashlib.sha256(json.dumps(json_data(model), sort_keys=True, default=str).encode()).hexdigest()
+
+
+def json_data(value: Any) -> Any:
+    """JSON data of `value`: numpy numbers and arrays as Python's, no number as null, infinity as text."""
+    if isinstance(value, Mapping):
+        return {str(key): json_data(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [json_data(item) for item in value]
+    if hasattr(value, "tolist"):
+        return json_data(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    return value
+
+
+def grown_model(
+    model: Mapping[str, Any],
+    effects: Sequence[str],
+    starts: Mapping[str, tuple[float, str]],
+    known: Mapping[str, Prior] | None = None,
+) -> dict[str, Any]:
+    """`model` with other effects, and starts where the fit ended.
+
+    Args:
+        model: `[model]` as it stands; bounds and fixed values in it stay.
+        effects: the effects of the new model, in order.
+        starts: by `effect.parameter`, fitted value in SI and its unit (empty where it has none).
+        known: what was known of them before the fit, SI: that is written, or the records would count twice.
+
+    Returns:
+        The new `[model]`; settings of effects that are gone go with them. A start that is a prior (the design's, or one
+        with its deviation) stays: it says what was known before the fit.
+    """
+    grown = copy.deepcopy(dict(model))
+    grown["effects"] = list(effects)
+    settings = _flat(grown.get("parameters", {}))
+    settings = {key: value for key, value in settings.items() if key.rpartition(".")[0] in effects}
+    for key, (value, unit) in starts.items():
+        if key.rpartition(".")[0] not in effects:
+            continue
+        setting = settings.get(key, {})
+        if _is_prior(setting):
+            continue
+        setting = dict(setting) if isinstance(setting, Mapping) else {}
+        if setting.get("fixed"):
+            continue
+        unit = "" if unit == "1" else unit
+        prior = (known or {}).get(key)
+        if prior is not None:
+            setting["start"] = f"{prior.value:.6g} +- {prior.std:.2g} {unit}".strip()
+        else:
+            setting["start"] = f"{value:.9g} {unit}" if unit else float(f"{value:.9g}")
+        settings[key] = setting
+    grown.pop("parameters", None)
+    if settings:
+        grown["parameters"] = settings
+    return grown
+
+
+def _is_prior(setting: Any) -> bool:
+    start = setting.get("start") if isinstance(setting, Mapping) else setting
+    return isinstance(start, str) and (start == "design" or any(mark in start for mark in ("+-", "+/-", "±")))
+
+
+def _flat(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """`coulomb.force = {...}` written as nested tables, under one dotted key."""
+    flat: dict[str, Any] = {}
+    for key, value in parameters.items():
+        nested = isinstance(value, Mapping) and value and not {"start", "low", "high", "fixed"} & set(value)
+        if nested:
+            flat.update(_flat(value, f"{prefix}{key}."))
+        else:
+            flat[f"{prefix}{key}"] = value
+    return flat
+
+
+def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
+    """The experiment file's text with `[model]` saying `model`; comments and everything else stay.
+
+    Raises:
+        InputError: the file cannot be edited so that it says so.
+    """
+    # tomlkit takes 0.04 s to load, and only what writes an experiment needs it.
+    import tomlkit
+    from tomlkit.exceptions import TOMLKitError
+
+    try:
+        document = tomlkit.parse(text)
+        table: Any = document["model"]
+        for key in [key for key in table if key not in model]:
+            del table[key]
+        for key, value in model.items():
+            _set(table, key, value)
+        edited = tomlkit.dumps(document)
+        if model_hash(model_of(edited)) != model_hash(model):
+            # A layout that cannot be edited piece by piece (dotted keys across tables) is written anew.
+            document["model"] = tomlkit.item(dict(model))
+            edited = tomlkit.dumps(document)
+    except (TOMLKitError, KeyError, TypeError) as error:
+        raise InputError(f"{file}: [model] cannot be edited: {error}") from None
+    rest = {key: value for key, value in tomllib.loads(text).items() if key != "model"}
+    after = {key: value for key, value in tomllib.loads(edited).items() if key != "model"}
+    if model_hash(model_of(edited)) != model_hash(model) or rest != after:
+        raise InputError(f"{file}: [model] cannot be edited as it is laid out; write it as one table [model]")
+    return edited
+
+
+def _set(table: Any, key: str, value: Any) -> None:
+    import tomlkit
+    from tomlkit.items import InlineTable
+
+    if key not in table:
+        if isinstance(value, Mapping) and key == "parameters" and not isinstance(table, InlineTable):
+            inner = tomlkit.table()
+            for name, setting in value.items():
+                inner[name] = _inline(setting)
+            inner.add(tomlkit.nl())
+            table[key] = inner
+        else:
+            table[key] = _inline(value)
+        return
+    present = table[key]
+    plain = present.unwrap() if hasattr(present, "unwrap") else present
+    # An infinite bound is kept as text in a rung, and may stand bare in the file.
+    if json_data(plain) == json_data(value):
+        return
+    if isinstance(value, list) and isinstance(plain, list):
+        _set_list(present, value)
+    elif isinstance(value, Mapping) and isinstance(plain, Mapping):
+        for name in [name for name in present if name not in value]:
+            del present[name]
+        for name, setting in value.items():
+            _set(present, name, setting)
+    else:
+        table[key] = _inline(value)
+
+
+def _set_list(present: Any, wanted: list[Any]) -> None:
+    for place in range(len(present) - 1, -1, -1):
+        if present[place] not in wanted:
+            del present[place]
+    for place, item in enumerate(wanted):
+        if place >= len(present):
+            present.append(item)
+        elif present[place] != item:
+            present.insert(place, item)
+    while len(present) > len(wanted):
+        del present[len(present) - 1]
+
+
+def _inline(value: Any) -> Any:
+    import tomlkit
+
+    if isinstance(value, Mapping):
+        table = tomlkit.inline_table()
+        for key, item in value.items():
+            table[key] = _inline(item)
+        return table
+    return tomlkit.item(value)

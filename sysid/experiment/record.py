@@ -1,0 +1,206 @@
+"""Records as arrays: read, turned into SI units, cut to their window, checked, and split where nothing is held out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import Experiment, RecordSpec
+from sysid.experiment.readers.record_file import RecordFile, open_record_file, shown_path
+from sysid.experiment.rigs import RigKind
+
+MINIMUM_ROWS = 10
+"""Fewer rows than this say nothing about an effect."""
+HELD_OUT_SHARE = 0.3
+"""Share of a record's time that is held out when no record validates."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """One record, ready for comparison.
+
+    Args:
+        name: unique.
+        role: `fit` or `validate`.
+        file: as written in the experiment.
+        time: s, shape (n,), strictly increasing; as logged, not necessarily from zero.
+        channels: SI values of shape (n,) by channel, NaN in gaps; `time` is not among them.
+        units: SI unit by channel.
+        rotary: whether the axis turns.
+        notes: what the reader has to tell of this file: columns left out, gaps, rows left out, a split.
+        sha256: of the file's bytes.
+        step: median of the time steps, s.
+        uniform: whether every step equals the median within a hundredth.
+        continues: name of the record whose end this one starts from; none for a fresh start.
+        noise: standard deviation by channel as given for this record or the experiment, SI.
+        held_out_split: cut from a record of the fit because no record validates.
+    """
+
+    name: str
+    role: Literal["fit", "validate"]
+    file: str
+    time: np.ndarray
+    channels: Mapping[str, np.ndarray]
+    units: Mapping[str, str]
+    rotary: bool
+    notes: tuple[str, ...]
+    sha256: str
+    step: float
+    uniform: bool
+    continues: str | None = None
+    noise: Mapping[str, float] = field(default_factory=dict)
+    held_out_split: bool = False
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return int(self.time.size)
+
+
+def load_records(experiment: Experiment) -> list[Record]:
+    """Read every record of an experiment.
+
+    Without a record that validates, the last 30 % in time of each record is held out as a record of its own that
+    continues the first part, and both say so in their notes.
+
+    Raises:
+        InputError: one line with file, row and column.
+    """
+    records = [_load(experiment, spec) for spec in experiment.records]
+    if all(record.role == "fit" for record in records):
+        return _hold_out(records)
+    return records
+
+
+def _load(experiment: Experiment, spec: RecordSpec) -> Record:
+    name = shown_path(str(spec.path))
+    opened = open_record_file(spec.path, name)
+    sources = spec.sources
+    if any(source.column.index >= len(opened.labels) for source in sources.values()):
+        raise InputError(f"{name}: changed while it was read; run again")
+    arrays = opened.columns([source.column.index for source in sources.values()])
+    values: dict[str, np.ndarray] = {}
+    for (channel, source), array in zip(sources.items(), arrays):
+        factor = source.factor * spec.sign.get(channel, 1)
+        # A factor of one leaves the logged digits as they are.
+        converted = array if factor == 1.0 and source.offset == 0.0 else array * factor
+        values[channel] = converted + source.offset * spec.sign.get(channel, 1) if source.offset else converted
+    time = values.pop("time")
+    _check_rows(time.size, name)
+    _check_time(time, opened, name, sources["time"].column.label.strip())
+    notes = list(spec.notes)
+    time, values = _window(time, values, spec, name, notes)
+    values = _check_values(values, spec, experiment.rig.declaration, name, notes)
+    steps = np.diff(time)
+    step = float(np.median(steps))
+    return Record(
+        name=spec.name,
+        role=spec.role,
+        file=spec.file,
+        time=time,
+        channels=values,
+        units={channel: sources[channel].si_unit for channel in values},
+        rotary=experiment.rig.rotary,
+        notes=tuple(notes),
+        sha256=hashlib.sha256(opened.data).hexdigest(),
+        step=step,
+        uniform=bool(np.all(np.abs(steps - step) <= 0.01 * step)),
+        continues=spec.continues,
+        noise={**experiment.noise, **spec.noise},
+    )
+
+
+def _check_rows(rows: int, name: str) -> None:
+    if rows < MINIMUM_ROWS:
+        word = "row" if rows == 1 else "rows"
+        raise InputError(f"{name}: has {rows} {word} of numbers; at least {MINIMUM_ROWS} are wanted")
+
+
+def _check_time(time: np.ndarray, opened: RecordFile, name: str, label: str) -> None:
+    empty = np.flatnonzero(np.isnan(time))
+    if empty.size:
+        raise InputError(
+            f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': is empty; every row needs its time"
+        )
+    wrong = np.flatnonzero(np.diff(time) <= 0.0)
+    if wrong.size:
+        row = int(wrong[0]) + 1
+        what = "repeats" if time[row] == time[row - 1] else "falls below"
+        raise InputError(
+            f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s {what} the row before "
+            f"({time[row - 1]:.9g} s); time must increase from row to row"
+        )
+
+
+def _window(
+    time: np.ndarray, values: dict[str, np.ndarray], spec: RecordSpec, name: str, notes: list[str]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    if spec.start is None and spec.stop is None:
+        return time, values
+    low = -np.inf if spec.start is None else spec.start
+    high = np.inf if spec.stop is None else spec.stop
+    inside = slice(int(np.searchsorted(time, low, "left")), int(np.searchsorted(time, high, "right")))
+    kept = time[inside]
+    if kept.size < MINIMUM_ROWS:
+        raise InputError(
+            f"{spec.where}: the window from {low:g} s to {high:g} s holds {kept.size} rows of {name}, which runs from "
+            f"{time[0]:g} s to {time[-1]:g} s; at least {MINIMUM_ROWS} are wanted"
+        )
+    notes.append(f"{kept.size} of {time.size} rows lie in the window")
+    return kept, {channel: array[inside] for channel, array in values.items()}
+
+
+def _check_values(
+    values: dict[str, np.ndarray], spec: RecordSpec, rig: RigKind, name: str, notes: list[str]
+) -> dict[str, np.ndarray]:
+    kept: dict[str, np.ndarray] = {}
+    for channel, array in values.items():
+        label = spec.sources[channel].column.label.strip()
+        gaps = int(np.count_nonzero(np.isnan(array)))
+        if gaps == array.size:
+            # An idle optional channel may be left empty; one the rig lives on may not, unless its partner serves.
+            notes.append(f"column '{label}' holds no number; left out")
+            continue
+        if gaps:
+            notes.append(f"column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
+        elif np.ptp(array) == 0.0:
+            notes.append(f"column '{label}' never changes")
+        kept[channel] = array
+    for group in (*rig.inputs, *rig.measured):
+        if not any(channel in kept for channel in group):
+            columns = " and ".join(f"'{spec.sources[c].column.label.strip()}'" for c in group if c in spec.sources)
+            raise InputError(f"{name}: column {columns}: holds no number; {rig.name} needs it")
+    return kept
+
+
+def _hold_out(records: list[Record]) -> list[Record]:
+    split: list[Record] = []
+    for record in records:
+        cut = record.time[0] + (1.0 - HELD_OUT_SHARE) * (record.time[-1] - record.time[0])
+        first = int(np.searchsorted(record.time, cut, "right"))
+        if first < MINIMUM_ROWS or record.size - first < 3:
+            raise InputError(
+                f"{record.file}: too short to hold out its last {HELD_OUT_SHARE:.0%}; "
+                "add a record with role = 'validate'"
+            )
+        share = f"{HELD_OUT_SHARE:.0%}"
+        note = f"no record validates, so its last {share} in time (from {cut:.6g} s) is held out"
+        split.append(_part(record, slice(0, first), note))
+        held = replace(_part(record, slice(first, None), note), role="validate", name=f"{record.name}#held-out")
+        split.append(replace(held, continues=record.name))
+    return split
+
+
+def _part(record: Record, rows: slice, note: str) -> Record:
+    return replace(
+        record,
+        time=record.time[rows],
+        channels={channel: array[rows] for channel, array in record.channels.items()},
+        notes=(*record.notes, note),
+        held_out_split=True,
+    )

@@ -1,0 +1,156 @@
+"""`[[record]]`: which file, in which role, under which names, units and signs, and which stretch of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Literal
+
+from stagecad.parameters.errors import InputError, nearest
+from sysid.experiment.channels import Source, choose_columns
+from sysid.experiment.readers.record_file import open_record_file, shown_path
+from sysid.experiment.rigs import RigKind
+from sysid.experiment.toml_quantity import quantity
+from sysid.experiment.toml_table import TomlTable, shown
+
+
+@dataclass(frozen=True)
+class RecordSpec:
+    """One `[[record]]` as written, its columns found.
+
+    Args:
+        name: `name` in the file, else the stem of `file`; unique.
+        file: as written.
+        path: where it lies.
+        role: `fit` or `validate`.
+        sources: channel to column.
+        sign: channel to 1 or -1.
+        start, stop: window on the time column, s; none where open.
+        continues: name of the record whose end this one starts from.
+        noise: standard deviations of this record, SI.
+        notes: columns not used.
+        where: place in the experiment file, for messages.
+    """
+
+    name: str
+    file: str
+    path: Path
+    role: Literal["fit", "validate"]
+    sources: Mapping[str, Source]
+    sign: Mapping[str, int] = field(default_factory=dict)
+    start: float | None = None
+    stop: float | None = None
+    continues: str | None = None
+    noise: Mapping[str, float] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+    where: str = ""
+
+
+def read_record_specs(
+    top: TomlTable, kind: RigKind, file: Path
+) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
+    """Every `[[record]]` with its columns found, and which columns tell by their unit whether the axis is rotary.
+
+    Args:
+        top: the whole experiment file.
+        kind: kind of rig.
+        file: path of the experiment file; records lie beside it.
+
+    Raises:
+        InputError: a fault in a table, or in the header of a record's file.
+    """
+    tables = top.tables("record")
+    if not tables:
+        raise InputError(f"{top.file}: there is no record; write [[record]] with file and role")
+    records: list[RecordSpec] = []
+    axes: list[tuple[str, bool]] = []
+    for table in tables:
+        table.allow(("file", "role", "name", "columns", "units", "sign", "from", "to", "continues", "noise"))
+        written = table.text("file")
+        role: Any = table.choice("role", ("fit", "validate"))
+        shown_name = shown_path(str(file.parent / written))
+        opened = open_record_file(file.parent / written, shown_name)
+        renamed, units = _texts_by_key(table.table("columns")), _texts_by_key(table.table("units"))
+        # Units that a file carries inside serve where the experiment is silent.
+        units = {key: unit for key, unit in opened.units.items() if key in (*kind.channels, *opened.labels)} | units
+        sources, rotary, notes = choose_columns(opened.labels, kind, shown_name, renamed, units, table.where())
+        axes += [
+            (f"column '{sources[channel].column.label.strip()}' of {written}", turns)
+            for channel, turns in rotary.items()
+        ]
+        records.append(
+            RecordSpec(
+                name=_unique_name(table, written, [record.name for record in records]),
+                file=written,
+                path=file.parent / written,
+                role=role,
+                sources=sources,
+                sign=_signs(table.table("sign"), kind),
+                start=quantity(table, "from", "s") if "from" in table.data else None,
+                stop=quantity(table, "to", "s") if "to" in table.data else None,
+                continues=table.text("continues") if "continues" in table.data else None,
+                notes=tuple(notes),
+                where=table.where(),
+            )
+        )
+        last = records[-1]
+        if last.start is not None and last.stop is not None and last.start >= last.stop:
+            raise InputError(f"{table.where()}: from = '{table.data['from']}' is not before to = '{table.data['to']}'")
+    if all(record.role != "fit" for record in records):
+        raise InputError(f"{top.file}: no record has role = 'fit'; the fit needs one")
+    return _resolve_continues(records), axes
+
+
+def _unique_name(table: TomlTable, written: str, taken: list[str]) -> str:
+    if "name" in table.data:
+        name = table.text("name")
+        if name in taken:
+            raise InputError(f"{table.where('name')}: '{name}' names another record already")
+        return name
+    stem = Path(written).stem
+    name, number = stem, 1
+    while name in taken:
+        number += 1
+        name = f"{stem}#{number}"
+    return name
+
+
+def _resolve_continues(records: list[RecordSpec]) -> tuple[RecordSpec, ...]:
+    names = {record.name: record.name for record in records}
+    for record in records:
+        names.setdefault(record.file, record.name)
+    resolved: list[RecordSpec] = []
+    for record in records:
+        if record.continues is not None:
+            if record.continues not in names:
+                raise InputError(
+                    f"{record.where}: continues = '{record.continues}' names no record"
+                    f"{nearest(record.continues, names)}"
+                )
+            other = names[record.continues]
+            if other == record.name:
+                raise InputError(f"{record.where}: continues = '{record.continues}': a record cannot continue itself")
+            if other not in [earlier.name for earlier in resolved]:
+                raise InputError(
+                    f"{record.where}: continues = '{record.continues}' stands below; "
+                    "put the earlier record above the later"
+                )
+            record = replace(record, continues=other)
+        resolved.append(record)
+    return tuple(resolved)
+
+
+def _texts_by_key(table: TomlTable) -> dict[str, str]:
+    return {key: table.text(key) for key in table.data}
+
+
+def _signs(table: TomlTable, kind: RigKind) -> dict[str, int]:
+    signs = {}
+    for key, value in table.data.items():
+        if key not in kind.channels:
+            raise InputError(f"{table.where()}: '{key}' is no channel of {kind.name}{nearest(key, kind.channels)}")
+        if isinstance(value, bool) or value not in (1, -1):
+            raise InputError(f"{table.where(key)}: {shown(value)} is not allowed; 1 or -1 is wanted")
+        signs[key] = int(value)
+    return signs

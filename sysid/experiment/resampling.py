@@ -1,0 +1,57 @@
+"""A record on a uniform time grid."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.record import Record
+
+MOST_SAMPLES = 1_000_000
+MOST_PER_ROW = 100
+"""The uniform grid may have this many samples, and this many for each row."""
+
+
+def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
+    """The record on a uniform grid of its median step.
+
+    Returns:
+        time from zero (n,), step in s, channels by name, and the mask (n,) of samples that were not measured:
+        in a hole of the time axis more than three steps wide, or where a regular log misses a row.
+
+    Raises:
+        InputError: the holes of the time axis are out of all proportion to its steps.
+    """
+    time = record.time - record.time[0]
+    step = float(np.median(np.diff(time)))
+    if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
+        grid = step * np.arange(time.size)
+        return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
+    count = int(np.floor(time[-1] / step)) + 1
+    if count > max(MOST_SAMPLES, MOST_PER_ROW * time.size):
+        before = int(np.argmax(np.diff(time)))
+        raise InputError(
+            f"{record.file}: no row between {record.time[before]:.9g} s and {record.time[before + 1]:.9g} s, "
+            f"at a usual step of {step:.3g} s; leave one side out with from or to, or make it a record of its own"
+        )
+    grid = step * np.arange(count)
+    channels = {}
+    for name, values in record.channels.items():
+        known = np.isfinite(values)
+        if not known.any():
+            channels[name] = np.full(grid.size, np.nan)
+            continue
+        resampled = np.interp(grid, time[known], values[known])
+        if not known.all():
+            # A gap stays a gap: a grid point whose neighbour in time was empty is empty.
+            nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+            resampled[~(known[nearest] & known[nearest - 1])] = np.nan
+        channels[name] = resampled
+    after = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
+    near = np.minimum(np.abs(time[after] - grid), np.abs(time[after - 1] - grid))
+    hole = (time[after] - time[after - 1]) > 3.0 * step
+    on_row = near <= 0.02 * step
+    if on_row.mean() > 0.5:
+        # A regular log with rows missing: what stands between its rows was not measured.
+        hole = hole | ~on_row
+    return grid, step, channels, hole

@@ -1,0 +1,235 @@
+"""The `[model]` of an experiment: its effects by name, and starts, bounds or fixed values of their parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sim.library.catalogue import find
+from sim.library.custom import load_all_custom
+from sim.library.effect import Effect, Parameter, rotary_unit
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.quantities import parse_quantity, parse_uncertain
+from sysid.experiment.channels import same_dimension
+from sysid.experiment.known import DesignValues, design_value
+from sysid.experiment.rigs import CHANNELS, RigKind
+from sysid.experiment.toml_table import TomlTable, kind_of, shown
+
+_KEYS = ("start", "low", "high", "fixed")
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What the file says about one parameter, SI; none where it is silent.
+
+    Args:
+        start: start of the fit, or the value held.
+        low, high: bounds.
+        fixed: held at `start`, not fitted.
+        std: deviation to which `start` was known before the fit (`start = "1.2 +- 0.1 N"`, or the design's): a prior.
+    """
+
+    start: float | None = None
+    low: float | None = None
+    high: float | None = None
+    fixed: bool = False
+    std: float | None = None
+
+
+def check_effects(
+    names: Sequence[str], custom: Sequence[Path], rig: RigKind, recorded: set[str], model: TomlTable
+) -> dict[str, Effect]:
+    """Find every effect of the model.
+
+    Args:
+        names: `effects` of the model.
+        custom: files of the user's own effects.
+        rig: kind of rig.
+        recorded: channels that some record holds.
+        model: the table, for messages.
+
+    Raises:
+        InputError: an effect nobody knows, one that stands twice, two friction cores at one place, a sensor channel
+            that is not recorded, a fault in a user's file.
+    """
+    own = load_all_custom(custom)
+    found: dict[str, Effect] = {}
+    for name in names:
+        if name in found:
+            raise InputError(f"{model.where('effects')}: '{name}' stands twice")
+        try:
+            found[name] = find(name, own)
+        except InputError as error:
+            raise InputError(f"{model.where('effects')}: {error}") from None
+        channel = name.partition("@")[2]
+        if channel and channel not in recorded:
+            measured = [other for other in rig.measured_channels if other in recorded]
+            raise InputError(
+                f"{model.where('effects')}: '{name}': no record holds '{channel}'{nearest(channel, measured)}"
+            )
+        if name.startswith("contact.") and rig.name != "friction-drive":
+            raise InputError(
+                f"{model.where('effects')}: '{name}': only a friction-drive has a contact of tip and stage; write "
+                f"'{name.removeprefix('contact.')}'"
+            )
+        _check_core(name, found, model)
+    return found
+
+
+def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> None:
+    """One friction level becomes one force: a second core at the same place would leave one of the two unheard."""
+    if found[name].core is None:
+        return
+    in_contact = name.startswith("contact.")
+    for other, effect in found.items():
+        if other != name and effect.core is not None and other.startswith("contact.") == in_contact:
+            raise InputError(
+                f"{model.where('effects')}: '{other}' and '{name}' are both friction cores, and a model has one"
+                f"{' between tip and stage' if in_contact else ''}; leave one out"
+            )
+
+
+def read_settings(
+    table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool, design: DesignValues | None = None
+) -> dict[str, Setting]:
+    """Read `[model.parameters]`; `design` is what `"design"` stands for.
+
+    Raises:
+        InputError: an effect the model lacks, a parameter the effect lacks, a wrong unit, bounds the wrong way round, a
+            start outside them, a fixed value without its value.
+    """
+    settings: dict[str, Setting] = {}
+    for key, value in _flat(table.data, effects):
+        where = table.where(key)
+        name, _, parameter_name = key.rpartition(".")
+        if name not in effects:
+            wanted = [f"{effect}.{p.name}" for effect, declared in effects.items() for p in declared.parameters]
+            if not name:
+                meant = [full for full in wanted if full.endswith(f".{key}")]
+                near = f"; did you mean '{meant[0]}'?" if meant else nearest(key, wanted) if wanted else ""
+                raise InputError(f"{where}: write 'effect.parameter'{near}")
+            raise InputError(f"{where}: the model has no effect '{name}'{nearest(name, effects) if effects else ''}")
+        try:
+            parameter = effects[name].parameter(parameter_name)
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from None
+        settings[key] = _setting(
+            TomlTable(table.file, f"{table.name}.{key}", _as_table(value)), parameter, name, rig, rotary, design
+        )
+    return settings
+
+
+def _flat(data: Mapping[str, Any], effects: Mapping[str, Effect]) -> list[tuple[str, Any]]:
+    """`"coulomb.force" = {...}` and `coulomb.force = {...}` alike, as dotted keys."""
+    flat: list[tuple[str, Any]] = []
+    for key, value in data.items():
+        if isinstance(value, dict) and value and not set(value) & set(_KEYS):
+            nested = _flat(value, effects) if any(isinstance(item, dict | str) for item in value.values()) else []
+            if nested:
+                flat += [(f"{key}.{inner}", item) for inner, item in nested]
+                continue
+        flat.append((key, value))
+    return flat
+
+
+def _as_table(value: Any) -> Any:
+    return {"start": value} if not isinstance(value, dict) else value
+
+
+def _setting(
+    table: TomlTable, parameter: Parameter, effect: str, rig: RigKind, rotary: bool, design: DesignValues | None
+) -> Setting:
+    table.allow(_KEYS)
+    low, high = (_value(table, key, parameter, effect, rig, rotary)[0] for key in ("low", "high"))
+    fixed = table.flag("fixed")
+    if table.data.get("start") == "design":
+        found = design_value(design, f"{effect}.{parameter.name}", rotary, table.where("start"))
+        start, std = found.value, found.std
+        low = found.low if low is None else low
+        high = found.high if high is None else high
+    else:
+        start, std = _value(table, "start", parameter, effect, rig, rotary)
+    if std is not None and not std > 0.0:
+        raise InputError(f"{table.where('start')}: {shown(table.data['start'])}: the uncertainty must be above zero")
+    if start is not None and not math.isfinite(start):
+        raise InputError(f"{table.where('start')}: {shown(table.data['start'])} is not finite")
+    if fixed and start is None:
+        raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
+    if low is not None and high is not None and low >= high:
+        raise InputError(
+            f"{table.where()}: low = {_said(table, 'low', low)} is not below high = {_said(table, 'high', high)}"
+        )
+    for bound, key in ((low, "low"), (high, "high")):
+        if start is not None and bound is not None and (start < bound if key == "low" else start > bound):
+            raise InputError(
+                f"{table.where()}: start = {_said(table, 'start', start)} lies outside {key} = "
+                f"{_said(table, key, bound)}"
+            )
+    _within_declared(table, parameter, start, low, high, fixed)
+    return Setting(start, low, high, fixed, None if fixed else std)
+
+
+def _within_declared(
+    table: TomlTable, parameter: Parameter, start: float | None, low: float | None, high: float | None, fixed: bool
+) -> None:
+    """Refuse a start beyond the effect's own bounds, unless the file moves them; a fixed value may lie anywhere."""
+    if start is None or fixed:
+        return
+    # A start that a fit left at a bound is written with nine digits.
+    room = 1e-6 * abs(start)
+    for beyond, given, bound, key in (
+        (start < parameter.low - room, low, parameter.low, "low"),
+        (start > parameter.high + room, high, parameter.high, "high"),
+    ):
+        if beyond and given is None:
+            raise InputError(
+                f"{table.where()}: start = {_said(table, 'start', start)} lies outside the effect's own {key} = "
+                f"{bound:g}; give {key} with it if it is meant"
+            )
+
+
+def _said(table: TomlTable, key: str, value: float) -> str:
+    """A value as the file writes it; in SI where it is the design's."""
+    return shown(table.data[key]) if table.data.get(key, "design") != "design" else f"{value:g} (the design's)"
+
+
+def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> list[str]:
+    """The SI units a value of `parameter` may be given in; a sensor's parameter takes the unit of its channel."""
+    if not parameter.unit.startswith("channel"):
+        return [rotary_unit(parameter.unit) if rotary else parameter.unit]
+    channel = effect.partition("@")[2]
+    channels = [channel] if channel else list(rig.measured_channels)
+    tail = parameter.unit.removeprefix("channel")
+    return list(dict.fromkeys(f"{CHANNELS[name].si_unit(rotary)}{tail}" for name in channels))
+
+
+def _value(
+    table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool
+) -> tuple[float | None, float | None]:
+    """A value and, of a start, its standard deviation; none where the file is silent."""
+    if key not in table.data:
+        return None, None
+    value, where = table.data[key], table.where(key)
+    units = parameter_units(parameter, effect, rig, rotary)
+    if isinstance(value, bool) or not isinstance(value, str | int | float):
+        raise InputError(f"{where}: {shown(value)} is {kind_of(value)}, a quantity is wanted, such as '1 {units[0]}'")
+    # A number without a dimension may stand bare, and so may an infinite bound.
+    bare = isinstance(value, int | float)
+    if bare and (math.isinf(value) or same_dimension(units[0], "1")):
+        return float(value), None
+    if bare:
+        raise InputError(f"{where}: {value} has no unit; write '{value} {units[0]}'")
+    text = str(value).strip()
+    if text in ("inf", "+inf", "-inf"):
+        return float(text), None
+    problem: InputError | None = None
+    for unit in units:
+        try:
+            return parse_uncertain(text, unit, where) if key == "start" else (parse_quantity(text, unit, where), None)
+        except InputError as error:
+            problem = problem or error
+    assert problem is not None
+    raise problem

@@ -1,0 +1,25 @@
+"""The unknowns of a fit: key, starting value, bounds, typical size and prior of each number that a fit adjusts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Prior:
+    """What is known of a number before the fit: its value and standard deviation."""
+
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """One number a fit moves: its key, start, bounds, typical size, and what was known of it beforehand."""
+
+    key: str
+    start: float
+    low: float
+    high: float
+    size: float
+    prior: Prior | None = None

@@ -1,0 +1,318 @@
+"""The next measurement: of a family of motions, the one that separates the rivals left most per second of machine time.
+
+For two rivals j and k a motion is worth what remains of their difference after either has been refitted to the other
+(T-optimality, Atkinson and Fedorov, Biometrika 62 (1975) 57, in prediction space):
+
+    deviations^2 = min over j, k of min over theta_k of sum_i (y_j(t_i) - y_k(t_i; theta_k))^2 / sigma_i^2
+
+with all of the rival's parameters free, those of the base model included. Samples that are closer than the noise is
+independent count for less: the sum is scaled to independent samples. Evidence adds up in deviations squared, so motions
+are ordered by the least deviations squared, over the pairs, per second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from sysid.diagnose import Diagnosis, diagnose
+from sysid.diagnosis.trials import Progress, Trial
+from sysid.estimation.least_squares import least_squares
+from sysid.estimation.misfit import Weighting, weighted_residual, weighting
+from sysid.experiment.experiment import DesignValues
+from sysid.experiment.history import read_ladder
+from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
+from sysid.prediction.actuator_tip import TipRecord
+from sysid.prediction.force_balance.record import Balance, make_axis, spread
+from sysid.prediction.friction_drive.record import FrictionDriveRecord, driven_by
+from sysid.prediction.model import Model, Prepared, predict
+from sysid.prediction.problem import Case, load_case, make_case
+from sysid.signals.gaussian_filter import GaussianFilter
+
+MOST_RIVALS = 4
+NEAR = 2.0
+"""Error over the best one's up to which an effect is still a rival."""
+
+SCORED = 4000
+"""Samples of a record that its own separation is found from; more say the same."""
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two rivals, and how far apart a motion or the records at hand would set them.
+
+    Args:
+        effects: their names.
+        deviations: apart, in standard deviations, on the motion.
+        records: apart on the records of the fit.
+    """
+
+    effects: tuple[str, str]
+    deviations: float
+    records: float
+
+
+@dataclass(frozen=True)
+class Worth:
+    """A motion with what it would separate.
+
+    Args:
+        motion: to run.
+        pairs: the closest first.
+        least: deviations between the closest of the rivals that some motion separates.
+    """
+
+    motion: Motion
+    pairs: tuple[Pair, ...]
+    least: float = 0.0
+
+    @property
+    def rate(self) -> float:
+        """Deviations squared per second between the closest rivals: what is gained for machine time."""
+        return self.least**2 / self.motion.seconds if self.motion.seconds > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """What to measure next.
+
+    Args:
+        case: what was diagnosed.
+        diagnosis: of the model as it stands, or of the model before its last effect where nothing is missing now.
+        rivals: names of the effects compared, best first.
+        motions: best first, the space-filling one last.
+        inseparable: rivals that no motion of the family sets apart from the first.
+        revisited: the last effect of the ladder is weighed against its rivals.
+    """
+
+    case: Case
+    diagnosis: Diagnosis
+    rivals: tuple[str, ...]
+    motions: tuple[Worth, ...]
+    inseparable: tuple[str, ...] = ()
+    revisited: str | None = None
+
+
+def suggest(
+    source: str | Path | Case,
+    design: DesignValues | None = None,
+    progress: Progress | None = None,
+) -> Suggestion:
+    """Diagnose an experiment, and find the motion that would best settle what its records leave open.
+
+    Where nothing is missing (any more), the effect added last is weighed against what could stand in its place. With
+    no rivals at all there is nothing to separate, and only the space-filling motion remains.
+
+    Raises:
+        InputError: a fault in a file, in one line.
+    """
+    case = source if isinstance(source, Case) else load_case(source, design)
+    found = diagnose(case, progress=progress)
+    revisited = None
+    if found.verdict != "missing-effect" and len(read_ladder(case.experiment)) > 1:
+        *before, last = case.experiment.effects
+        again = diagnose(make_case(case.experiment, case.records, before), progress=progress)
+        if again.verdict == "missing-effect":
+            found, revisited = again, last
+    return weigh(found, motions_for(found.case), revisited, progress)
+
+
+def weigh(
+    found: Diagnosis, motions: Sequence[Motion], revisited: str | None = None, progress: Progress | None = None
+) -> Suggestion:
+    """Order motions by what they would separate of a diagnosis's rivals."""
+    rivals = rivals_of(found)
+    filling, case = motions[-1], found.case
+    names = [t.family for t in rivals]
+    if len(rivals) < 2:
+        return Suggestion(case, found, tuple(names), (Worth(filling, ()),), (), revisited)
+    models = [t.candidate.fitted.model for t in rivals]
+    now = [_apart_on_records(case, models[0], other) for other in models[1:]]
+    found_pairs: list[list[Pair]] = []
+    for k, motion in enumerate(motions):
+        if progress is not None:
+            progress(motion.name, k, len(motions))
+        record, count = motion_record(case, motion)
+        weights = weighting(models[0], [record], thin=False)
+        apart = [count * separation(models[0], other, [record], weights) for other in models[1:]]
+        found_pairs.append([Pair((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
+    if progress is not None:
+        progress("", len(motions), len(motions))
+    # Two names for one thing on this rig: no motion is to blame.
+    same = [n for k, n in enumerate(names[1:]) if max(pairs[k].deviations for pairs in found_pairs) < 1.0]
+    worths = []
+    for motion, pairs in zip(motions, found_pairs, strict=True):
+        least = min((p.deviations for p in pairs if p.effects[1] not in same), default=0.0)
+        worths.append(Worth(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
+    ordered = sorted(worths[:-1], key=lambda w: -w.rate)
+    return Suggestion(case, found, tuple(names), (*ordered, worths[-1]), tuple(same), revisited)
+
+
+def rivals_of(found: Diagnosis) -> list[Trial]:
+    """The best trial, those tied with it, and the others that come near it; none where nothing is missing."""
+    best = found.best
+    if best is None or found.verdict != "missing-effect" or best.family == "sensor_quantisation":
+        # A grid is read off the values themselves: no motion is needed to tell it from anything.
+        return []
+    usable = [t for t in found.trials if t is not best and t.candidate.fitted.fit.keys and t.fit_gain > 0.0]
+    tied = [t for t in usable if t.family in found.indistinguishable]
+    others = [t for t in usable if t not in tied and t.gain > 0.3 * best.gain]
+    near = [t for t in others if t.error <= NEAR * max(best.error, 1.0)]
+    # Where the records have settled it, the runner-up alone is kept, to show by how much.
+    return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_RIVALS]
+
+
+def separation(one: Model, other: Model, records: Sequence[Prepared], weights: Weighting) -> float:
+    """Deviations by which records tell two models apart, each refitted to the other, the lesser of the two."""
+    return min(_unlike(one, other, records, weights), _unlike(other, one, records, weights))
+
+
+def _unlike(truth: Model, rival: Model, records: Sequence[Prepared], weights: Weighting) -> float:
+    posed = [replace(r, measured=predict(r, truth.effects, truth.values), memo={}) for r in records]
+    keys = [u.key for u in rival.unknowns]
+
+    def residual(point: np.ndarray) -> np.ndarray:
+        return weighted_residual(
+            rival, posed, weights, {**rival.values, **dict(zip(keys, point.tolist(), strict=True))}
+        )
+
+    fitted = least_squares(residual, rival.unknowns, robust=False, iterations=12)
+    return float(np.linalg.norm(fitted.residual))
+
+
+def _independent(case: Case, record: Prepared, step: float) -> float:
+    """Root of the independent samples that one sample `step` (s) apart stands for."""
+    own = record.step
+    colour = max((n.correlation for n in case.noise.values()), default=0.0)
+    apart = own * (1.0 + colour) / max(1.0 - colour, 1e-3)
+    if isinstance(record, Balance) and record.whole is not None:
+        apart = max(apart, record.whole.width)
+    return float(np.sqrt(step / apart))
+
+
+def _apart_on_records(case: Case, one: Model, other: Model) -> float:
+    """Deviations by which the records of the fit tell two models apart."""
+    total = 0
+    full = weighting(one, case.fit_records)
+    for pick in full.picks:
+        total += max((p.size for p in pick.values()), default=0)
+    every = max(1, total // SCORED)
+    picks = tuple(
+        {c: _away_from_turns(record, p)[::every] for c, p in pick.items()}
+        for record, pick in zip(case.fit_records, full.picks, strict=True)
+    )
+    thinned = replace(full, picks=picks)
+    record = case.fit_records[0]
+    gap = every * record.step
+    if isinstance(record, Balance) and record.whole is not None:
+        gap = every * max(1, int(record.whole.width / record.step)) * record.step
+    return _independent(case, record, gap) * separation(one, other, case.fit_records, thinned)
+
+
+def _turning(record: Balance, reach: int) -> np.ndarray:
+    """Samples (n,) at which an axis turns, `reach` on either side with them: nobody's evidence."""
+    direction = record.axis.direction if record.direction is None else record.direction
+    turns = np.concatenate([[False], direction[1:] != direction[:-1]])
+    turning = spread(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
+    if record.kind != "velocity-drive":
+        # A mass at rest is held by whatever the drive asks for: friction shows nothing of itself.
+        turning |= spread(record.axis.contact_age > 0.0, reach)
+    return turning
+
+
+def _away_from_turns(record: Prepared, pick: np.ndarray) -> np.ndarray:
+    if not isinstance(record, Balance):
+        return pick
+    width = record.whole.width if record.whole is not None else 0.0
+    return pick[~_turning(record, 2 + int(np.ceil(5.0 * width / record.step)))[pick]]
+
+
+def motions_for(case: Case) -> list[Motion]:
+    """The family of motions for a case's rig, within what its records have shown."""
+    first = case.fit_records[0]
+    if isinstance(first, TipRecord | FrictionDriveRecord):
+        drives = [
+            np.concatenate([r.drives[k] for r in case.fit_records if isinstance(r, TipRecord | FrictionDriveRecord)])
+            for k in range(len(first.drives))
+        ]
+        return tip_motions([float(u.min()) for u in drives], [float(u.max()) for u in drives], first.step)
+    return axis_motions(envelope_of(case), first.step)
+
+
+def envelope_of(case: Case) -> Envelope:
+    """Travel, speed and acceleration that the records of the fit have shown."""
+    axes = [r.axis for r in case.fit_records if isinstance(r, Balance)]
+    first = case.fit_records[0]
+    assert isinstance(first, Balance)
+    position = np.concatenate([a.position for a in axes])
+    speed = float(np.quantile(np.abs(np.concatenate([a.velocity for a in axes])), 0.998))
+    acceleration = float(np.quantile(np.abs(np.concatenate([a.acceleration for a in axes])), 0.98))
+    load = np.concatenate([a.load for a in axes])
+    noise = case.noise.get("position")
+    span = float(np.ptp(position))
+    fine = max(30.0 * noise.value if noise is not None else 0.0, 1e-5 * span)
+    varied = float(np.ptp(load)) > 0.05 * abs(float(np.mean(load)))
+    low_load, high_load = (float(q) for q in np.quantile(load, (0.02, 0.98)))
+    return Envelope(
+        float(position.min()), float(position.max()), speed, max(acceleration, speed / 0.1), fine,
+        (low_load, high_load) if varied else None,
+    )  # fmt: skip
+
+
+def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
+    """A prepared record of a motion, as if the rig had followed it, and the weight of its samples.
+
+    On a rig that drives a mass the motion is the reference the axis follows, and rivals are compared in the force.
+    """
+    first = case.fit_records[0]
+    n = next(iter(motion.signals.values())).size
+    time = np.arange(n) * motion.step
+    scored = np.arange(n) >= 1
+    if isinstance(first, TipRecord | FrictionDriveRecord):
+        bias = case.experiment.rig.known.get("bias_voltage")
+        drives = [motion.signals[f"voltage_{k + 1}"] - (bias.value if bias else 0.0) for k in range(len(first.drives))]
+        if isinstance(first, FrictionDriveRecord):
+            return driven_by(first, motion.name, motion.step, drives), _independent(case, first, motion.step)
+        record: Prepared = replace(
+            first, name=motion.name, step=motion.step, time=time, drives=drives, memo={},
+            measured={c: np.zeros(n) for c in first.measured}, valid=dict.fromkeys(first.measured, scored),
+        )  # fmt: skip
+        return record, _independent(case, first, motion.step)
+    position = motion.signals["position"]
+    velocity = np.gradient(position, motion.step)
+    acceleration = np.gradient(velocity, motion.step)
+    load = motion.signals.get("normal_load", np.full(n, case.scales.load_mean))
+    warmth = np.full(n, case.scales.temperature_mean)
+    rest = 1e-6 * float(np.max(np.abs(velocity)))
+    axis = make_axis(time, position, velocity, acceleration, load, warmth, rest)
+    channel = first.force_channel
+    width = first.whole.width if first.whole is not None else 0.0
+    margin = int(np.ceil(4.0 * width / motion.step)) + 1
+    inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
+    record = replace(
+        first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
+        noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
+        stuck=None, smooth=GaussianFilter(width, motion.step, n), whole=None, direction=None, heading=None, finer=None,
+        inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, rests=None, memo={},
+    )  # fmt: skip
+    record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
+    return record, _independent(case, first, motion.step)
+
+
+def columns_of(case: Case, motion: Motion) -> dict[str, np.ndarray]:
+    """The motion as a table to run: `name [unit]` in SI, (n,) each, `time [s]` first."""
+    unit = "rad" if case.experiment.rig.rotary else "m"
+    n = next(iter(motion.signals.values())).size
+    table = {"time [s]": np.arange(n) * motion.step}
+    for name, values in motion.signals.items():
+        if name == "position":
+            # The end of the pulling spring is what such a rig moves; the mass follows it.
+            table[f"{'pull_position' if case.kind == 'spring-pull' else 'position'} [{unit}]"] = values
+            if case.kind == "velocity-drive":
+                table[f"velocity [{unit}/s]"] = np.gradient(values, motion.step)
+        else:
+            table[f"{name} [{'V' if name.startswith('voltage') else 'N'}]"] = values
+    return table

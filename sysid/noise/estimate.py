@@ -1,0 +1,230 @@
+"""Noise of a measured channel, found before any model is fitted.
+
+The order of trust: what the user gives; the scatter from cycle to cycle of a periodic motion; stretches where the input
+stands still; differences of neighbouring samples. Never the residual of a model, which would take a missing effect for
+noise.
+
+Differences see only the fastest part of the noise. Noise that is coloured is found by comparing them with the scatter
+in windows of growing length; a log that was filtered, by differences that keep falling from order to order without
+reaching a floor, or by cycles that differ far more than neighbours do where neighbours agree better than any sensor
+could. A filtered log without repeats is said to be so, since its value is then a lower bound only.
+
+Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625
+(differences); Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.quantities import as_json
+from sysid.experiment.record import Record
+from sysid.experiment.rigs import RIGS
+from sysid.noise.autocorrelation import Colour, colour_of, difference_scale, segments
+from sysid.noise.quantisation import find_quantum
+from sysid.noise.repeats import cycle_scatter
+
+NoiseSource = Literal["given", "repeats", "quiet", "difference"]
+BEST_SENSOR = 1e-4
+"""Noise over signal below which a force log is taken to be filtered when its cycles differ more: no sensor of force is
+better than 80 dB from sample to sample."""
+
+
+LEAST = 1e-9
+"""Noise over the largest value below which there is none: what rounding to nine digits leaves."""
+
+
+UNEVEN = 2.5
+"""How many times stronger the noise of a record may be than where its input stands still, and yet be the same noise."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Standard deviation of the noise on one channel.
+
+    Args:
+        value: SI.
+        unit: SI unit.
+        source: where the value comes from.
+        correlation: correlation of neighbouring samples (first-order autoregression); zero for white noise.
+        correlation_time: s, -step / log(correlation); zero for white noise.
+        filtered: the log was low-passed: differences of neighbours say nothing about the noise.
+        quantum: step of the grid the values lie on, SI; none where they lie on no grid.
+        note: for people, one line.
+        under_steps: deviation without the steps of the grid, SI, where `value` counts them in; none where it does not.
+    """
+
+    value: float
+    unit: str
+    source: NoiseSource
+    correlation: float = 0.0
+    correlation_time: float = 0.0
+    filtered: bool = False
+    quantum: float | None = None
+    note: str = ""
+    under_steps: float | None = None
+
+    def to_json(self) -> dict[str, Any]:
+        """As it stands in the output: a quantity with `from`."""
+        return {**as_json(self.value, self.unit), "from": self.source}
+
+
+def estimate_noise(records: Sequence[Record], channel: str, given: float | None = None) -> Noise:
+    """Standard deviation of the noise on `channel`.
+
+    Args:
+        records: of one experiment; those without the channel are passed over.
+        channel: measured channel.
+        given: standard deviation given by the user, SI.
+
+    Returns:
+        The noise. With `given`, only its colour and grid are read off the records.
+
+    Raises:
+        InputError: no record holds the channel, or none has a stretch long enough.
+    """
+    holding = [record for record in records if channel in record.channels]
+    if not holding:
+        raise InputError(f"no record holds '{channel}'")
+    unit = holding[0].units[channel]
+    step = float(np.median([record.step for record in holding]))
+    quanta = [find_quantum([record.channels[channel]]) for record in holding]
+    quantum = max((found for found in quanta if found is not None), default=None)
+    if quantum is None:
+        colour = colour_of([piece for record in holding for piece in _pieces(record, channel)])
+    else:
+        # A record on a grid and one that is not are two sensors, or one that was worked on.
+        apart = [colour_of(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
+        colour = _together([found for found in apart if found is not None])
+    irregular = colour is None
+    if colour is None:
+        colour = _irregular(holding, channel)
+    if given is not None:
+        return _noise(given, unit, "given", colour, step, quantum, "given")
+    repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
+    scatter = _rms([item.scatter for item in repeats])
+    signal = _rms([float(np.sqrt(np.nanmean(record.channels[channel] ** 2))) for record in holding])
+    filtered = colour.filtered or (scatter > 10.0 * colour.value and colour.value < BEST_SENSOR * signal)
+    if repeats and (filtered or scatter <= 3.0 * colour.value):
+        cycles = sum(item.cycles for item in repeats)
+        note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
+        if filtered:
+            note += f"; the log was filtered, so the {colour.value:.2g} {unit} between neighbours says nothing"
+            memory = float(np.median([item.correlation for item in repeats]))
+            colour = Colour(scatter, memory, True, colour.white)
+        return _noise(scatter, unit, "repeats", colour, step, quantum, note)
+    least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
+    if colour.value < least:
+        note = f"no noise is seen; taken as {LEAST:g} of the largest value, the last digit a file would keep"
+        if colour.filtered:
+            note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
+        return _noise(least, unit, "difference", Colour(least, 0.0, colour.filtered, least), step, quantum, note)
+    quiet = _quiet(holding, channel, colour, quantum)
+    if quiet is not None:
+        return _noise(quiet.value, unit, "quiet", quiet, step, quantum, "where the input stands still")
+    note = "from differences of neighbouring samples"
+    if irregular:
+        note += " at uneven times"
+    if colour.correlation:
+        note += f" and windows of growing length: coloured, correlation time {_time(colour.correlation, step):.2g} s"
+    if colour.filtered:
+        note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
+    elif repeats:
+        # Cycles that differ by more than a sensor's noise hold an effect that changes from cycle to cycle.
+        note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
+    return _noise(colour.value, unit, "difference", colour, step, quantum, note)
+
+
+def _rms(values: Sequence[float]) -> float:
+    return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0
+
+
+def _pieces(record: Record, channel: str) -> list[np.ndarray]:
+    return segments(record.time, record.channels[channel], record.step)
+
+
+def _together(colours: Sequence[Colour]) -> Colour | None:
+    if not colours:
+        return None
+    return Colour(
+        _rms([colour.value for colour in colours]),
+        float(np.median([colour.correlation for colour in colours])),
+        all(colour.filtered for colour in colours),
+        _rms([colour.white for colour in colours]),
+    )
+
+
+def _noise(
+    value: float, unit: str, source: NoiseSource, colour: Colour, step: float, quantum: float | None, note: str
+) -> Noise:
+    if quantum is not None and quantum > 0.1 * value:
+        note += f"; the values lie on a grid of {quantum:.3g} {unit}"
+    correlation = colour.correlation
+    return Noise(value, unit, source, correlation, _time(correlation, step), colour.filtered, quantum, note)
+
+
+def _time(correlation: float, step: float) -> float:
+    return -step / float(np.log(correlation)) if correlation > 0.0 else 0.0
+
+
+def _irregular(records: Sequence[Record], channel: str) -> Colour:
+    """Residuals from the straight line between the two neighbours, each divided by its own spread."""
+    parts = []
+    for record in records:
+        good = np.flatnonzero(~np.isnan(record.channels[channel]))
+        t, x = record.time[good], record.channels[channel][good]
+        if t.size < 3:
+            continue
+        share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
+        miss = x[1:-1] - (1.0 - share) * x[:-2] - share * x[2:]
+        parts.append(miss / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
+    if not parts or sum(part.size for part in parts) < 8:
+        raise InputError(f"channel '{channel}' has too few samples to tell its noise; give it under [noise]")
+    value = difference_scale(np.concatenate(parts))
+    return Colour(value, 0.0, False, value)
+
+
+def _quiet(records: Sequence[Record], channel: str, overall: Colour, quantum: float | None) -> Colour | None:
+    """The noise where the input stands still, if that is long enough and free of motion that goes on."""
+    pieces: list[np.ndarray] = []
+    for record in records:
+        inputs = [name for name in _inputs(record) if name != channel and name in record.channels]
+        if not inputs:
+            continue
+        still = np.ones(record.size, dtype=bool)
+        for name in inputs:
+            values = record.channels[name]
+            reach = 1e-6 * float(np.nanmax(values) - np.nanmin(values))
+            moves = np.abs(np.diff(values, prepend=values[0])) > reach
+            still &= ~np.isnan(values) & ~moves
+        masked = np.where(still, record.channels[channel], np.nan)
+        pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
+    if sum(piece.size for piece in pieces) < 1000:
+        return None
+    colour = colour_of(pieces, quantum, flat=True)
+    if colour is None or colour.filtered:
+        return None
+    uneven = overall.white / max(colour.white, 1e-300)
+    if 0.8 < uneven < 1.0 / 0.6:
+        return colour
+    if 1.0 / UNEVEN < uneven < UNEVEN:
+        # Noise of one colour that is stronger at some times: its size is that of the whole record.
+        return replace(colour, value=uneven * colour.value, white=overall.white)
+    # Where neighbours differ far otherwise than in the whole record, the stretches do not hold the same noise.
+    return None
+
+
+def _inputs(record: Record) -> tuple[str, ...]:
+    """The imposed channels of the rig kinds that fit the record's channels."""
+    held = set(record.channels)
+    fitting = [
+        rig
+        for rig in RIGS.values()
+        if all(held & set(group) for group in rig.inputs) and all(held & set(group) for group in rig.measured)
+    ]
+    return fitting[0].input_channels if fitting else ()

@@ -1,0 +1,117 @@
+"""Scatter from cycle to cycle of a motion that repeats."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sysid.experiment.record import Record
+
+SAME = 2e-3
+"""Mean squared change of the input from one cycle to the next, over twice its variance, below which it repeats."""
+
+
+@dataclass(frozen=True)
+class CycleScatter:
+    """Scatter from cycle to cycle.
+
+    Args:
+        scatter: standard deviation of one cycle about its neighbours, in the channel's unit.
+        period: s.
+        cycles: how many were compared.
+        correlation: of neighbouring samples of that scatter.
+    """
+
+    scatter: float
+    period: float
+    cycles: int
+    correlation: float
+
+
+def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
+    """Scatter of `channel` between neighbouring cycles, where what is imposed on the rig repeats at least three times.
+
+    Neighbours are compared, so that slow drift counts for little; 3 % of the samples, those beside jumps, are left out.
+
+    Returns:
+        None where nothing imposed repeats, or the load changes from cycle to cycle.
+    """
+    if not record.uniform:
+        return None
+    imposed = _imposed(record, channel)
+    if imposed is None:
+        return None
+    lag = repeat_lag(imposed)
+    if lag is None:
+        return None
+    values = record.channels[channel]
+    change = values[lag:] - values[:-lag]
+    scatter = trimmed_rms(change) / np.sqrt(2.0)
+    if scatter == 0.0 or not _load_repeats(record, values, scatter, lag):
+        return None
+    # All of it here: the jumps carry what changes fast.
+    whole = float(np.nanmean(change**2))
+    correlation = float(np.clip(1.0 - 0.5 * np.nanmean(np.diff(change) ** 2) / whole, 0.0, 0.999))
+    return CycleScatter(scatter, lag * record.step, values.size // lag, correlation)
+
+
+def trimmed_rms(values: np.ndarray) -> float:
+    """Root mean square of the smaller 97 % of `values`, scaled to give the standard deviation of normal noise.
+
+    Returns:
+        Zero where there is nothing; gaps are passed over.
+    """
+    sizes = np.sort(np.abs(values[~np.isnan(values)]))
+    kept = sizes[: int(np.ceil(0.97 * sizes.size))]
+    # Normal noise cut at the 97 % of smallest size keeps 0.9005 of its standard deviation.
+    return float(np.sqrt(np.mean(kept**2)) / 0.9005) if kept.size else 0.0
+
+
+def _load_repeats(record: Record, values: np.ndarray, scatter: float, lag: int) -> bool:
+    """Whether the load is steady enough from cycle to cycle not to make the scatter by itself."""
+    load = record.channels.get("normal_load")
+    if load is None or not np.nanmean(np.abs(load)) > 0.0:
+        return True
+    change = trimmed_rms(load[lag:] - load[:-lag]) / np.sqrt(2.0) / float(np.nanmean(np.abs(load)))
+    return change * float(np.sqrt(np.nanmean(values**2))) < 0.5 * scatter
+
+
+def _imposed(record: Record, channel: str) -> np.ndarray | None:
+    """The channel that tells the cycle: an imposed one, not the one whose noise is asked for."""
+    order = ("pull_position", "voltage_1", "voltage_2") if channel != "friction_force" else ("position", "velocity")
+    for name in order:
+        values = record.channels.get(name)
+        if values is not None and name != channel and not np.isnan(values).any() and np.ptp(values) > 0.0:
+            return values
+    return None
+
+
+def repeat_lag(imposed: np.ndarray) -> int | None:
+    """Number of rows after which `imposed` (n,) repeats; none where it does not, or fewer than three times."""
+    n = imposed.size
+    centred = imposed - imposed.mean()
+    variance = float(np.mean(centred**2))
+    if variance == 0.0 or n < 60:
+        return None
+    spectrum = np.fft.rfft(centred, 2 * n)
+    products = np.fft.irfft(np.abs(spectrum) ** 2)[:n]
+    squares = np.concatenate([[0.0], np.cumsum(centred**2)])
+    lags = np.arange(n)
+    # sum (x[t + lag] - x[t])^2 over the overlap, from the products and the squares of both ends.
+    change = (squares[n] - squares[lags]) + squares[n - lags] - 2.0 * products
+    share = change / (2.0 * variance * (n - lags))
+    limit = n // 3
+    beyond = np.flatnonzero(share[:limit] > 0.5)
+    if not beyond.size:
+        return None
+    start = int(beyond[0])
+    fits = start + np.flatnonzero(share[start:limit] < SAME)
+    if not fits.size:
+        return None
+    first = int(fits[0])
+    # The best lag of the first dip.
+    end = first
+    while end + 1 < limit and share[end + 1] < SAME:
+        end += 1
+    return first + int(np.argmin(share[first : end + 1]))

@@ -1,0 +1,80 @@
+"""What the effects of a model give along a prepared record: the friction's level, and the forces beside the core."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Axis, Effect
+from sysid.prediction.force_balance.record import Balance
+
+Values = Mapping[str, float]
+"""Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
+
+MEMO_LIMIT = 160
+
+
+def split_channel(name: str) -> tuple[str, str | None]:
+    """`sensor_lag@position` -> (`sensor_lag`, `position`); (name, None) without a channel."""
+    base, _, channel = name.partition("@")
+    return base, channel or None
+
+
+def values_of(effect: Effect, values: Values) -> Any:
+    """The effect's parameter values as the named tuple its laws take."""
+    return effect.values_type(*[values[f"{effect.name}.{p.name}"] for p in effect.parameters])
+
+
+def remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], make: Callable[[], Any]) -> Any:
+    """What `make` gives, kept in `store` under `key`; the store is emptied when it grows past its limit."""
+    if key not in store:
+        if len(store) >= MEMO_LIMIT:
+            store.clear()
+        store[key] = make()
+    return store[key]
+
+
+def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -> tuple[Axis, tuple[object, ...]]:
+    """The axis as level and core see it, after the effects with memory, and a key that names it."""
+    axis, key = balance.axis, ()
+    for effect in effects:
+        if effect.memory is not None:
+            p = values_of(effect, values)
+            key = (*key, effect.name, p)
+            axis = remember(balance.memo, ("axis", key), partial(effect.memory, axis, p))
+    return axis, key
+
+
+def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray | float:
+    """Friction level (n,), N: the sum of every `level` times the product of every `factor`, never below zero."""
+    axis, key = friction_axis(balance, effects, values)
+    total: Any = 0.0
+    factor: Any = 1.0
+    for effect in effects:
+        if effect.level is not None:
+            p = values_of(effect, values)
+            total = total + remember(balance.memo, ("level", effect.name, p, key), partial(effect.level, axis, p))
+        if effect.factor is not None:
+            p = values_of(effect, values)
+            factor = factor * remember(balance.memo, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
+    return np.maximum(total * factor, 0.0)
+
+
+def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Sum (n,) of the forces that act on the axis beside the core, N."""
+    total = np.zeros(balance.size)
+    for effect in effects:
+        if effect.force is not None:
+            p = values_of(effect, values)
+            total = total + remember(balance.memo, ("force", effect.name, p), partial(effect.force, balance.axis, p))
+        if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
+            # What rides on a mode keeps pulling while friction holds the body: a force as any other.
+            p = values_of(effect, values)
+            own = balance.axis.acceleration
+            ride = partial(effect.signal, np.ascontiguousarray(own), balance.step, p)
+            ridden = remember(balance.memo, ("ride", effect.name, p[:2]), ride)
+            total = total + values.get("rig.mass", 0.0) * getattr(p, "mass_ratio", 1.0) * (ridden - own)
+    return total

@@ -1,0 +1,305 @@
+"""What a model of named effects predicts for a prepared record, in the channels that were measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import Effect
+from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
+from sysid.prediction.force_balance.initial_stick_phase import along_from_rest
+from sysid.prediction.force_balance.presliding_oscillation import bristled_friction, parts_of_a_step
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.reversals import at_times, sharp_friction
+from sysid.prediction.force_balance.stick_phases import FULLY_AT_REST, REST, bristles_of, given_way, usual_level
+from sysid.prediction.force_balance.sticking import departures, stop_times
+from sysid.prediction.sensors import as_late_as_the_motion, before_the_sensor, makes_motion_late, sensed
+
+
+def predict_balance(
+    balance: Balance, effects: Sequence[Effect], values: Values, at: Mapping[str, np.ndarray] | None = None
+) -> dict[str, np.ndarray]:
+    """Predicted channels (n,) of a force balance, filtered as the measured ones are.
+
+    Args:
+        balance: the record.
+        effects: of the model.
+        values: of its parameters.
+        at: samples wanted of each channel, (k,); every sample where left out.
+    """
+    if at is None or any(_needs_neighbours(e) for e in effects):
+        whole = _sensed_balance(balance, effects, values)
+        return whole if at is None else {channel: values_there[at[channel]] for channel, values_there in whole.items()}
+    terms = _terms(balance, effects, values)
+    out = {balance.force_channel: _force_at(balance, effects, values, terms, at[balance.force_channel])}
+    if _has_stretch(balance):
+        out["position"] = _stretch_relation(balance, effects, values, at["position"])
+    if balance.rests is not None:
+        out[REST] = _given_way(balance, effects, values, terms)[at[REST]]
+    return out
+
+
+def raw_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """Force (n,) against the motion of a driven mass but for its inertia, N, as sharp as the model tells it."""
+    friction, sharp = _friction(balance, effects, values, _terms(balance, effects, values))
+    return friction if sharp is None else friction + sharp
+
+
+def _needs_neighbours(effect: Effect) -> bool:
+    """Whether an effect works on the filtered channels, so that a sample of them depends on others."""
+    return effect.acts_on in ("drive", "sensor") and split_channel(effect.name)[0] != "sensor_quantisation"
+
+
+def _has_stretch(balance: Balance) -> bool:
+    return "position" in balance.measured and balance.force_channel == "spring_force"
+
+
+@dataclass(frozen=True)
+class _Terms:
+    """What a model gives along a record before it is a force against the motion.
+
+    Args:
+        level: of the friction, N, (n,).
+        forces: beside it, N, (n,).
+    """
+
+    level: np.ndarray
+    forces: np.ndarray
+
+
+def _terms(balance: Balance, effects: Sequence[Effect], values: Values) -> _Terms:
+    level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
+    return _Terms(level, axis_force(balance, effects, values))
+
+
+def _friction(
+    balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """Force against the motion (n,) for the filter `smooth`, and the sharp part of it for the filter `whole`, N."""
+    level, forces = terms.level, terms.forces
+    axis, _ = friction_axis(balance, effects, values)
+    core = next((e for e in effects if e.core is not None), None)
+    if core is None:
+        return forces, None
+    if core.core.name != "coulomb" or balance.stuck is None:
+        p = values_of(core, values)
+        usual = _usual(core, level)
+        unseen = unseen_part(balance, core, usual, p)
+        if core.core.name == "coulomb":
+            p = p._replace(stretch=balance.stretch)
+        held = along_from_rest(balance, core, axis, level, p, forces)
+        if core.core.name == "coulomb" and balance.heading is not None and axis.position is balance.axis.position:
+            # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
+            held = np.where(balance.heading != 0.0, balance.heading * level, held)
+        if unseen > LEAST_UNSEEN:
+            sharp = _sharp(balance, effects, values, forces, level, usual, core)
+            part = unseen
+            if balance.rests is not None and balance.stuck is not None:
+                # How the body gives way at rest is scored as a displacement, from rest to rest.
+                part = np.where(balance.stuck > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
+            return forces + (1.0 - part) * held, part * sharp
+        return forces + held, None
+    sharp = _sharp(balance, effects, values, forces, level, 0.0, core)
+    return forces, sharp
+
+
+def _usual(core: Effect, level: np.ndarray) -> float:
+    """Usual friction level of a core with bristles, N; one without asks for none."""
+    return 0.0 if core.core is not None and core.core.name == "coulomb" else usual_level(level)
+
+
+LEAST_UNSEEN = 0.02
+"""Part of a bristle's force that is too little to be taken from the balance of forces."""
+
+ENOUGH_UNSEEN = 0.25
+"""Part from which the displacements at rest say more of the bristles than the force at rest."""
+
+
+def _stretch_of(usual: float, p: Any) -> float:
+    """Displacement at which the bristles of a core slip, m, at the level that is usual."""
+    return float(p.stretch) if hasattr(p, "stretch") else usual / max(float(p.stiffness), 1e-300)
+
+
+def unseen_part(balance: Balance, core: Effect, usual: float, p: Any) -> float:
+    """Part of a bristle's force, 0 to 1, that a noisy position cannot show, and the balance of forces has to.
+
+    With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
+    from the balance to s_F: what is left of the difference is s_F / hypot(s_F, k s_x) of it.
+    """
+    assert core.core is not None
+    if balance.stuck is None or core.core.name == "coulomb":
+        return 0.0
+    own = balance.noise[balance.force_channel]
+    if balance.force_channel == "position":
+        own *= balance.pull_stiffness
+    along = usual / max(_stretch_of(usual, p), 1e-300) * balance.light_noise
+    return 1.0 - own / float(np.hypot(own, along))
+
+
+def _sharp(
+    balance: Balance,
+    effects: Sequence[Effect],
+    values: Values,
+    forces: np.ndarray,
+    level: np.ndarray,
+    usual: float,
+    core: Effect,
+) -> np.ndarray:
+    """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
+    # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
+    assert balance.direction is not None and balance.stuck is not None and balance.stops is not None
+    push, mass = _as_driven(balance, effects, values) - forces, values.get("rig.mass", 0.0)
+    level = np.ascontiguousarray(level, dtype=float)
+    stops, farthest = balance.stops, FARTHEST * balance.light_samples + 2.0
+    times = stop_times(
+        stops.first, stops.time, stops.heading, np.where(stops.departure > stops.time, stops.departure, np.inf),
+        balance.axis.velocity, push, level, balance.step / mass, balance.light_samples,
+        farthest,
+    )  # fmt: skip
+    leaves = departures(stops.time, stops.departure, stops.next_heading, push, level, farthest)
+    direction, stuck, turns = at_times(balance.direction, balance.stuck, stops, times, leaves)
+    p, scale = values_of(core, values), balance.step**2 / mass
+    friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(usual, p), scale)
+    assert core.core is not None
+    if core.core.name != "coulomb":
+        stretches, weights = bristles_of(core.core, p, max(usual, 1e-12), SWUNG_ON)
+        parts = parts_of_a_step(usual, stretches, weights, scale)
+        if parts:
+            seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.light_noise
+            bristled_friction(
+                friction, direction, balance.axis.position, times, stops.heading, push, level, stretches, weights,
+                scale, parts, seen,
+            )  # fmt: skip
+    return friction
+
+
+SWUNG_ON = 8
+"""Springs that stand for a core without a sharp end where a mass swings on it."""
+
+FARTHEST = 2.5
+"""Widths of the light filter by which the momentum may move a stop."""
+
+
+def _given_way(balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:
+    """How a body moves while friction holds it (n,), from the mean of each rest, as its position sensor says, m."""
+    rests = balance.rests
+    core = next((e for e in effects if e.core is not None), None)
+    assert rests is not None
+    moved = np.zeros(balance.size)
+    if core is None:
+        # What would hold the body is still to be found: nothing is asked of how.
+        moved = rests.shift
+    elif core.core is not None and core.core.name != "coulomb":
+        moved = given_way(rests, rests.force - terms.forces, terms.level, core.core, values_of(core, values))
+    if rests.compliance:
+        # The position was told by the force, and the spring as it was said to be.
+        moved = moved + (1.0 / values["rig.pull_stiffness"] - rests.compliance) * rests.centred(rests.force)
+    for effect in effects:
+        base, channel = split_channel(effect.name)
+        seen_by = "spring_force" if rests.compliance else "position"
+        if effect.acts_on != "sensor" or channel not in (None, seen_by) or base == "sensor_quantisation":
+            continue
+        p = values_of(effect, values)
+        if rests.compliance:
+            if effect.signal is not None:
+                more = effect.signal(np.ascontiguousarray(rests.force), balance.step, p) - rests.force
+                moved = moved - rests.compliance * rests.centred(more)
+        elif base in ("sensor_lag", "sensor_delay"):
+            late = p.time_constant if base == "sensor_lag" else p.delay
+            moved = moved - late * rests.centred(balance.axis.velocity)
+        elif effect.signal is not None:
+            position = np.ascontiguousarray(balance.axis.position)
+            moved = moved + rests.centred(effect.signal(position, balance.step, p) - position)
+    return moved
+
+
+def _force_at(
+    balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
+) -> np.ndarray:
+    """The force channel (k,) at some samples, where nothing works on the filtered signal."""
+    friction, sharp = _friction(balance, effects, values, terms)
+    total = balance.smooth.at(friction, index)
+    if sharp is not None:
+        assert balance.whole is not None
+        total += balance.whole.at(sharp, index)
+    if balance.acceleration is not None:
+        total += values.get("rig.mass", 0.0) * balance.acceleration[index]
+    if balance.force_channel == "position":
+        return balance.inputs["pull_position"][index] - total / values["rig.pull_stiffness"]
+    return total
+
+
+def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
+    """Every channel (n,), with what the drive, the structure and the sensors do to it.
+
+    Where the logged motion is late against the logged force, the two are compared at the time of the motion: the force
+    made late as well, less the one that the motion needs. To seek the force that was commanded instead, from a noisy
+    motion, would make its noise larger, and more so for a lag than for a delay.
+    """
+    terms = _terms(balance, effects, values)
+    friction, sharp = _friction(balance, effects, values, terms)
+    every = np.arange(balance.size)
+    total = balance.smooth.at(friction, every)
+    if sharp is not None:
+        assert balance.whole is not None
+        total = total + balance.whole.at(sharp, every)
+    if balance.acceleration is not None:
+        total = total + values.get("rig.mass", 0.0) * balance.acceleration
+    out: dict[str, np.ndarray] = {}
+    channel = balance.force_channel
+    if channel == "position":
+        pull = as_late_as_the_motion(balance, effects, values, balance.inputs["pull_position"])
+        out["position"] = pull - total / values["rig.pull_stiffness"]
+        effects = [effect for effect in effects if not makes_motion_late(balance, effect)]
+    else:
+        out[channel] = total
+    if _has_stretch(balance):
+        out["position"] = _stretch_relation(balance, effects, values)
+    out = sensed(effects, values, out, balance.step)
+    if channel != "position":
+        said = balance.measured[channel]
+        out[channel] = out[channel] + said - as_late_as_the_motion(balance, effects, values, said)
+    if balance.rests is not None:
+        out[REST] = _given_way(balance, effects, values, terms)
+    return out
+
+
+def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+    """The applied force (n,) at the time at which the logged motion answers it: what friction holds at rest.
+
+    A pulling spring's is the force before its sensor: what that does comes later, with every other force.
+    """
+    assert balance.applied is not None
+    if balance.force_channel != "position":
+        given = balance.applied
+        if balance.force_channel == "spring_force":
+            given = before_the_sensor(given, "spring_force", effects, values, balance.step)
+        return as_late_as_the_motion(balance, effects, values, given)
+    # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
+    said, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
+    unbent = before_the_sensor(said, "position", effects, values, balance.step, late=False)
+    late = as_late_as_the_motion(balance, effects, values, pull)
+    return balance.applied + balance.pull_stiffness * (said - unbent + late - pull)
+
+
+def _stretch_relation(
+    balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
+) -> np.ndarray:
+    """Position that the pulling spring's measured force and stiffness imply: pull - force / stiffness.
+
+    At the samples `index` (k,), or at all (n,).
+    """
+    stiffness = values["rig.pull_stiffness"]
+    every = slice(None) if index is None else index
+    force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]
+    force = before_the_sensor(force, "spring_force", effects, values, balance.step)[every]
+    stretch = force / stiffness
+    for effect in effects:
+        if effect.name == "backlash":
+            # The gap is open on the side the spring pulls from; without force it may be anywhere, here in the middle.
+            slight = 3.0 * balance.noise["spring_force"]
+            stretch = stretch + 0.5 * values_of(effect, values).gap * np.clip(force / slight, -1.0, 1.0)
+    return pull - stretch

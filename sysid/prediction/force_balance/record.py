@@ -1,0 +1,193 @@
+"""A record as a force balance: measured force on one side, motion that every effect is evaluated along on the other.
+
+Force, acceleration and every term of the model pass through the same Gaussian filter, so that what is left between
+them is noise and missing physics, not filtering. The width of the filter follows from the position's noise: wide
+enough that mass times acceleration is no noisier than the force.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim.library.effect import Axis
+from sysid.prediction.force_balance.stick_phases import REST, Rests
+from sysid.prediction.force_balance.sticking import Stops
+from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.intervals import runs
+
+LAW_SHARE = 0.4
+"""Part of the whole filter's width that the motion has passed before a law sees it."""
+
+EDGE_WIDTHS = 4.0
+"""Samples this many filter widths from the ends or from a gap are not scored: they lean on a guess."""
+
+
+@dataclass
+class Balance:
+    """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
+
+    `measured` has the force channel, filtered (spring force, drive force or friction force), and, on a spring-pull rig
+    with both, the position. `noise` is the standard deviation that sensor noise leaves in each channel's residual.
+
+    `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that
+    filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`,
+    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step). Each of the
+    `stops` is put where the model's own momentum ends; `light_samples` is the width of the light filter in samples.
+    `heading` is the sign of a velocity that was given, at the sample; zero where it is not sure. `finer` makes the
+    axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
+    `rests` has the displacements while friction holds the body, scored beside the measured channels. `logged` is the
+    position as it was logged, gaps bridged where anything was `made_up`.
+    """
+
+    name: str
+    role: str
+    kind: str
+    step: float
+    axis: Axis
+    measured: dict[str, np.ndarray]
+    valid: dict[str, np.ndarray]
+    noise: dict[str, float]
+    acceleration: np.ndarray | None
+    stuck: np.ndarray | None
+    smooth: GaussianFilter
+    whole: GaussianFilter | None = None
+    direction: np.ndarray | None = None
+    turns: np.ndarray | None = None
+    stops: Stops | None = None
+    light_samples: float = 0.0
+    heading: np.ndarray | None = None
+    force_channel: str = ""
+    jitter: float = 0.0
+    inputs: dict[str, np.ndarray] = field(default_factory=dict)
+    applied: np.ndarray | None = None
+    acceleration_noise: float = 0.0
+    position_noise: float = 0.0
+    stretch: float = 0.0
+    light_noise: float = 0.0
+    pull_stiffness: float = 0.0
+    finer: Callable[[], tuple[Axis, GaussianFilter]] | None = None
+    rests: Rests | None = None
+    logged: np.ndarray | None = None
+    made_up: np.ndarray | None = None
+    memo: dict[tuple[object, ...], object] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.axis.time.size
+
+    @property
+    def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+        """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
+        out = {channel: (y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
+        if self.rests is not None:
+            out[REST] = (self.rests.shift, self.rests.scored, self.rests.noise)
+        return out
+
+
+def direction_of(velocity: np.ndarray, rest: float) -> np.ndarray:
+    """Sign of the velocity (n,), that of the last motion held while |velocity| <= `rest`."""
+    sign = np.where(np.abs(velocity) > rest, np.sign(velocity), 0.0)
+    last = np.maximum.accumulate(np.where(sign != 0.0, np.arange(sign.size), -1))
+    held = np.where(last >= 0, sign[np.maximum(last, 0)], 0.0)
+    if not held.all():
+        first = sign[np.argmax(sign != 0.0)] if sign.any() else 1.0
+        held[held == 0.0] = first
+    return held
+
+
+def distance_since_reversal(position: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Distance (n,) gone since the direction last changed."""
+    travelled = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(position)))])
+    turned = np.concatenate([[True], direction[1:] != direction[:-1]])
+    return travelled - travelled[np.maximum.accumulate(np.where(turned, np.arange(turned.size), 0))]
+
+
+def rest_age(time: np.ndarray, resting: np.ndarray) -> np.ndarray:
+    """Time (n,) for which the contact that holds now has been held; zero while it moves."""
+    moving_since = np.maximum.accumulate(np.where(resting, -1, np.arange(time.size)))
+    start = np.where(moving_since >= 0, time[np.maximum(moving_since, 0)], time[0])
+    return np.where(resting, time - start, 0.0)
+
+
+def make_axis(
+    time: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    acceleration: np.ndarray,
+    load: np.ndarray | None,
+    temperature: np.ndarray | None,
+    rest: float,
+) -> Axis:
+    """The named quantities of the axis along a record; a load or temperature not recorded is one and zero."""
+    direction = direction_of(velocity, rest)
+    return Axis(
+        time=time,
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
+        load=np.ones_like(time) if load is None else load,
+        temperature=np.zeros_like(time) if temperature is None else temperature,
+        contact_age=rest_age(time, np.abs(velocity) <= rest),
+        reversal_distance=distance_since_reversal(position, direction),
+        travelled=np.concatenate([[0.0], np.cumsum(np.abs(np.diff(position)))]),
+        direction=direction,
+    )
+
+
+def filter_width(
+    position_noise: float, step: float, mass: float, force_noise: float, size: int, correlation: float = 0.0
+) -> float:
+    """Width (s) of the filter: the least at which mass times acceleration is no noisier than `force_noise`.
+
+    Args:
+        position_noise: standard deviation of the position, m.
+        step: sampling time, s.
+        mass: moving mass, kg.
+        force_noise: standard deviation of the force, N.
+        size: samples in the record; the filter never spans more than a fortieth of it.
+        correlation: of the position's noise from sample to sample.
+    """
+    width = 1.0 * step
+    longest = size * step / 40.0
+    while width < longest:
+        gain = GaussianFilter(width, step, size).noise_gain(2, correlation)
+        if mass * position_noise * gain <= force_noise:
+            return width
+        width *= 1.15
+    return longest
+
+
+def longer_than(mask: np.ndarray, length: float) -> np.ndarray:
+    """`mask` (n,) where it holds for more than `length` samples on end."""
+    out = np.zeros_like(mask)
+    for start, stop in runs(mask):
+        if stop - start > length:
+            out[start:stop] = True
+    return out
+
+
+def spread(mask: np.ndarray, reach: int) -> np.ndarray:
+    """`mask` (n,) grown by `reach` samples on both sides."""
+    if reach <= 0 or not mask.any():
+        return mask.copy()
+    out = mask.copy()
+    for start, stop in runs(mask):
+        out[max(0, start - reach) : stop + reach] = True
+    return out
+
+
+def filled(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`values` (n,) with gaps bridged by straight lines, and the mask of the gaps."""
+    gap = ~np.isfinite(values)
+    if not gap.any():
+        return values, gap
+    if gap.all():
+        return np.zeros_like(values), gap
+    index = np.arange(values.size)
+    bridged = values.copy()
+    bridged[gap] = np.interp(index[gap], index[~gap], values[~gap])
+    return bridged, gap

@@ -1,0 +1,96 @@
+"""Numbers of a friction drive: those the user knows are held, the others are guessed from its records and fitted.
+
+A motion tells forces and mass over the contact's stiffness. So where neither mass nor stiffness is known, the stiffness
+is held, and where the mass is known, what inertia adds to the motion tells the stiffness: it is fitted, within a
+decade or so of a Hertz contact under some newtons.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from sysid.experiment.known import Known
+from sysid.experiment.record import Record
+from sysid.experiment.unknowns import Prior, Unknown
+
+CONTACT_STIFFNESS = 1e7
+"""N/m, where the user gives none: the order of a Hertz contact under some newtons."""
+STIFFNESS_DECADE = 20.0
+"""Factor by which a fitted stiffness may be softer or stiffer than that."""
+CONTACT_DAMPING = 0.03
+"""Damping ratio of the stage on its contact, where a fit of the dashpot begins."""
+MASS = 1.0
+"""kg, where a fit of the mass begins."""
+MOST_DAMPING = 10.0
+"""Times its start, a third of critical, that the dashpot may grow: a fit that wants more wants something else."""
+GUIDE = 0.01
+"""Of the contact's stiffness: the size in which a guide across the travel (teeth, a flexure) is fitted."""
+MOST_TURN = 0.3
+"""rad that the sensors may stand turned to the tip."""
+GOES_UP = 0.02
+"""Range of the tip's rise over the swing of its lean from which the rise counts."""
+
+
+def driven_stage_numbers(
+    known: Mapping[str, Known], records: Sequence[Record]
+) -> tuple[dict[str, float], list[Unknown]]:
+    """Values of the rig's numbers, SI, by key, and those among them that a fit moves.
+
+    Args:
+        known: of the rig.
+        records: those fitted.
+    """
+    values: dict[str, float] = {}
+    unknowns: list[Unknown] = []
+
+    def put(name: str, guess: float, low: float, high: float, known_as: str | None = None, free: bool = True) -> None:
+        given = known.get(known_as or name)
+        value = guess if given is None else given.value
+        values[f"rig.{name}"] = value
+        if given is None and free:
+            unknowns.append(Unknown(f"rig.{name}", value, low, high, abs(value)))
+        elif given is not None and given.std:
+            reach = 3.0 * given.std
+            unknowns.append(
+                Unknown(f"rig.{name}", value, value - reach, value + reach, given.std, Prior(value, given.std))
+            )
+
+    gain, press = gain_and_press(known, records)
+    put("mass", MASS, 1e-3 * MASS, 1e3 * MASS)
+    soft, stiff = CONTACT_STIFFNESS / STIFFNESS_DECADE, CONTACT_STIFFNESS * STIFFNESS_DECADE
+    put("contact_stiffness", CONTACT_STIFFNESS, soft, stiff, free="mass" in known)
+    damping = contact_damping(values["rig.contact_stiffness"], values["rig.mass"])
+    stiffest = contact_damping(stiff, values["rig.mass"]) if "contact_stiffness" not in known else damping
+    put("contact_damping", damping, 0.0, MOST_DAMPING * max(damping, stiffest))
+    put("gain", gain, 1e-3 * gain, 1e3 * gain, "piezo_gain")
+    if press is not None:
+        put("press", press, 1e-3 * press, 1e3 * press)
+    if any("position_y" in record.channels for record in records):
+        stiffest = STIFFNESS_DECADE * values["rig.contact_stiffness"]
+        values |= {"rig.guide_stiffness": 0.0, "rig.turn": 0.0}
+        unknowns.append(Unknown("rig.guide_stiffness", 0.0, 0.0, stiffest, GUIDE * values["rig.contact_stiffness"]))
+        unknowns.append(Unknown("rig.turn", 0.0, -MOST_TURN, MOST_TURN, 1e-2))
+    return values, unknowns
+
+
+def contact_damping(stiffness: float, mass: float) -> float:
+    """Where a fit of the contact's dashpot begins, N s/m."""
+    return CONTACT_DAMPING * 2.0 * float(np.sqrt(stiffness * mass))
+
+
+def gain_and_press(known: Mapping[str, Known], records: Sequence[Record]) -> tuple[float, float | None]:
+    """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and how far the tip is pressed in, m.
+
+    The press is none where the tip goes neither up nor down: then it cannot be told.
+    """
+    lever = known["tip_height"].value / known["piezo_spacing"].value
+    across, common, travel = [], [], []
+    for record in records:
+        volts = [record.channels[name] for name in ("voltage_1", "voltage_2", "voltage_3") if name in record.channels]
+        across.append(float(np.nanstd(volts[1] - volts[0])))
+        common.append(float(np.ptp(np.nanmean(volts, axis=0))))
+        travel.append(float(np.nanstd(record.channels["position"])))
+    gain = known["piezo_gain"].value if "piezo_gain" in known else max(travel) / max(lever * max(across), 1e-300)
+    return gain, gain * max(common) if max(common) > GOES_UP * max(across) else None

@@ -1,0 +1,303 @@
+"""The model of an experiment: its effects, the values it starts from, and what a fit may move."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.library.effect import Effect, Parameter
+from sysid.experiment.unknowns import Unknown
+from sysid.prediction.actuator_tip import TipRecord, predict_tip
+from sysid.prediction.effect_terms import split_channel
+from sysid.prediction.force_balance.predict import predict_balance
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.friction_drive.record import CONTACT, FrictionDriveRecord, predict_friction_drive
+from sysid.prediction.friction_drive.sliding_velocity import sliding_speed
+
+Prepared = Balance | TipRecord
+
+
+def predict(
+    record: Prepared,
+    effects: Sequence[Effect],
+    values: Mapping[str, float],
+    at: Mapping[str, np.ndarray] | None = None,
+) -> dict[str, np.ndarray]:
+    """Predicted channels of a prepared record of any rig, (n,), or at the samples `at` of each channel, (k,)."""
+    if isinstance(record, TipRecord | FrictionDriveRecord):
+        whole = predict_tip if isinstance(record, TipRecord) else predict_friction_drive
+        predicted = whole(record, effects, values)  # pyright: ignore[reportArgumentType]
+        return predicted if at is None else {channel: predicted[channel][index] for channel, index in at.items()}
+    return predict_balance(record, effects, values, at)
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Sizes that the records set: what a parameter's start, search range and step are measured in. SI units.
+
+    `rest` is the longest rest, or a hundredth of the time where there is none to speak of. `sliding` is the speed
+    between the tip and the stage of a friction drive; zero where there is none.
+    """
+
+    force: float
+    position: float
+    velocity: float
+    time: float
+    sample: float
+    travelled: float
+    load: float
+    temperature: float
+    input: float
+    channel: float
+    load_mean: float
+    temperature_mean: float
+    sliding: float = 0.0
+    rest: float = 1.0
+
+    def of(self, name: str) -> float:
+        """The scale called `name` in a `Scan`; 1 for `one`."""
+        return 1.0 if name == "one" else float(getattr(self, name))
+
+
+_SCALES = ("force", "position", "velocity", "time", "sample", "travelled", "load", "temperature", "input", "channel")
+
+
+LEAST_REST = 10.0
+"""Samples that a rest must last to be one to speak of."""
+
+
+def scales_of(records: Sequence[Prepared]) -> Scales:
+    """Scales of a set of records: the largest over them."""
+
+    def largest(of: list[float]) -> float:
+        return max(of) if of else 1.0
+
+    found: dict[str, list[float]] = {name: [] for name in _SCALES}
+    load_mean, temperature_mean, sliding, rest = 1.0, 0.0, 0.0, 0.0
+    for record in records:
+        if isinstance(record, TipRecord):
+            found["time"].append(float(record.time[-1]))
+            found["sample"].append(record.step)
+            found["input"].append(max(float(np.ptp(u)) for u in record.drives))
+            found["channel"].append(max(float(np.ptp(y)) for y in record.measured.values()))
+            continue
+        axis = record.axis
+        y = record.measured[record.force_channel]
+        if isinstance(record, FrictionDriveRecord):
+            found["force"].append(record.force_scale)
+            sliding = max(sliding, sliding_speed(record))
+            found["input"].append(max(float(np.ptp(u)) for u in record.drives))
+        else:
+            found["force"].append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
+        found["channel"].append(float(np.max(np.abs(y))))
+        found["position"].append(float(np.ptp(axis.position)))
+        found["velocity"].append(float(np.max(np.abs(axis.velocity))))
+        found["time"].append(float(axis.time[-1]))
+        found["sample"].append(record.step)
+        found["travelled"].append(float(axis.travelled[-1]))
+        rest = max(rest, float(np.max(axis.contact_age)))
+        found["load"].append(float(np.ptp(axis.load)))
+        found["temperature"].append(float(np.ptp(axis.temperature)))
+        load_mean, temperature_mean = float(np.mean(axis.load)), float(np.mean(axis.temperature))
+    sizes = {name: min(values) if name == "sample" else largest(values) for name, values in found.items()}
+    rest = rest if rest > LEAST_REST * sizes["sample"] else 0.01 * sizes["time"]
+    return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean, sliding=sliding, rest=rest)
+
+
+def _seen_by(effect: Effect, scales: Scales) -> Scales:
+    """The scales of an effect: what acts between tip and stage moves with the one over the other."""
+    return replace(scales, velocity=scales.sliding) if in_contact(effect) and scales.sliding > 0.0 else scales
+
+
+_BY_UNIT = {
+    "N": lambda s: s.force,
+    "m": lambda s: s.position,
+    "m/s": lambda s: s.velocity,
+    "s": lambda s: 0.01 * s.time,
+    "N*s/m": lambda s: s.force / s.velocity,
+    "N*s^2/m^2": lambda s: s.force / s.velocity**2,
+    "N/m": lambda s: s.force / s.position,
+    "1/m": lambda s: 1.0 / s.position,
+    "1/K": lambda s: 1.0 / max(s.temperature, 1e-9),
+    "channel": lambda s: s.channel,
+    "V": lambda s: s.input,
+    "rad": lambda s: 1.0,
+    "1": lambda s: 1.0,
+    "Hz": lambda s: 0.1 / s.sample,
+    "kg": lambda s: s.force / max(s.velocity, 1e-12),
+}
+
+
+def size_of(parameter: Parameter, scales: Scales) -> float:
+    """Typical size of a parameter on these records: the unit of its steps."""
+    if parameter.scan is not None:
+        return parameter.scan.low * _scan_scale(parameter, scales)
+    size = _BY_UNIT.get(parameter.unit)
+    return 0.1 * float(size(scales)) if size is not None else max(abs(parameter.default), 1e-12)
+
+
+def _scan_scale(parameter: Parameter, scales: Scales) -> float:
+    assert parameter.scan is not None
+    scale = scales.of(parameter.scan.of)
+    # A frequency is searched as a part of the sampling frequency.
+    return 1.0 / scale if parameter.unit == "Hz" else scale
+
+
+def scan_values(parameter: Parameter, scales: Scales) -> np.ndarray:
+    """The grid (k,) on which a shape parameter is searched on these records."""
+    scan = parameter.scan
+    if scan is None:
+        return np.array([parameter.default])
+    scale = _scan_scale(parameter, scales)
+    low, high = max(scan.low * scale, parameter.low), min(scan.high * scale, parameter.high)
+    if not high > low > 0.0:
+        return np.array([min(max(scale * scan.low, parameter.low), parameter.high)])
+    if scan.spacing == "geometric":
+        return np.geomspace(low, high, scan.points)
+    if scan.spacing == "reciprocal":
+        return 1.0 / np.linspace(1.0 / high, 1.0 / low, scan.points)
+    return np.linspace(low, high, scan.points)
+
+
+def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
+    """Bounds of a fit: the declared ones, narrowed to what these records can show of a shape parameter."""
+    low, high = parameter.low, parameter.high
+    if parameter.unit == "m" and parameter.scan is None and not np.isfinite(high):
+        # A place the axis never comes near (the rest of a cable, say) is a constant in disguise.
+        low, high = max(low, -scales.position), min(high, scales.position)
+    if parameter.scan is not None:
+        scale = _scan_scale(parameter, scales)
+        low, high = (
+            max(low, 0.3 * parameter.scan.low * scale),
+            min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * parameter.scan.high * scale),
+        )
+        if low > high:
+            low, high = parameter.low, parameter.high
+    return low, high
+
+
+def reference_value(parameter: Parameter, effect: Effect, scales: Scales) -> float:
+    """Value of a `reference` parameter: a mean or range of the records, else its default."""
+    if parameter.name == "reference":
+        return scales.load_mean if "load" in effect.needs else scales.temperature_mean
+    if parameter.name == "full_scale":
+        return scales.channel
+    return parameter.default
+
+
+def start_of(parameter: Parameter, effect: Effect, scales: Scales) -> float:
+    """Where a fit of a base model begins."""
+    if parameter.role == "reference" or parameter.fixed:
+        return reference_value(parameter, effect, scales)
+    if parameter.role == "level":
+        return scales.force
+    if parameter.role == "shape":
+        grid = scan_values(parameter, scales)
+        return float(grid[grid.size // 2])
+    if parameter.role == "phase":
+        return 0.0
+    size = size_of(parameter, scales)
+    return min(max(size, parameter.low), parameter.high) if parameter.low >= 0.0 else 0.0
+
+
+@dataclass(frozen=True)
+class Model:
+    """Effects with the values they have now, and which of those a fit moves.
+
+    `values` holds every parameter by key, `rig.` numbers included; `unknowns` those that are moved.
+    """
+
+    effects: tuple[Effect, ...]
+    values: dict[str, float]
+    unknowns: tuple[Unknown, ...]
+
+    def at(self, values: Mapping[str, float]) -> Model:
+        """The same model with other values, which are also where its next fit begins."""
+        merged = {**self.values, **values}
+        return replace(self, values=merged, unknowns=tuple(replace(u, start=merged[u.key]) for u in self.unknowns))
+
+
+def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
+    """What a fit moves of one effect."""
+    found = []
+    scales = _seen_by(effect, scales)
+    for parameter in effect.parameters:
+        if parameter.role == "reference" or parameter.fixed:
+            continue
+        low, high = bounds_of(parameter, scales)
+        start = start_of(parameter, effect, scales)
+        found.append(
+            Unknown(f"{effect.name}.{parameter.name}", start, low, high, max(abs(size_of(parameter, scales)), 1e-300))
+        )
+    return found
+
+
+CONTACT_OVER_PADS = 1.03
+"""What a contact holds over the pads' friction, where a fit of it begins."""
+
+
+def in_contact(effect: Effect) -> bool:
+    """Whether an effect acts between tip and stage, and not on the axis."""
+    return effect.name.startswith(CONTACT)
+
+
+def with_effect(
+    model: Model, effect: Effect, scales: Scales, start: Mapping[str, float] | None = None, as_listed: bool = False
+) -> Model:
+    """The model with one more effect; a core takes the place of the one before it, and starts from its level.
+
+    A sensor's effect comes before the drift of its zero, which is added behind whatever bends the scale; `as_listed`
+    puts it last.
+    """
+    effects, values = list(model.effects), dict(model.values)
+    unknowns = list(model.unknowns)
+    if effect.core is not None:
+        for old in [e for e in effects if e.core is not None and in_contact(e) == in_contact(effect)]:
+            effects.remove(old)
+            unknowns = [u for u in unknowns if not u.key.startswith(f"{old.name}.")]
+            carried = {k.partition(".")[2]: v for k, v in values.items() if k.startswith(f"{old.name}.")}
+            values = {k: v for k, v in values.items() if not k.startswith(f"{old.name}.")}
+            if "force" in carried:
+                start = {f"{effect.name}.force": carried["force"], **(start or {})}
+        beside = next((e for e in effects if e.core is not None), None)
+        if in_contact(effect) and beside is not None and f"{effect.name}.force" not in (start or {}):
+            # A contact that holds less than the pads moves nothing, one that holds far more never slips: either way
+            # nothing shows what it holds.
+            start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{beside.name}.force"], **(start or {})}
+        effects.insert(0, effect)
+    else:
+        drifts = [k for k, e in enumerate(effects) if base_name(e.name) == "sensor_drift"]
+        before = drifts[0] if drifts and effect.acts_on == "sensor" and not as_listed else len(effects)
+        effects.insert(before, effect)
+    for parameter in effect.parameters:
+        values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, _seen_by(effect, scales))
+    values.update(start or {})
+    unknowns += unknowns_of(effect, scales)
+    return Model(tuple(effects), values, tuple(replace(u, start=values[u.key]) for u in unknowns))
+
+
+def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str, float]]:
+    """Every combination of the effect's shape parameters on their grids, thinned to at most `most`."""
+    shapes = [p for p in effect.parameters if p.role == "shape" and not p.fixed]
+    axes = [scan_values(p, _seen_by(effect, scales)) for p in shapes]
+    combinations = list(itertools.product(*axes))
+    if len(combinations) > most:
+        combinations = combinations[:: int(np.ceil(len(combinations) / most))]
+    return [
+        {f"{effect.name}.{p.name}": float(v) for p, v in zip(shapes, combination, strict=True)}
+        for combination in combinations
+    ]
+
+
+def base_name(effect: str) -> str:
+    """The name everyone uses for an effect: without its variant and channel."""
+    return split_channel(effect)[0].partition(":")[0]
+
+
+def law_family(effect: str) -> str:
+    """The name under which one law takes another's place: without its variant, with its channel."""
+    plain, channel = split_channel(effect)
+    return plain.partition(":")[0] + (f"@{channel}" if channel else "")

@@ -1,0 +1,128 @@
+"""Which effects could be missing on a rig: those of the names everyone uses that its records could show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim.library.catalogue import find, library
+from sim.library.effect import Effect
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.friction_drive.observable import can_show, contact_candidates
+from sysid.prediction.friction_drive.record import FrictionDriveRecord
+from sysid.prediction.model import base_name
+from sysid.prediction.problem import Case
+
+EVERYONES = (
+    *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
+    *("direction_asymmetry", "position_dependent_friction", "load_dependent_friction"),
+    *("temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring"),
+    *("magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay"),
+    *("piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity"),
+    *("sensor_drift",),
+)
+"""Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
+
+OF_A_COMMAND = (":of_steps", ":of_curves")
+"""Laws of how a voltage runs from row to row, held or along a curve."""
+
+REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
+"""Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""
+
+
+def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
+    """Effects to try on top of a model whose effects are named `present`, in the order of the interface.
+
+    An effect of the model is not tried again, nor is another law of its family. A friction effect that multiplies the
+    level needs a level to multiply.
+    """
+    taken = {base_name(name) for name in present}
+    cores = {"coulomb", "presliding", "dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run"}
+    has_core = bool(taken & (cores | {"maxwell_slip"}))
+    names = list(EVERYONES)
+    if all_effects:
+        names += [n for n in library() if n not in names and n != "sensor_quantisation"]
+    names += [e.name for e in case.custom]
+    found: list[Effect] = []
+    for name in names:
+        if name in taken and not _another_channel(case, name, present):
+            continue
+        effect = find(name, case.custom)
+        if not shows_on(case, effect):
+            continue
+        if (
+            effect.core is not None
+            and has_core
+            and (name == "coulomb" or taken & (cores - {"coulomb"}))
+            and not all_effects
+        ):
+            continue
+        if effect.core is None and not has_core and (effect.factor is not None or effect.level is not None):
+            continue
+        found.extend(_on_channels(case, effect, present))
+        for variant in effect.variants:
+            if variant.name.endswith(REFINEMENTS) or not shows_on(case, variant):
+                continue
+            found.extend(_on_channels(case, find(variant.name, case.custom), present))
+    driven = [r for r in case.fit_records if isinstance(r, FrictionDriveRecord)]
+    return [*found, *contact_candidates(driven, present)] if driven else found
+
+
+def _another_channel(case: Case, name: str, present: Sequence[str]) -> bool:
+    return name.startswith("sensor_") and any(p.startswith(f"{name}@") for p in present) and name not in present
+
+
+def shows_on(case: Case, effect: Effect) -> bool:
+    """Whether the rig's records could show the effect at all."""
+    kind, records = case.kind, case.fit_records
+    channels = set().union(*(r.channels for r in case.records))
+    acts = effect.acts_on
+    if "load" in effect.needs and not _varies(records, "load"):
+        return False
+    if "temperature" in effect.needs and not _varies(records, "temperature"):
+        return False
+    if "rotary" in effect.needs and not case.experiment.rig.rotary:
+        return False
+    if kind == "actuator-tip":
+        return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
+    if isinstance(records[0], FrictionDriveRecord):
+        return can_show(records[0], effect)
+    if acts == "piezo" or effect.name.endswith(OF_A_COMMAND):
+        # How a voltage runs from row to row rings and lags; what is measured elsewhere is too smooth to tell.
+        return False
+    if effect.core is not None and effect.core.name == "free_maxwell_slip":
+        # So many shares take a motion that is known, not one that is measured.
+        return kind == "velocity-drive"
+    if acts == "drive":
+        return kind == "force-drive" and effect.name in ("drive_lag", "drive_delay")
+    if effect.name == "backlash":
+        # In a spring-pull rig with one channel a gap cannot be told from a longer pull.
+        return kind == "velocity-drive" or (kind == "spring-pull" and {"position", "spring_force"} <= channels)
+    if effect.name == "flexible_mode":
+        return kind != "velocity-drive"
+    if acts == "sensor" and kind == "force-drive":
+        return effect.name in ("sensor_lag", "sensor_delay")
+    return True
+
+
+def _varies(records: Sequence[object], name: str) -> bool:
+    for record in records:
+        if isinstance(record, Balance):
+            values = getattr(record.axis, name)
+            if np.ptp(values) > 1e-9 * max(1.0, float(np.max(np.abs(values)))):
+                return True
+    return False
+
+
+def _on_channels(case: Case, effect: Effect, present: Sequence[str]) -> list[Effect]:
+    """A sensor effect on each measured channel and, on an actuator's tip, on all alike; other effects as they are."""
+    if effect.acts_on != "sensor":
+        return [effect]
+    channels = list(case.fit_records[0].measured)
+    # How a command runs from row to row is the same for the whole log.
+    if case.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(OF_A_COMMAND):
+        return [effect]
+    each = [find(f"{effect.name}@{channel}", case.custom) for channel in channels]
+    each = [e for e in each if e.name not in present]
+    return [effect, *each] if case.kind == "actuator-tip" else each

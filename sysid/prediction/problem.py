@@ -1,0 +1,204 @@
+"""An experiment made ready: records prepared, noise known, model stated. Every command begins here."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sim.library.catalogue import find
+from sim.library.custom import load_all_custom
+from sim.library.effect import Effect
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
+from sysid.experiment.record import Record, load_records
+from sysid.experiment.unknowns import Prior, Unknown
+from sysid.noise.channel_noise import noise_by_channel, with_quantisation
+from sysid.noise.estimate import Noise
+from sysid.prediction.actuator_tip import TipRecord, tip_record
+from sysid.prediction.force_balance.prepare import driven_mass, velocity_drive
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.friction_drive.record import friction_drive_record
+from sysid.prediction.model import Model, Prepared, Scales, scales_of, with_effect
+from sysid.prediction.rig_parameters import rig_numbers
+
+FORMS = {
+    "velocity-drive": "output",
+    "actuator-tip": "output",
+    "friction-drive": "output",
+    "spring-pull": "force_balance",
+    "force-drive": "force_balance",
+}
+"""The form in which the residual is taken on each kind of rig."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """An experiment with everything the loop needs.
+
+    Args:
+        experiment: as read.
+        records: as read.
+        noise: by measured channel.
+        fit_records, validate_records: prepared.
+        scales: sizes set by the records of the fit.
+        custom: the user's own effects.
+        start: the model as the experiment states it, before any fit.
+        notes: what the user should be told.
+    """
+
+    experiment: Experiment
+    records: tuple[Record, ...]
+    noise: Mapping[str, Noise]
+    fit_records: tuple[Prepared, ...]
+    validate_records: tuple[Prepared, ...]
+    scales: Scales
+    custom: tuple[Effect, ...]
+    start: Model
+    notes: tuple[str, ...]
+
+    @property
+    def kind(self) -> str:
+        """Kind of rig."""
+        return self.experiment.rig.kind
+
+    @property
+    def form(self) -> str:
+        """Form of the residual."""
+        return FORMS[self.kind]
+
+
+def load_case(path: str | Path, design: DesignValues | None = None) -> Case:
+    """Read an experiment and prepare it.
+
+    Raises:
+        InputError: one line that says what is wrong with a file.
+    """
+    experiment = load_experiment(path, design)
+    if experiment.rig.kind not in FORMS:
+        raise InputError(
+            f"{experiment.path}: rig.kind = '{experiment.rig.kind}' cannot be compared yet; allowed: {', '.join(FORMS)}"
+        )
+    return make_case(experiment, load_records(experiment))
+
+
+def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequence[str] | None = None) -> Case:
+    """Prepare an experiment already read; `effects` stand in place of the model's where given."""
+    _need_tip(experiment)
+    names = tuple(experiment.effects if effects is None else effects)
+    custom = tuple(load_all_custom(experiment.custom))
+    noise, notes = noise_by_channel(experiment, records)
+    quantised = [n for n in names if n.partition("@")[0] == "sensor_quantisation"]
+    if quantised:
+        noise = with_quantisation(noise, quantised)
+    rig, rig_unknowns = rig_numbers(experiment, records, noise)
+    prepared = _prepare(experiment, records, noise, rig)
+    for record, ready in zip(records, prepared, strict=True):
+        if not any(valid.any() for valid in ready.valid.values()):
+            raise InputError(
+                f"{record.file}: no row is left to score between gaps and ends; give longer stretches without gaps"
+            )
+    fits = tuple(p for p in prepared if p.role == "fit")
+    held_out = tuple(p for p in prepared if p.role != "fit")
+    scales = scales_of(fits)
+    _need_motion(records, fits, scales)
+    model = Model((), rig, tuple(rig_unknowns))
+    for name in names:
+        model = with_effect(model, find(name, custom), scales, as_listed=True)
+    model = _with_stretch(model, fits)
+    model = _with_settings(model, experiment)
+    for record in records:
+        notes.extend(f"{record.file}: {note}" for note in record.notes)
+    stiffness = experiment.rig.known.get("pull_stiffness")
+    if stiffness is not None and stiffness.std is None and any(_rests_on_the_spring(p) for p in prepared):
+        unit = "N*m/rad" if experiment.rig.rotary else "N/m"
+        notes.append(
+            "no position is recorded: how the body gives way at rest is told by the spring's force, and counts on "
+            "rig.known.pull_stiffness as exact; write its deviation if it has one, as in "
+            f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
+        )
+    return Case(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
+
+
+def _rests_on_the_spring(record: Prepared) -> bool:
+    return isinstance(record, Balance) and record.rests is not None and record.rests.compliance > 0.0
+
+
+def _need_tip(experiment: Experiment) -> None:
+    """A rig with a tip needs its two lengths: without them voltages say nothing about motion."""
+    if experiment.rig.kind not in ("actuator-tip", "friction-drive"):
+        return
+    for name, like in (("piezo_spacing", "46 mm"), ("tip_height", "20 mm")):
+        if name not in experiment.rig.known:
+            raise InputError(
+                f"{experiment.path}: rig.known.{name} is missing; a rig of kind '{experiment.rig.kind}' needs it, like "
+                f'{name} = "{like}", or "design"'
+            )
+
+
+def _need_motion(records: Sequence[Record], fits: Sequence[Prepared], scales: Scales) -> None:
+    """Something must have moved, or been driven, in the records of the fit."""
+    files = ", ".join(record.file for record in records if record.role == "fit")
+    if all(isinstance(fit, TipRecord) for fit in fits):
+        if scales.input == 0.0:
+            raise InputError(f"{files}: the voltages never change; what they move cannot be told")
+    elif scales.position == 0.0 or scales.velocity == 0.0:
+        raise InputError(f"{files}: nothing moves; a record of motion is wanted")
+
+
+def _prepare(
+    experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise], rig: Mapping[str, float]
+) -> list[Prepared]:
+    kind = experiment.rig.kind
+    prepared: list[Prepared] = []
+    width = None
+    longest_step = max(record.step for record in records)
+    for record in records:
+        if kind == "velocity-drive":
+            prepared.append(velocity_drive(record, noise))
+        elif kind == "friction-drive":
+            prepared.append(friction_drive_record(record, {k: v.value for k, v in experiment.rig.known.items()}, noise))
+        elif kind == "actuator-tip":
+            known = {name: k.value for name, k in experiment.rig.known.items()}
+            prepared.append(tip_record(record, known, noise))
+        else:
+            balance = driven_mass(
+                record, kind, noise, rig["rig.mass"], rig.get("rig.pull_stiffness"), experiment.rig.input_hold, width,
+                longest_step,
+            )  # fmt: skip
+            width = balance.whole.width if balance.whole is not None else None
+            prepared.append(balance)
+    return prepared
+
+
+def _with_stretch(model: Model, records: Sequence[Prepared]) -> Model:
+    """On a driven mass the Coulomb bristle's stretch is fitted too, below the position's noise: it sets how sharply
+    friction turns round, which the balance feels though the position cannot show it."""
+    key = "coulomb.stretch"
+    noises = [r.position_noise for r in records if isinstance(r, Balance) and r.turns is not None]
+    if key not in model.values or not noises:
+        return model
+    highest = max(noises)
+    start = 0.05 * highest
+    values = {**model.values, key: start}
+    return Model(model.effects, values, (*model.unknowns, Unknown(key, start, 1e-4 * highest, highest, start)))
+
+
+def _with_settings(model: Model, experiment: Experiment) -> Model:
+    """The model with the starts, bounds and fixed values of `[model.parameters]`."""
+    values, unknowns = dict(model.values), list(model.unknowns)
+    for key, setting in experiment.parameters.items():
+        if key not in values:
+            continue
+        if setting.start is not None:
+            values[key] = setting.start
+        if setting.fixed:
+            unknowns = [u for u in unknowns if u.key != key]
+            continue
+        for k, unknown in enumerate(unknowns):
+            if unknown.key == key:
+                low = unknown.low if setting.low is None else setting.low
+                high = unknown.high if setting.high is None else setting.high
+                prior = None if setting.std is None else Prior(values[key], setting.std)
+                unknowns[k] = replace(unknown, low=low, high=high, start=values[key], prior=prior)
+    return Model(model.effects, values, tuple(unknowns))

@@ -1,0 +1,249 @@
+"""The JSON documents of the loop, as `compare`, `diagnose`, `add` and `ladder` print them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sim.library.effect import rotary_unit
+from stagecad.parameters.quantities import as_json
+from sysid.diagnose import Diagnosis
+from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.diagnosis.trials import Trial
+from sysid.estimation.base_fit import Fitted, ranking_error
+from sysid.estimation.covariance import Intervals, intervals
+from sysid.estimation.identifiability import correlation_json, open_words, public_key
+from sysid.estimation.misfit import ChannelMisfit
+from sysid.estimation.principal_angles import stand_in_angle
+from sysid.estimation.reference_fit import BaseFit
+from sysid.experiment.rigs import CHANNELS
+from sysid.experiment_design.detectability import Smallest, smallest_shown
+from sysid.prediction.effect_terms import split_channel
+from sysid.prediction.problem import Case
+
+SCHEMA = 1
+LEAST_P = 0.001
+WORTH_SAYING = 0.1
+"""Share of the squared residual from which it is said that an effect with an unphysical value would take it."""
+
+RIG_UNITS = {
+    "mass": ("kg", "kg*m^2"),
+    "pull_stiffness": ("N/m", "N*m/rad"),
+    "gain": ("m/V", "m/V"),
+    "contact_stiffness": ("N/m", "N/m"),
+    "contact_damping": ("N*s/m", "N*s/m"),
+    "press": ("m", "m"),
+    "guide_stiffness": ("N/m", "N/m"),
+    "turn": ("rad", "rad"),
+}
+
+
+def channel_unit(case: Case, channel: str) -> str:
+    """SI unit of a channel on this rig's axis."""
+    return CHANNELS[channel].si_unit(case.experiment.rig.rotary)
+
+
+def parameter_unit(case: Case, key: str) -> str:
+    """SI unit of a parameter by key on this rig's axis; `1` for a plain number."""
+    effect, _, name = key.rpartition(".")
+    rotary = case.experiment.rig.rotary
+    if effect == "rig":
+        if name.startswith("offset_"):
+            return channel_unit(case, name.removeprefix("offset_"))
+        return RIG_UNITS[name][1 if rotary else 0]
+    from sim.library.catalogue import find
+
+    unit = find(effect, case.custom).parameter(name).unit
+    if "channel" in unit:
+        channel = split_channel(effect)[1] or next(iter(case.fit_records[0].measured))
+        return unit.replace("channel", channel_unit(case, channel))
+    return rotary_unit(unit) if rotary else unit
+
+
+def p_value_json(p: float) -> Any:
+    """A p value; below what the permutations can show, `{"below": 0.001}`."""
+    return {"below": LEAST_P} if p <= 1.5 * LEAST_P else float(p)
+
+
+def noise_json(case: Case) -> dict[str, Any]:
+    """Noise by measured channel, with where it comes from."""
+    measured = set(case.fit_records[0].measured)
+    return {c: n.to_json() for c, n in case.noise.items() if c in measured or c == "position"}
+
+
+def misfit_json(case: Case, by_channel: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
+    """rms, error over noise and fit percent by channel."""
+    return {
+        channel: {
+            "rms": as_json(m.rms, channel_unit(case, channel)),
+            "over_noise": m.over_noise,
+            "fit_percent": m.fit_percent,
+        }
+        for channel, m in by_channel.items()
+    }
+
+
+def both_json(case: Case, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
+    """Misfit on the records of the fit and on the held-out ones."""
+    return {"fit": misfit_json(case, fit), "validate": misfit_json(case, validate)}
+
+
+def parameters_json(
+    case: Case, fitted: Fitted, found: Intervals | None = None, only: str | None = None
+) -> dict[str, Any]:
+    """Fitted values with deviation and 95 % interval, by key; `only` those of one effect."""
+    found = intervals(fitted, case.fit_records) if found is None else found
+    out: dict[str, Any] = {}
+    for key, interval in found.by_key.items():
+        if only is not None and key.rpartition(".")[0] != only:
+            continue
+        entry = as_json(interval.value, parameter_unit(case, key), interval.std, interval.low, interval.high)
+        # What the records do not tell is null in every file, never a number that JSON cannot hold.
+        entry.update({name: None for name in ("std", "low", "high") if not np.isfinite(entry[name])})
+        if interval.at_bound:
+            entry["at_bound"] = True
+        out[public_key(key)] = entry
+    return out
+
+
+def open_json(fitted: Fitted, found: Intervals) -> dict[str, Any]:
+    """What the records leave open of the fitted values: in words, and their correlations."""
+    return {"not_identifiable": open_words(fitted, found), "correlation": correlation_json(found)}
+
+
+def detectable_json(case: Case, sizes: Sequence[Smallest]) -> list[dict[str, Any]]:
+    """The smallest size of each effect that the records could have shown; `value` is null where no size would have."""
+    return [
+        {
+            "effect": one.effect,
+            "parameter": public_key(one.key),
+            "value": one.value,
+            "unit": parameter_unit(case, one.key),
+            "at": {public_key(key): as_json(value, parameter_unit(case, key)) for key, value in one.at.items()},
+        }
+        for one in sizes
+    ]
+
+
+def where_json(maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
+    """Coordinates the residual depends on, strongest first."""
+    return [
+        {"coordinate": m.coordinate, "share": m.share, "p_value": p_value_json(m.p_value)}
+        for m in maps
+        if m.share > 0.0
+    ]
+
+
+def headline_channel(case: Case) -> str:
+    """The channel whose error is quoted where one number is wanted: the force, or the worse tip channel."""
+    record = case.fit_records[0]
+    return getattr(record, "force_channel", "") or next(iter(record.measured))
+
+
+def worst_channel(case: Case, by_channel: Mapping[str, ChannelMisfit]) -> str:
+    """The channel with the largest error over noise."""
+    return max(by_channel, key=lambda c: by_channel[c].over_noise) if by_channel else headline_channel(case)
+
+
+def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
+    """Effects tried, best first: held-out error they would leave, its reduction, chance, and values."""
+    case = diagnosis.case
+    channel = worst_channel(case, diagnosis.before_validate)
+    before = diagnosis.before_validate[channel].rms if channel in diagnosis.before_validate else float("nan")
+    rows = []
+    for trial in diagnosis.trials[:most]:
+        row: dict[str, Any] = {"effect": trial.family}
+        after = trial.after_validate.get(channel)
+        if after is not None:
+            row["validate_error"] = as_json(after.rms, channel_unit(case, channel))
+            row["reduction"] = 1.0 - after.rms / before if before > 0 else None
+            row["over_noise"] = after.over_noise
+        row["p_value"] = p_value_json(trial.p_value)
+        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.candidate.expected_drop)))
+        row["loss_reduction"] = 1.0 - trial.error / max(ranking_error(diagnosis.base.residual), 1e-300)
+        if trial.candidate.barred >= WORTH_SAYING:
+            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.candidate.barred, 1.0)))
+        if trial.name != trial.family:
+            row["law"] = trial.name
+        if after is not None:
+            row["parameters"] = parameters_json(case, trial.candidate.fitted, only=trial.name)
+        angle = angle_to_best(diagnosis, trial)
+        if angle is not None:
+            row["angle"] = as_json(angle, "rad")
+        rows.append(row)
+    return rows
+
+
+def angle_to_best(diagnosis: Diagnosis, trial: Trial) -> float | None:
+    """Angle, rad, between what the effect named takes from the residual and what this one could make."""
+    best, base = diagnosis.best, diagnosis.base.fitted
+    if best is None or trial is best:
+        return None
+    one, other = best.candidate.fitted, trial.candidate.fitted
+    if not one.fit.residual.size == other.fit.residual.size == base.fit.residual.size:
+        # The grid of a sensor's values is judged with other deviations: there is nothing to hold it against.
+        return None
+    return stand_in_angle(one, other, base)
+
+
+def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """The document of `diagnose`."""
+    case, best = diagnosis.case, diagnosis.best
+    after = diagnosis.trials[0] if diagnosis.trials else None
+    after = best if best is not None else after
+    fitted = best.candidate.fitted if best is not None else diagnosis.base.fitted
+    found = intervals(fitted, case.fit_records)
+    return {
+        "schema": SCHEMA,
+        "form": case.form,
+        "verdict": diagnosis.verdict,
+        "effect": diagnosis.effect,
+        "indistinguishable": list(diagnosis.indistinguishable),
+        "reason": diagnosis.reason,
+        "noise": noise_json(case),
+        "before": both_json(case, diagnosis.before_fit, diagnosis.before_validate),
+        "after": both_json(case, after.after_fit, after.after_validate)
+        if after is not None
+        else {"fit": {}, "validate": {}},
+        "ranking": ranking_json(diagnosis),
+        "parameters": parameters_json(case, fitted, found),
+        **open_json(fitted, found),
+        "detectable": detectable_json(case, smallest_shown(diagnosis)),
+        "where": where_json(diagnosis.maps),
+        "unexplained_share": diagnosis.unexplained_share,
+        "swaps": [
+            {"instead_of": s.old, "effect": s.new, "over_noise": {"before": s.before, "after": s.after}}
+            for s in diagnosis.swaps
+        ],
+        "laws": list(diagnosis.base.laws),
+        "notes": list(case.notes),
+        "seconds": diagnosis.seconds,
+    }
+
+
+def comparison_json(
+    case: Case,
+    base: BaseFit,
+    fit: Mapping[str, ChannelMisfit],
+    validate: Mapping[str, ChannelMisfit],
+    maps: Sequence[ResidualMap],
+    seconds: float,
+) -> dict[str, Any]:
+    """The document of `compare`."""
+    found = intervals(base.fitted, case.fit_records)
+    return {
+        "schema": SCHEMA,
+        "form": case.form,
+        "effects": [e.name for e in base.fitted.model.effects],
+        "noise": noise_json(case),
+        "before": both_json(case, fit, validate),
+        "parameters": parameters_json(case, base.fitted, found),
+        **open_json(base.fitted, found),
+        "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
+        "dead": [public_key(k) for k in base.fitted.fit.dead],
+        "where": where_json(maps),
+        "notes": list(case.notes),
+        "seconds": seconds,
+    }

@@ -1,0 +1,107 @@
+"""`stagecad drawings` as a user meets it: names, files, exit statuses, and that nothing is drawn twice."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drawings.artefacts.names import chosen_sheets, sheet_names
+from drawings.artefacts.sheets import digest
+from drawings.sheets.plans import sheet_plans
+from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.errors import InputError
+from workbench.cli import run
+
+
+def test_sheets_and_scales_are_the_thesis_s(design: Design) -> None:
+    names = sheet_names(design)
+    assert names["base"] == ("base_1", "base_2", "base_3")
+    assert set(names) >= {"tip", "holder", "stage", "bearing_way", "height_pin_1", "height_pin_2", "assembly"}
+    scales = {plan.name: plan.scale for part in names if part in PARTS for plan in sheet_plans(part, design)}
+    assert scales == PARTS_SCALES
+    (detail,) = [view for plan in sheet_plans("base", design) for view in plan.views if view.letter == "X"]
+    assert detail.scale == 0.5
+
+
+PARTS_SCALES = {
+    "tip": 1.0, "holder": 1.0, "height_pin_1": 1.0, "height_pin_2": 1.0, "stage": 0.5, "bearing_way": 0.25,
+    "base_1": 0.2, "base_2": 0.2, "base_3": 0.35,
+}  # fmt: skip
+PARTS = {name.rstrip("_123") if name.startswith("base") else name for name in PARTS_SCALES}
+
+
+def test_a_part_or_one_of_its_sheets_may_be_named(design: Design) -> None:
+    assert chosen_sheets(["base_2", "tip"], design) == {"tip": ("tip",), "base": ("base_2",)}
+    assert chosen_sheets(["base_2", "base"], design) == {"base": ("base_1", "base_2", "base_3")}
+    assert chosen_sheets([], design) == sheet_names(design)
+
+
+def test_a_machine_without_teeth_has_no_sheets_of_them() -> None:
+    plain = load_design(None, ["teeth.fitted=false"])
+    assert "magnet" not in sheet_names(plain)
+    with pytest.raises(InputError, match="no magnetic teeth"):
+        chosen_sheets(["magnet"], plain)
+
+
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [("tipp", "did you mean 'tip'?"), ("base_4", "did you mean 'base_"), ("piezo", "is bought; it has no drawing")],
+)
+def test_another_name_is_one_clear_line(name: str, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["drawings", name]) == 2
+    error = capsys.readouterr().err
+    assert says in error and error.count("\n") == 1
+
+
+def test_the_hash_is_of_the_values_read_and_of_no_others(design: Design) -> None:
+    reads = ("tip.arm_width", "tolerance('tip.arm_width')", "tip.nose_radius")
+    other = load_design(None, ["tip.arm_width=11.5 mm"])
+    unread = load_design(None, ["stage.thickness=13 mm"])
+    assert digest(design, reads) == digest(unread, reads) != digest(other, reads)
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, dict[str, Any]]:
+    """The magnet's sheet, drawn from nothing: folder, cache, and the document."""
+    folder = tmp_path_factory.mktemp("drawings")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("STAGECAD_CACHE", str(folder / "cache"))
+        assert run(["drawings", "magnet", "--lint", "--out", str(folder), "--json", str(folder / "told.json")]) == 0
+    return folder, folder / "cache", json.loads((folder / "told.json").read_text("utf-8"))
+
+
+def test_a_sheet_comes_in_four_formats_with_its_model(drawn: tuple[Path, Path, dict[str, Any]]) -> None:
+    folder, _, document = drawn
+    sheet = document["sheets"]["magnet"]
+    names = ["magnet.dxf", "magnet.svg", "magnet.pdf", "magnet.png", "magnet_ap242.step"]
+    assert [Path(file).name for file in sheet["files"]] == names
+    assert all((folder / name).stat().st_size > 1000 for name in names)
+    assert sheet["hits"] == []
+    assert (sheet["part"], sheet["paper"], sheet["scale"]) == ("magnet", "A3", "5:1")
+    manifest = json.loads((folder / "drawings_manifest.json").read_text("utf-8"))
+    assert set(manifest["files"]) == set(names)
+
+
+def test_nothing_is_drawn_twice(
+    drawn: tuple[Path, Path, dict[str, Any]], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, cache, _ = drawn
+    monkeypatch.setenv("STAGECAD_CACHE", str(cache))
+    monkeypatch.setattr("drawings.artefacts.tasks.run_tasks", None)
+    assert run(["drawings", "magnet", "--out", str(folder), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["changed"] == []
+    # A parameter that the magnet does not read changes nothing either.
+    assert run(["drawings", "magnet", "--out", str(folder), "--set", "stage.thickness=13 mm", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["changed"] == []
+
+
+def test_a_lint_hit_is_exit_status_1(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    sheet = {"part": "tip", "paper": "A3", "scale": "1:1", "views": [], "files": [], "hits": ["'20.0' lies over 'A'"]}
+    document = {"sheets": {"tip": sheet}, "changed": [], "files": 0}
+    monkeypatch.setattr("workbench.commands.drawings.write_drawings", lambda run, names: document)
+    assert run(["drawings", "tip", "--lint"]) == 1
+    assert "tip: '20.0' lies over 'A'" in capsys.readouterr().err
+    assert run(["drawings", "tip"]) == 0

@@ -1,0 +1,109 @@
+"""The commands of the loop on the packaged records: figures and report, and the demo from start to end."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from workbench import cli
+from workbench.commands.demo import fresh_copy
+
+PACKAGED = Path(cli.__file__).parent / "demo_records"
+
+
+@pytest.fixture(scope="module")
+def demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:
+    out = tmp_path_factory.mktemp("demo")
+    assert cli.run(["demo", "--out", str(out), "--json", str(out / "demo.json")]) == 0
+    return out, json.loads((out / "demo.json").read_text(encoding="utf-8"))
+
+
+@pytest.mark.xdist_group("demo")
+def test_the_demo_finds_both_hidden_effects_and_stops_at_the_noise(demo: tuple[Path, dict]) -> None:
+    _, document = demo
+    found = [r["diagnose"]["effect"] for r in document["rounds"]]
+    assert set(found[:2]) == {"stribeck", "magnetic_cogging"}
+    assert document["rounds"][-1]["diagnose"]["verdict"] == "adequate"
+    over = [r["before"]["validate"]["friction_force"]["over_noise"] for r in document["ladder"]]
+    assert over == sorted(over, reverse=True)
+    assert over[0] > 50.0
+    assert over[-1] < 1.1
+
+
+@pytest.mark.xdist_group("demo")
+def test_the_demo_leaves_one_report_of_every_step(demo: tuple[Path, dict]) -> None:
+    out, document = demo
+    page = Path(document["report"]).read_text(encoding="utf-8")
+    for word in ("The ladder", "The model as it stands", "What is missing: stribeck", "magnetic_cogging", "adequate"):
+        assert word in page
+    assert Path(document["figure"]).stat().st_size > 5000
+    assert (out / "demo" / "ladder" / "002.json").is_file()
+
+
+def test_the_demo_begins_anew_each_time(demo: tuple[Path, dict], tmp_path: Path) -> None:
+    folder = tmp_path / "demo"
+    fresh_copy(folder)
+    (folder / "ladder").mkdir()
+    (folder / "ladder" / "000.json").write_text("{}", encoding="utf-8")
+    (folder / "mine.txt").write_text("kept", encoding="utf-8")
+    (folder / "experiment.toml").write_text("changed", encoding="utf-8")
+    fresh_copy(folder)
+    assert not (folder / "ladder").exists()
+    assert (folder / "mine.txt").is_file()
+    assert (folder / "experiment.toml").read_bytes() == (PACKAGED / "experiment.toml").read_bytes()
+
+
+def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:
+    sys.path.insert(0, str(Path(__file__).parents[1] / "recovery" / "hidden_effect"))
+    from make_demo_records import demo_records
+
+    for name, text in demo_records().items():
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        if path.suffix == ".csv":
+            made, packaged = pd.read_csv(path), pd.read_csv(PACKAGED / name)
+            assert list(made.columns) == list(packaged.columns)
+            # Another build of the mathematical functions may turn the last digit.
+            np.testing.assert_allclose(made.to_numpy(), packaged.to_numpy(), atol=2e-3)
+        else:
+            assert text == (PACKAGED / name).read_text(encoding="utf-8")
+    assert sum(path.stat().st_size for path in PACKAGED.iterdir()) < 500_000
+
+
+def test_nothing_of_a_comparison_is_written_but_below_out(tmp_path: Path) -> None:
+    folder = fresh_copy(tmp_path / "rig")
+    before = {p.name: p.read_bytes() for p in folder.iterdir()}
+    assert cli.run(["compare", str(folder), "--out", str(tmp_path / "out")]) == 0
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
+    written = sorted(p.name for p in (tmp_path / "out" / "rig").iterdir())
+    assert written == ["compare_overlay.svg", "compare_where.svg", "report.html", "sections"]
+
+
+def test_suggest_prints_a_list_of_motions_and_writes_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = fresh_copy(tmp_path / "rig")
+    assert cli.run(["suggest", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document[-1]["motion"] == "space-filling"
+    rates = [m["deviations_squared_per_second"] for m in document[:-1]]
+    assert rates == sorted(rates, reverse=True)
+    first = document[0]
+    assert first["separates"][0]["effects"][0] == "stribeck"
+    table = pd.read_csv(first["file"])
+    assert table["time [s]"].iloc[-1] == pytest.approx(first["seconds"], rel=1e-3)
+    assert first["motion"] in (tmp_path / "out" / "rig" / "report.html").read_text(encoding="utf-8")
+
+
+def test_two_names_for_one_lag_are_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sys.path.insert(0, str(Path(__file__).parents[1] / "recovery" / "hidden_effect"))
+    from generator import Plan, make_case
+
+    make_case(Plan("actuator-tip", ("drive_lag",), rows=4000), np.random.default_rng(2)).write(tmp_path / "tip")
+    assert cli.run(["suggest", str(tmp_path / "tip"), "--out", str(tmp_path / "out")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "no motion of this family separates" in said
+    assert "sensor_lag" in said and "drive_lag" in said

@@ -1,0 +1,184 @@
+"""Hertz contact against tables, closed forms, a direct Boussinesq integration and the energy of the load."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import elliprd
+
+from designcalc.contact import hertz, hertz_stress
+from stagecad.parameters.errors import InputError
+
+REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "hertz.toml").read_text())
+
+
+@pytest.mark.parametrize("row", REFERENCE["ellipse"]["rows"])
+def test_ellipses_agree_with_harris(row):
+    difference, a_star, b_star, delta_star = row
+    large, small = 1 + difference, 1 - difference  # curvature sums with sum of all four = 2
+    contact = hertz.point_contact(100.0, 1 / large, np.inf, 1e11, radius_1_minor=1 / small)
+    scale = np.cbrt(3 * 100.0 / (2 * 1e11 * 2.0))
+    assert contact.semi_axis_major / scale == pytest.approx(a_star, rel=1.5e-3)
+    assert contact.semi_axis_minor / scale == pytest.approx(b_star, rel=1.5e-3)
+    assert contact.approach / (scale**2 * 2.0 / 2) == pytest.approx(delta_star, rel=1.5e-3)
+
+
+@pytest.mark.parametrize("row", REFERENCE["shear"]["rows"])
+def test_peak_shear_agrees_with_johnson(row):
+    ratio, depth, shear = row
+    curvatures = elliprd(0.0, ratio**2, 1.0), elliprd(0.0, 1.0, ratio**2)
+    contact = hertz.point_contact(1.0, 0.5 / curvatures[1], np.inf, 1e9, radius_1_minor=0.5 / curvatures[0])
+    assert contact.semi_axis_minor / contact.semi_axis_major == pytest.approx(ratio, rel=1e-12)
+    peak = hertz_stress.point_shear_peak(contact, 0.3)
+    assert peak.depth / contact.semi_axis_minor == pytest.approx(depth, abs=0.01)
+    assert peak.shear / contact.peak_pressure == pytest.approx(shear, abs=1.2e-3)
+
+
+def test_sphere_has_its_closed_form():
+    radius, modulus = 2.5e-3, 60e9
+    load = np.array([0.1, 1.0, 50.0])
+    contact = hertz.point_contact(load, radius, np.inf, modulus)
+    a = np.cbrt(3 * load * radius / (4 * modulus))
+    np.testing.assert_allclose(contact.semi_axis_major, a, rtol=1e-12)
+    np.testing.assert_allclose(contact.semi_axis_minor, a, rtol=1e-12)
+    np.testing.assert_allclose(contact.approach, a**2 / radius, rtol=1e-12)
+    np.testing.assert_allclose(contact.peak_pressure, 1.5 * load / (np.pi * a**2), rtol=1e-12)
+    np.testing.assert_allclose(contact.stiffness, 2 * modulus * a, rtol=1e-12)
+
+
+def test_sphere_yields_first_where_johnson_says():
+    assert 1 / hertz_stress.peak_mises(1.0, 0.3) == pytest.approx(
+        REFERENCE["yield"]["pressure_over_yield_strength"], rel=3e-3
+    )
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.999999, 0.5, 0.05])
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_axis_stresses_are_those_of_point_loads_summed(ratio, poisson):
+    """Boussinesq's point load integrated over the ellipsoidal pressure, by a rule of its own."""
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    r, wr = 0.5 * (nodes + 1), 0.5 * weights
+    angle = (np.arange(400) + 0.5) / 400 * 2 * np.pi
+    rr, tt = np.meshgrid(r, angle, indexing="ij")
+    x, y = rr * np.cos(tt), ratio * rr * np.sin(tt)
+    force = np.sqrt(1 - rr**2) * rr * ratio * wr[:, None] * (2 * np.pi / 400)
+    z = 0.6 * ratio
+    plane, distance = x**2 + y**2, np.sqrt(x**2 + y**2 + z**2)
+
+    def in_plane(u, v):
+        stretch = 3 * u**2 * z / distance**5
+        free = (u**2 - v**2) / (distance * plane * (distance + z)) + z * v**2 / (distance**3 * plane)
+        return float(np.sum(force * ((1 - 2 * poisson) * free - stretch)) / (2 * np.pi))
+
+    expected = (in_plane(x, y), in_plane(y, x), -float(np.sum(force * 3 * z**3 / (2 * np.pi * distance**5))))
+    np.testing.assert_allclose(
+        hertz_stress.axis_stresses(0.6, ratio, poisson), expected, atol=1.5e-3 if ratio < 0.1 else 2e-5
+    )
+
+
+def test_edge_tension_is_that_of_the_free_surface_outside_the_contact():
+    """Outside a round load the surface moves as under a point load, and the skin is in plane stress."""
+    E, nu, R, F = 70e9, 0.3, 0.01, 20.0
+    contact = hertz.point_contact(F, R, np.inf, hertz.contact_modulus(np.inf, 0.3, E, nu))
+    a, h = float(contact.semi_axis_major), 1e-9
+
+    def move(r):
+        return -(1 - 2 * nu) * (1 + nu) * F / (2 * np.pi * E * r)
+
+    radial, hoop = (move(a + h) - move(a - h)) / (2 * h), move(a) / a
+    stress = E / (1 - nu**2) * (radial + nu * hoop)
+    assert float(hertz_stress.edge_tension(contact.peak_pressure, nu)) == pytest.approx(stress, rel=1e-6)
+
+
+def test_slender_ellipse_tends_to_the_line():
+    contact = hertz.point_contact(1.0, 1e-3, np.inf, 1e11, radius_1_minor=1e7)
+    peak = hertz_stress.point_shear_peak(contact, 0.3)
+    line = hertz.line_contact(1.0, 1.0, 1e-3, np.inf, 1e11)
+    line_peak = hertz_stress.line_shear_peak(line)
+    assert peak.depth / contact.semi_axis_minor == pytest.approx(line_peak.depth / line.half_width, rel=1e-3)
+    assert peak.shear / contact.peak_pressure == pytest.approx(line_peak.shear / line.peak_pressure, rel=1e-3)
+
+
+def test_line_contact_balances_load_and_shape():
+    line = hertz.line_contact(100.0, 0.02, 0.05, np.inf, 70e9)
+    load, _ = quad(
+        lambda x: line.peak_pressure * np.sqrt(1 - (x / line.half_width) ** 2), -line.half_width, line.half_width
+    )
+    assert load == pytest.approx(100.0 / 0.02, rel=1e-8)
+    # the elliptic pressure's own curvature: dp/dx field gives p0 = E* b/(2R)
+    assert line.peak_pressure == pytest.approx(70e9 * line.half_width / (2 * 0.05), rel=1e-12)
+    peak = hertz_stress.line_shear_peak(line)
+    assert peak.shear / line.peak_pressure == pytest.approx(0.30028, abs=1e-5)
+    assert peak.depth / line.half_width == pytest.approx(0.78615, abs=1e-5)
+
+
+@given(st.floats(1e-3, 1e4), st.floats(1e-4, 1e2), st.floats(1e-6, 1e6), st.floats(1e6, 1e12))
+def test_load_is_the_slope_of_the_energy(load, radius, aspect, modulus):
+    def energy_and_approach(force):
+        contact = hertz.point_contact(force, radius, np.inf, modulus, radius_1_minor=radius * aspect)
+        return float(hertz.point_energy(contact)), contact
+
+    h = 1e-4
+    low, first = energy_and_approach(load * (1 - h))
+    high, last = energy_and_approach(load * (1 + h))
+    _, middle = energy_and_approach(load)
+    assert (high - low) / float(last.approach - first.approach) == pytest.approx(load, rel=1e-6)
+    assert 2 * load * h / float(last.approach - first.approach) == pytest.approx(float(middle.stiffness), rel=1e-6)
+    assert float(last.approach / first.approach) == pytest.approx(((1 + h) / (1 - h)) ** (2 / 3), rel=1e-12)
+    mean_pressure = load / (np.pi * middle.semi_axis_major * middle.semi_axis_minor)
+    assert float(middle.peak_pressure) == pytest.approx(1.5 * float(mean_pressure), rel=1e-9)
+
+
+def test_curvature_ratio_extremes_have_their_asymptotes():
+    # slender: A/B = k^2 (ln(4/k) - 1), from the expansion of the complete integrals
+    for ratio in (1e-150, 1e-30, 1e-8):
+        k = float(hertz.ellipse_ratio(ratio))
+        assert k**2 * (np.log(4 / k) - 1) == pytest.approx(ratio, rel=1e-6)
+    # nearly circular: B/A = k^(-3/2) to second order
+    assert float(hertz.ellipse_ratio(1 - 1e-7)) == pytest.approx((1 - 1e-7) ** (2 / 3), abs=1e-13)
+
+
+def test_the_two_balls_of_the_thesis():
+    ball = REFERENCE["ball"]
+    modulus = hertz.contact_modulus(
+        ball["steel_modulus"], ball["steel_poisson"], ball["aluminium_modulus"], ball["aluminium_poisson"]
+    )
+    load = hertz.load_at_pressure(ball["small_pressure"], ball["small_radius"], np.inf, modulus)
+    assert load == pytest.approx(ball["small_load"], abs=0.05)
+    load = hertz.load_at_stiffness(ball["large_stiffness"], ball["large_radius"], np.inf, modulus)
+    assert load == pytest.approx(ball["large_load"], abs=0.5)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: hertz.point_contact(0.0, 1.0, np.inf, 1e9), "load: must be above 0 N"),
+        (lambda: hertz.point_contact(1.0, np.inf, np.inf, 1e9), "curvatures"),
+        (lambda: hertz.point_contact(1.0, 1.0, np.inf, 1e9, radius_1_minor=np.inf), "line contact"),
+        (lambda: hertz.point_contact(1.0, 1.0, -0.5, 1e9), "curvatures"),
+        (lambda: hertz.contact_modulus(1e9, 0.6, 1e9, 0.3), "poisson: must lie in 0 to 0.5"),
+        (lambda: hertz.contact_modulus(np.inf, 0.3, np.inf, 0.3), "rigid"),
+        (lambda: hertz.line_contact(1.0, 0.0, 1.0, np.inf, 1e9), "length: must be above 0 m"),
+    ],
+)
+def test_outside_the_range_is_said(call, words):
+    with pytest.raises(InputError, match=words):
+        call()
+
+
+def test_like_spheres_shear_as_mindlin_says():
+    """k_t/k_n = 2 (1 - nu)/(2 - nu) for like bodies, and a rigid body leaves the other one twice as stiff."""
+    nu = 0.3
+    modulus = hertz.contact_modulus(200e9, nu, 200e9, nu)
+    contact = hertz.point_contact(np.array([5.0, 50.0]), 0.02, np.inf, modulus)
+    shear = hertz.tangential_stiffness(contact, 200e9, nu, 200e9, nu)
+    np.testing.assert_allclose(shear / contact.stiffness, 2 * (1 - nu) / (2 - nu), rtol=1e-12)
+    np.testing.assert_allclose(hertz.tangential_stiffness(contact, 200e9, nu, 1e30, nu) / shear, 2.0, rtol=1e-9)
+    with pytest.raises(InputError, match="modulus"):
+        hertz.tangential_stiffness(contact, 0.0, nu, 200e9, nu)

@@ -1,0 +1,161 @@
+"""The tooth field against the flat limit, Carter's conformal map, and finite differences."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.sparse import csr_matrix, lil_matrix
+from scipy.sparse.linalg import spsolve
+
+from designcalc.drive.magnetic_teeth import (
+    MU_0,
+    MagnetCircuit,
+    flat_field,
+    ratio_map,
+    teeth_field,
+    working_point,
+)
+from stagecad.parameters.errors import InputError
+
+REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "teeth.toml").read_text())
+
+
+@pytest.mark.parametrize("width, gap", REFERENCE["carter"]["rows"])
+def test_deep_lonely_grooves_follow_carter(width, gap):
+    half = gap / 2
+    u = (1 - width) / (2 * half)
+    gamma = 4 / math.pi * (u * math.atan(u) - math.log(math.sqrt(1 + u**2)))
+    carter = 1 / (1 - gamma * half)
+    field = teeth_field(1.0, width, gap, 5.0)
+    assert field.coenergy == pytest.approx(MU_0 / (2 * gap * carter), rel=2e-6)
+
+
+@pytest.mark.parametrize("width, gap, ratio", REFERENCE["finite_difference"]["rows"])
+def test_stiffness_ratio_agrees_with_coarse_finite_differences(width, gap, ratio):
+    field = teeth_field(1.0, width, gap, 0.5)
+    assert field.lateral_over_normal == pytest.approx(ratio, rel=REFERENCE["finite_difference"]["tolerance"])
+
+
+def _finite_difference_energy(cells: int, width: int, gap: int, depth: int, shift: int) -> float:
+    """W/mu0 of one cell by five-point differences on a square grid; lengths in grid steps, pitch = `cells`."""
+    rows = depth + gap + depth
+    number = np.full((rows + 1, cells), -1)
+    fixed = np.full((rows + 1, cells), np.nan)
+    column = np.arange(cells)
+    lower_iron = (column <= width) if width < cells else np.ones(cells, bool)
+    upper_iron = np.roll(lower_iron, shift)
+    fixed[: depth + 1, lower_iron] = 0.0
+    fixed[depth + gap :, upper_iron] = 1.0
+    fixed[0, :], fixed[rows, :] = 0.0, 1.0
+    free = np.isnan(fixed)
+    number[free] = np.arange(free.sum())
+    matrix, right = lil_matrix((free.sum(), free.sum())), np.zeros(free.sum())
+    for i, j in zip(*np.nonzero(free)):
+        here = number[i, j]
+        matrix[here, here] = 4.0
+        for a, b in ((i + 1, j), (i - 1, j), (i, (j + 1) % cells), (i, (j - 1) % cells)):
+            if free[a, b]:
+                matrix[here, number[a, b]] = -1.0
+            else:
+                right[here] += fixed[a, b]
+    potential = fixed.copy()
+    potential[free] = spsolve(csr_matrix(matrix), right)
+    across = np.diff(potential, axis=0)
+    along = np.roll(potential, -1, axis=1) - potential
+    return 0.5 * float(np.sum(across**2) + np.sum(along**2)) / cells
+
+
+@pytest.mark.parametrize("shift", [0, 1])
+def test_coenergy_agrees_with_extrapolated_finite_differences(shift):
+    """l/p = 0.4, e/p = 0.2, grooves 0.3 p, shifted by 0 or 0.2 p; five-point errors at the corners fall as h^(4/3)."""
+    energies = [_finite_difference_energy(10 * n, 4 * n, 2 * n, 3 * n, 2 * n * shift) * 10 * n for n in (4, 8)]
+    extrapolated = energies[1] + (energies[1] - energies[0]) / (2 ** (4 / 3) - 1)
+    cell = teeth_field(1.0, 0.4, 0.2, 0.3, 0.2 * shift)
+    assert cell.coenergy / MU_0 == pytest.approx(extrapolated, rel=4e-3)
+
+
+def test_teeth_that_nearly_touch_tend_to_the_flat_gap():
+    flat = flat_field(0.2)
+    almost = teeth_field(1.0, 0.98, 0.2, 1.0)
+    # a groove of small width s in each iron takes s^2/(pi e p) of the flat energy (Carter's factor for small s)
+    assert 1 - almost.coenergy / flat.coenergy == pytest.approx(0.02**2 / (np.pi * 0.2), rel=1e-2)
+    assert almost.normal_stiffness == pytest.approx(flat.normal_stiffness, rel=2e-3)
+    assert abs(almost.lateral_stiffness) < 1e-3 * flat.normal_stiffness
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.13])
+def test_forces_and_stiffnesses_are_the_slopes_of_the_coenergy(offset):
+    step, base = 1e-3, teeth_field(1.0, 0.4, 0.2, 0.5, offset)
+
+    def energy(dx, de):
+        return teeth_field(1.0, 0.4, 0.2 + de, 0.5, offset + dx).coenergy
+
+    def slopes(dx, de):
+        values = [energy(n * dx, n * de) for n in (-2, -1, 0, 1, 2)]
+        first = (values[0] - 8 * values[1] + 8 * values[3] - values[4]) / (12 * step)
+        second = (-values[0] + 16 * values[1] - 30 * values[2] + 16 * values[3] - values[4]) / (12 * step**2)
+        return first, second
+
+    first, second = slopes(step, 0.0)
+    assert base.lateral_force == pytest.approx(first, rel=1e-6, abs=1e-12)
+    assert base.lateral_stiffness == pytest.approx(-second, rel=1e-5)
+    first, second = slopes(0.0, step)
+    assert base.attraction == pytest.approx(-first, rel=1e-6)
+    assert base.normal_stiffness == pytest.approx(second, rel=1e-5)
+
+
+def test_more_functions_only_lower_the_energy_and_the_error_covers_the_rest():
+    energies = [teeth_field(1.0, 0.4, 0.05, 0.5, functions=n).coenergy for n in (4, 6, 8, 12, 16)]
+    assert all(later <= earlier * (1 + 1e-12) for earlier, later in pairwise(energies))
+    rough, fine = teeth_field(1.0, 0.4, 0.05, 0.5, functions=8), teeth_field(1.0, 0.4, 0.05, 0.5, functions=20)
+    assert abs(rough.lateral_stiffness / fine.lateral_stiffness - 1) < rough.error
+
+
+def test_scales_with_size():
+    small, large = teeth_field(1e-3, 4e-4, 2e-4, 5e-4), teeth_field(1.0, 0.4, 0.2, 0.5)
+    assert small.coenergy == pytest.approx(large.coenergy * 1e3)
+    assert small.attraction == pytest.approx(large.attraction * 1e6)
+    assert small.lateral_stiffness == pytest.approx(large.lateral_stiffness * 1e9)
+
+
+def test_map_has_the_shape_the_thesis_missed():
+    """K_x/K_z rises steadily as l/p falls, while K_x is flat-topped: 0.4 is a compromise, not an optimum."""
+    widths = np.array([0.2, 0.3, 0.4, 0.5, 0.6])
+    ratio, lateral, _ = ratio_map(widths, np.array([0.2]))
+    assert np.all(np.diff(ratio[0]) < 0)
+    assert 0.2 <= widths[np.argmax(lateral[0])] <= 0.4
+
+
+def test_magnet_circuit_reduces_to_fixed_potential_and_to_fixed_flux():
+    field = teeth_field(5e-3, 2e-3, 1e-3, 2.5e-3)
+    area = 240e-6 * 40
+    thin = MagnetCircuit(1.2, 1e-6, 1.0, 1.05, area)
+    point = working_point(field, thin, 5e-3, 2e-3)
+    fixed = (1.2 * 1e-6 / (MU_0 * 1.05)) ** 2 * area
+    assert point.attraction == pytest.approx(fixed * field.attraction, rel=1e-2)
+    assert point.normal_stiffness == pytest.approx(fixed * field.normal_stiffness, rel=1e-2)
+    # a magnet of large reluctance holds the flux at Br A: the force is flux^2/2 dR/de
+    stiff = MagnetCircuit(1.2, 10.0, 1e-4, 1.05, area)
+    point = working_point(field, stiff, 5e-3, 2e-3)
+    flux, step = 1.2 * 1e-4, 1e-6
+    reluctance = [1 / (2 * teeth_field(5e-3, 2e-3, e, 2.5e-3).coenergy * area) for e in (1e-3 - step, 1e-3 + step)]
+    assert point.attraction == pytest.approx(0.5 * flux**2 * (reluctance[1] - reluctance[0]) / (2 * step), rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        ((5e-3, 5e-3, 1e-3), "tooth-width"),
+        ((5e-3, 2e-3, 0.0), "gap: 0 m must be above 0"),
+        ((5e-3, 2e-3, 1e-6), "gap over pitch"),
+        ((-5e-3, 2e-3, 1e-3), "pitch"),
+    ],
+)
+def test_outside_the_range_is_said(arguments, words):
+    with pytest.raises(InputError, match=words):
+        teeth_field(*arguments)

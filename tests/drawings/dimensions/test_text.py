@@ -1,0 +1,80 @@
+"""What is printed: decimals as the class has them, or the tolerance spelled out; callouts that tell a whole hole."""
+
+from __future__ import annotations
+
+import pytest
+
+from drawings.dimensions.text import callout, number, plain
+from stagecad.parameters.dimension import Dimension
+
+ENDS = ((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
+
+
+@pytest.mark.parametrize(
+    ("value", "tolerance", "text"),
+    [
+        (12.0, "X", "12"),
+        (12.0, "X.X", "12.0"),
+        (25.4, "X.XX", "25.40"),
+        (0.1 + 0.2, "X.X", "0.3"),
+        (7.9375, None, "7.938"),
+        (5.0, None, "5"),
+        # What the class would round off is printed, and its tolerance beside it.
+        (230.7, "X", "230.7 ±0.1"),
+        (4.646, "X.X", "4.646 ±0.1"),
+        (14.2875, "X.X", "14.287 ±0.1"),
+    ],
+)
+def test_decimals_are_the_class_or_the_tolerance_is_spelled_out(value: float, tolerance: str | None, text: str) -> None:
+    assert number(value, tolerance, 0.1) == text
+
+
+def declared(kind: str, name: str, value: float, **more: object) -> Dimension:
+    points = ENDS if kind in ("depth", "linear") else ENDS[:1]
+    tolerance = more.pop("tolerance", "X.X")
+    return Dimension(name, kind, value, "stage.length", points, (0.0, 0.0, -1.0), tolerance, **more)  # type: ignore[arg-type]
+
+
+def test_what_stands_alone() -> None:
+    assert plain(declared("diameter", "bore", 16.02, tolerance="X.XX", count=3), 0.01) == "3x ⌀16.02"
+    assert plain(declared("radius", "nose", 20.0, note="spherical; coated"), 0.1) == "SR20.0"
+    assert plain(declared("radius", "corner", 5.0, tolerance="X", count=4), 0.1) == "4x R5"
+    assert plain(declared("chamfer", "edge", 0.5), 0.1) == "0.5x45°"
+    assert plain(declared("slope", "wedge", 0.05, tolerance=None), 0.0) == "slope 1:20"
+    assert plain(declared("slope", "wedge", 0.053, tolerance=None), 0.0) == "slope 0.053"
+    assert plain(declared("angle", "neck", 85.0, tolerance="X", count=2), 0.1) == "2x 85°"
+
+
+def test_a_tapped_hole_tells_thread_drill_and_both_depths() -> None:
+    note = "3/8-16 UNC"
+    hole = [
+        declared("tap_drill", "way hole tap drill", 7.9375, tolerance=None, note=note, count=14, feature="way hole"),
+        declared("thread_depth", "way hole thread depth", 15.0, note=note, count=14, feature="way hole"),
+        declared("depth", "way hole drill depth", 18.0, note=note, count=14, feature="way hole"),
+        declared("count", "way holes in a row", 7, tolerance=None, note="2 rows", feature="way hole"),
+    ]
+    assert callout(hole, [0.0, 0.1, 0.1, 0.0]) == (
+        "14x 3/8-16 UNC {depth}15.0",
+        "drill ⌀7.938 {depth}18.0",
+        "7 in a row, 2 rows",
+    )
+    assert callout(hole[:1], [0.0]) == ("14x 3/8-16 UNC through", "drill ⌀7.938")
+
+
+def test_a_counterbored_hole_tells_each_depth_with_its_diameter() -> None:
+    hole = [
+        declared("diameter", "clamp counterbore", 15.9, count=4, feature="clamp screw hole"),
+        declared("depth", "clamp counterbore depth", 12.0, count=4, feature="clamp screw hole"),
+        declared("diameter", "clamp clearance hole", 10.5, count=4, feature="clamp screw hole", note="to the gap slot"),
+    ]
+    assert callout(hole, [0.1] * 3) == ("4x {counterbore}⌀15.9 {depth}12.0", "⌀10.5 to the gap slot")
+
+
+def test_a_count_that_says_the_number_of_holes_is_not_said_twice() -> None:
+    row = [
+        declared("diameter", "screw hole", 10.5, count=7, note="through", feature="screw hole"),
+        declared("count", "screw holes", 7, tolerance=None, feature="screw hole"),
+    ]
+    assert callout(row, [0.1, 0.0]) == ("7x ⌀10.5 through",)
+    alone = [declared("count", "teeth in a group", 2, tolerance=None, count=2, feature="teeth")]
+    assert callout(alone, [0.0]) == ("2x 2 teeth in a group",)

@@ -1,0 +1,124 @@
+"""The lint finds what is planted on a sheet that is clean without it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+from ezdxf.document import Drawing
+
+from drawings.annotations.annotation import Callout, ControlFrame, Linear, Note
+from drawings.export.document import document_of
+from drawings.export.lint import Hit, lint
+from drawings.sheets.sheet import Sheet
+from drawings.sheets.title_block import TitleBlock
+from drawings.views.view import PROJECTIONS, Segment, View
+
+TITLE = TitleBlock(
+    "block", "Stage", "THS_BLOCK", "Steel", "1 g", "1:2", 1, 1, "1", "0123", "Part drawing", "", (("X", "±0.1"),)
+)
+CORNERS = [(0.0, 0.0), (200.0, 0.0), (200.0, 100.0), (0.0, 100.0), (0.0, 0.0)]
+EDGES = tuple(Segment(a, b) for a, b in pairwise(CORNERS))
+VIEW = View("front", PROJECTIONS["front"], {"VISIBLE": EDGES}, scale=0.5, place=(100.0, 150.0))
+LENGTH = Linear("front", (0.0, 100.0), (200.0, 100.0), 0.0, (0.0, 210.0), "200", 200.0, ("length",))
+HEIGHT = Linear("front", (0.0, 0.0), (0.0, 100.0), 90.0, (90.0, 0.0), "100.0", 100.0, ("height",))
+HOLE = Callout("front", (150.0, 50.0), (215.0, 190.0), ("4x ⌀5.0 {depth}12.0",), ("hole",))
+CLEAN = Sheet("block", "block", "A3", 0.5, TITLE, (VIEW,), (LENGTH, HEIGHT, HOLE))
+
+
+def hits(sheet: Sheet, kind: str) -> list[Hit]:
+    return [hit for hit in lint(document_of(sheet)) if hit.kind == kind]
+
+
+def test_a_clean_sheet_has_no_hits() -> None:
+    assert lint(document_of(CLEAN)) == []
+
+
+def test_a_text_over_another_is_found() -> None:
+    other = replace(HOLE, at=(150.0, 30.0), elbow=(216.0, 191.0), lines=("3x R2.0",))
+    (hit,) = hits(replace(CLEAN, annotations=(*CLEAN.annotations, other)), "text")
+    assert "over '3x R2.0'" in str(hit)
+    assert hit.at == pytest.approx((227.1, 190.0), abs=0.5)
+
+
+def test_a_text_over_a_line_of_the_part_or_of_another_view_is_found() -> None:
+    inside = replace(LENGTH, line_at=(0.0, 197.5), text_at=(150.0, 200.0))
+    assert hits(replace(CLEAN, annotations=(inside, HEIGHT)), "line")
+    beside = replace(VIEW, name="right", place=(222.0, 150.0))
+    assert hits(replace(CLEAN, views=(VIEW, beside)), "line")
+
+
+def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
+    """A line through the upright box about a slanting text, but past the text itself, is no hit; one through it is."""
+    slanting = Linear("front", (40.0, 20.0), (120.0, 100.0), 45.0, (140.0, 160.0), "113.1", 113.137085, ("slope",))
+    clear, through = Segment((102.0, 38.0), (104.0, 36.0)), Segment((96.0, 30.0), (96.0, 60.0))
+
+    def with_line(line: Segment) -> Sheet:
+        return Sheet(
+            "block", "block", "A3", 0.5, TITLE, (replace(VIEW, curves={"VISIBLE": (*EDGES, line)}),), (slanting,)
+        )
+
+    assert hits(with_line(clear), "line") == []
+    assert hits(with_line(through), "line")
+
+
+def test_the_frame_of_a_tolerance_on_the_part_is_found() -> None:
+    over = ControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
+    assert hits(replace(CLEAN, annotations=(over,)), "line")
+    off = replace(over, elbow=(140.0, 212.0))
+    assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
+
+
+def test_a_symbol_on_the_part_is_found_although_it_is_no_text() -> None:
+    over = replace(HOLE, at=(150.0, 50.0), elbow=(194.0, 190.0), lines=("{surface}",))
+    assert hits(replace(CLEAN, annotations=(over,)), "line")
+    off = replace(over, elbow=(210.0, 190.0))
+    assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
+
+
+def test_what_leaves_the_frame_or_stands_on_the_title_block_is_found() -> None:
+    assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
+    low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
+    assert hits(low, "title block")
+
+
+def test_two_dimensions_on_one_line_are_found() -> None:
+    part = Linear("front", (50.0, 100.0), (80.0, 100.0), 0.0, (0.0, 210.0), "30.0", 30.0, ("part",), (100.0, 218.0))
+    assert hits(replace(CLEAN, annotations=(LENGTH, part)), "dimensions")
+    chain = [
+        replace(LENGTH, second=(100.0, 100.0), text="100", measured=100.0),
+        replace(LENGTH, first=(100.0, 100.0), text="100", measured=100.0),
+    ]
+    assert hits(replace(CLEAN, annotations=tuple(chain)), "dimensions") == []
+
+
+def test_a_note_over_the_frame_of_the_view_is_found() -> None:
+    note = Note((120.0, 148.5), ("Cut slots last.",))
+    assert hits(replace(CLEAN, notes=(note,)), "line")
+
+
+def first_dimension(document: Drawing):
+    return document.modelspace().query("DIMENSION").first
+
+
+def test_a_dimension_that_does_not_say_what_it_measures_is_found() -> None:
+    document = document_of(CLEAN)
+    dimension = first_dimension(document)
+    assert dimension is not None
+    dimension.dxf.defpoint3 = (dimension.dxf.defpoint3.x + 1.0, dimension.dxf.defpoint3.y)
+    assert [hit.kind for hit in lint(document)] == ["value"]
+    document = document_of(CLEAN)
+    dimension = first_dimension(document)
+    assert dimension is not None
+    dimension.dxf.text = "250"
+    assert "value" in [hit.kind for hit in lint(document)]
+
+
+def test_ink_outside_every_viewport_and_an_unsound_file_are_found() -> None:
+    document = document_of(CLEAN)
+    document.modelspace().add_line((9000.0, 0.0), (9001.0, 0.0), dxfattribs={"layer": "VISIBLE"})
+    assert [hit.kind for hit in lint(document)] == ["viewport"]
+    document = document_of(CLEAN)
+    document.modelspace().add_line((250.0, 350.0), (251.0, 350.0), dxfattribs={"layer": "VISIBLE", "linetype": "NONE"})
+    assert [hit.kind for hit in lint(document)] == ["file"]

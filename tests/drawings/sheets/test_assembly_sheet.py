@@ -1,0 +1,223 @@
+"""The assembly's sheet: a balloon for each row of the parts list, on what it names, and none over another."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from drawings.annotations.annotation import Balloon, Linear
+from drawings.annotations.annotation_ink import BALLOON
+from drawings.annotations.extent import view_box
+from drawings.annotations.ink import Words
+from drawings.artefacts.pictures import PICTURES
+from drawings.artefacts.sheets import extent_of
+from drawings.export.document import document_of
+from drawings.export.lint import lint
+from drawings.pictures.machine import machine_picture
+from drawings.pictures.picture import Picture, packed, unpacked
+from drawings.pictures.visibility import Scene
+from drawings.placement.field import curve_points
+from drawings.sheets.assembly import Assembled, assembly_sheet, spread
+from drawings.sheets.frame import drawing_space
+from drawings.sheets.sheet import Sheet
+from drawings.views.view import Segment
+from stagecad.parameters.design import Design
+from stagecad.solids.artefacts.assembly import shapes_of
+from stagecad.solids.assembly.assemble import assemble
+from stagecad.solids.assembly.machine import Machine
+
+ROOT = Path(__file__).parents[3]
+
+pytestmark = pytest.mark.xdist_group("assembly sheet")
+
+
+@pytest.fixture(scope="module")
+def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
+    """Makes a picture of the machine."""
+    instances = machine.assembly.instances
+    shapes = {name: shape.wrapped for name, shape in shapes_of(instances, machine.parts, design).items()}
+    meshes = {name: part.mesh for name, part in machine.parts.items()}
+    scene = Scene(shapes, meshes)
+
+    def make(name: str, *, exact: bool = True) -> Picture:
+        picture = machine_picture(name, instances, scene, exact=exact)
+        assert picture is not None
+        return picture
+
+    return make
+
+
+@pytest.fixture(scope="module")
+def pictures(shown: Callable[..., Picture]) -> dict[str, Picture]:
+    return {name: shown(name) for name in PICTURES["assembly"]}
+
+
+@pytest.fixture(scope="module")
+def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
+    extent = extent_of(machine.assembly.instances, machine.parts, design)
+    return assembly_sheet(Assembled(machine.bill_of_materials, extent, "1 kg", "0", "0"), design, pictures)
+
+
+def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
+    numbers = sorted(a.number for a in sheet.annotations if isinstance(a, Balloon))
+    assert numbers == [row.item for row in machine.bill_of_materials]
+
+
+def test_a_balloon_points_at_a_line_that_is_drawn(sheet: Sheet) -> None:
+    for balloon in sheet.annotations:
+        if isinstance(balloon, Balloon):
+            (u, v) = balloon.at
+            curves = sheet.view(balloon.view).curves["VISIBLE"]
+            near = [
+                c
+                for c in curves
+                if isinstance(c, Segment)
+                and math.dist(c.start, (u, v)) + math.dist(c.end, (u, v)) < math.dist(c.start, c.end) + 0.1
+            ]
+            assert near or any(not isinstance(c, Segment) for c in curves)
+
+
+def test_balloons_stand_apart_and_within_the_frame(sheet: Sheet) -> None:
+    x0, y0, x1, y1 = drawing_space(sheet.paper)
+    centres = [a.centre for a in sheet.annotations if isinstance(a, Balloon)]
+    for i, one in enumerate(centres):
+        assert x0 + BALLOON < one[0] < x1 - BALLOON and y0 + BALLOON < one[1] < y1 - BALLOON
+        assert all(math.dist(one, other) > 2 * BALLOON for other in centres[i + 1 :])
+
+
+def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: Machine) -> None:
+    words = [ink.text for ink in sheet.tables if isinstance(ink, Words)]
+    for row in machine.bill_of_materials:
+        assert row.part.replace("_", " ") in words
+        assert row.part_number in words
+        assert row.material in words
+    assert sum(int(words[i + 1]) for i, text in enumerate(words[6:], start=6) if (i - 6) % 6 == 0) == sum(
+        row.quantity for row in machine.bill_of_materials
+    )
+
+
+def test_the_cut_is_hatched_and_the_cutting_line_shown(sheet: Sheet) -> None:
+    section = sheet.view("section A-A")
+    assert section.label == "A-A"
+    assert len(section.curves["HATCH"]) > 50
+    assert any(type(a).__name__ == "SectionMark" for a in sheet.annotations)
+
+
+def test_size_and_travel_are_those_of_the_machine(sheet: Sheet, pictures: dict[str, Picture], design: Design) -> None:
+    """The numbers against parameters, and against what the hidden-line algorithm gives of the machine."""
+    said = {a.names[0]: (a.measured, a.text) for a in sheet.annotations if isinstance(a, Linear)}
+    assert len(said) == sum(isinstance(a, Linear) for a in sheet.annotations) - 1  # half of the travel, on both sides
+    base, stage = design.base, design.stage
+    assert said["overall length"] == (pytest.approx(base.length, abs=1e-6), f"({base.length:.1f})")
+    assert said["overall width"] == (pytest.approx(base.width, abs=1e-6), f"({base.width:.1f})")
+    assert said["half of the travel"] == (pytest.approx(stage.travel / 2, abs=1e-6), f"({stage.travel / 2:.1f})")
+    over = stage.length + stage.travel
+    assert said["length over the ends of travel"] == (pytest.approx(over, abs=1e-6), f"({over:.1f})")
+    _, v0, _, v1 = view_box(replace(pictures["section A-A"].view, scale=1.0)) or (0.0,) * 4
+    assert said["overall height"] == (pytest.approx(v1 - v0, abs=1e-6), f"({v1 - v0:.1f})")
+    u0, v0, u1, v1 = view_box(replace(pictures["top"].view, scale=1.0)) or (0.0,) * 4
+    assert (u1 - u0, v1 - v0) == pytest.approx((base.length, base.width), abs=1e-6)
+
+
+def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Machine, design: Design) -> None:
+    """Against the machine put together there."""
+    drawn = sheet.view("section A-A").curves["PHANTOM"]
+    for travel in (-1.0, 1.0):
+        (stage,) = (piece for piece in assemble(machine.parts, design, travel=travel) if piece.part == "stage")
+        (x0, _, z0), (x1, _, z1) = machine.parts["stage"].geometry.bounding_box
+        end = travel * max(travel * stage.frame.point((x, 0.0, 0.0))[0] for x in (x0, x1))
+        assert any(
+            isinstance(line, Segment)
+            and (line.start[0], line.end[0]) == pytest.approx((end, end), abs=1e-6)
+            and math.dist(line.start, line.end) <= z1 - z0 + 1e-6
+            for line in drawn
+        )
+
+
+def test_what_has_no_room_under_the_exploded_view_stands_smaller_above_the_list(
+    machine: Machine, design: Design, pictures: dict[str, Picture]
+) -> None:
+    below = pictures["from below"]
+    tall = replace(below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 600.0)),)}), pieces=())
+    extent = extent_of(machine.assembly.instances, machine.parts, design)
+    machine_now = Assembled(machine.bill_of_materials, extent, "1 kg", "0", "0")
+    views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
+    assert views["from below"].scale == views["top"].scale / 2
+    assert views["from below"].label == "FROM BELOW (1:4)"
+
+
+def test_the_sheet_is_free_of_hits(sheet: Sheet) -> None:
+    assert [str(hit) for hit in lint(document_of(sheet))] == []
+
+
+def test_places_are_spread_in_their_order() -> None:
+    assert spread([1.0, 2.0, 30.0], 10.0, 0.0, 100.0) == [1.0, 11.0, 30.0]
+    assert spread([90.0, 95.0, 99.0], 10.0, 0.0, 100.0) == [80.0, 90.0, 100.0]
+    assert spread([], 10.0, 0.0, 1.0) == []
+
+
+def test_pictures_are_kept_as_they_were(pictures: dict[str, Picture]) -> None:
+    assert set(pictures) == {"top", "section A-A", "exploded", "from below"}
+    for name, one in pictures.items():
+        assert one.view.name == name
+        head, numbers = packed(one)
+        assert unpacked(json.loads(json.dumps(head)), numbers) == one
+
+
+@pytest.mark.parametrize("name", ["exploded", "from below"])
+def test_by_mesh_the_machine_looks_the_same(
+    name: str, shown: Callable[..., Picture], pictures: dict[str, Picture]
+) -> None:
+    """What is drawn when the exact algorithm hangs: the same box, and much the same length of lines of each part."""
+    exact, meshed = pictures[name], shown(name, exact=False)
+    assert view_box(meshed.view) == pytest.approx(view_box(exact.view), abs=0.1)
+    lengths = [ink_by_part(one) for one in (exact, meshed)]
+    assert lengths[1].keys() == lengths[0].keys()
+    for part, length in lengths[0].items():
+        # The shortest of the screws' lines, of a mesh or not, are a matter of chance.
+        assert lengths[1][part] == pytest.approx(length, rel=0.15, abs=5.0), part
+
+
+def ink_by_part(shown: Picture) -> dict[str, float]:
+    """Length of all lines of each part, mm."""
+    found: dict[str, float] = {}
+    for part, lines in shown.pieces:
+        length = sum(math.dist(a, b) for curve in lines for a, b in pairwise(curve_points(curve)))
+        found[part] = found.get(part, 0.0) + length
+    return found
+
+
+DRAW = """
+import sys
+from pathlib import Path
+from drawings.artefacts.sheets import draw_whole
+from stagecad.parameters.design import load_design
+from stagecad.solids.artefacts.store import Store
+draw_whole(Store(Path(sys.argv[1])), "assembly", load_design())
+"""
+
+
+def test_another_process_draws_the_same_bytes(machine: Machine, tmp_path: Path) -> None:
+    files = []
+    for seed in ("1", "2"):
+        store = tmp_path / seed
+        entries = store / "entries"
+        entries.mkdir(parents=True)
+        for part in machine.parts.values():
+            shutil.copytree(part.entry.folder, entries / part.entry.folder.name)
+        shutil.copytree(machine.assembly.entry.folder.parent.parent / "reads", store / "reads")
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        subprocess.run([sys.executable, "-c", DRAW, str(store)], env=environment, check=True, cwd=ROOT)
+        (made,) = (path.parent for path in entries.glob("*/assembly.dxf"))
+        files.append({kind: (made / f"assembly.{kind}").read_bytes() for kind in ("dxf", "svg", "pdf", "png")})
+    assert files[0] == files[1]

@@ -1,0 +1,128 @@
+"""Sheets of random valid designs are complete, true, and free of hits."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from drawings.artefacts.pictures import make_picture
+from drawings.artefacts.sheets import WHOLE, all_parts, draw_whole
+from drawings.export.document import document_of
+from drawings.export.lint import lint
+from drawings.pictures.picture import SECTION
+from drawings.placement.field import curve_points
+from drawings.sheets.part import sheets_of
+from drawings.views.view import Curve
+from stagecad.parameters.derived import COMPUTED
+from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.errors import InputError
+from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.tracked_design import Reading, walk
+from stagecad.solids.modelling.registry import MADE, module_of
+from tests.drawings.drawn import described, thesis
+from workbench.commands.drawings import procedure_values
+
+DESIGNS, AT_ONCE = 200, 10
+
+
+@cache
+def shaping() -> tuple[str, ...]:
+    """Lengths and angles that shape some part, threads and computed ones left out."""
+    notes: dict[Any, str] = {}
+    for name in MADE:
+        module_of(name).build(Reading(thesis(), notes))
+    keys = {".".join(str(step[1]) for step in way) for way in notes} - set(COMPUTED)
+    return tuple(sorted(k for k in keys if thesis().entry(k).unit in ("mm", "deg") and not k.startswith("threads.")))
+
+
+def random_design(seed: int) -> tuple[Design, list[str]]:
+    """A design the rules accept: one to eight lengths anywhere within 30 %, some of them with odd decimals."""
+    rng = random.Random(seed)
+    while True:
+        overrides = []
+        for key in rng.sample(shaping(), rng.randint(1, 8)):
+            entry, decimals = thesis().entry(key), rng.choice((0, 1, 1, 2, 3))
+            overrides.append(f"{key}={entry.value * rng.uniform(0.7, 1.3):.{decimals}f} {entry.unit}")
+        overrides += [f"teeth.per_iron={rng.randint(1, 3)}"] if rng.random() < 0.1 else []
+        overrides += ["pads.count=4"] if rng.random() < 0.1 else []
+        try:
+            return load_design(overrides=overrides), overrides
+        except InputError:
+            continue
+
+
+SEEN: dict[str, list[dict[Any, str]]] = {}
+"""What the good sheets of each part were drawn from: a design that reads the same gives the same sheets."""
+
+
+def faults(design: Design) -> list[str]:
+    """Hits on the sheets of all parts; a part that reads what it did before is not drawn again."""
+    found = []
+    for name in MADE:
+        if any(all(walk(design, way) == value for way, value in notes.items()) for notes in SEEN.get(name, [])):
+            continue
+        notes: dict[Any, str] = {}
+        reading = Reading(design, notes)
+        hits = [
+            f"{sheet.name}: {hit}"
+            for sheet in sheets_of(described(name, reading), reading)
+            for hit in lint(document_of(sheet))
+        ]
+        if not hits:
+            SEEN.setdefault(name, []).append(notes)
+        found += hits
+    return found
+
+
+@pytest.mark.xdist_group("sheets of random designs")
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
+def test_sheets_of_some_random_designs_are_free_of_hits(seed: int) -> None:
+    design, overrides = random_design(seed)
+    assert faults(design) == [], overrides
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, DESIGNS, AT_ONCE))
+def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
+    wrong = {}
+    for seed in range(first, first + AT_ONCE):
+        design, overrides = random_design(seed)
+        if hits := faults(design):
+            wrong[seed] = (overrides, hits)
+    assert wrong == {}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_the_machine_s_sheets_of_some_random_designs_are_free_of_hits(seed: int, tmp_path: Path) -> None:
+    design, overrides = random_design(seed)
+    store = Store(tmp_path)
+    sheets = [sheet for whole in WHOLE for sheet in draw_whole(store, whole, design, procedure_values)]
+    assert [sheet.name for sheet in sheets] == ["assembly", "procedure"]
+    assert [hit for sheet in sheets for hit in sheet.hits] == [], overrides
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_the_machine_s_section_by_faces_is_that_of_cut_solids(
+    seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    design, overrides = random_design(seed)
+    store = Store(tmp_path)
+    parts = all_parts(store, design)
+    by_faces = make_picture(store, SECTION, parts, design)
+    monkeypatch.setattr("drawings.pictures.mesh_section.faces_cut", lambda *_: None)
+    by_solids = make_picture(Store(tmp_path / "other"), SECTION, parts, design)
+    assert by_faces is not None and by_solids is not None
+    for layer, curves in by_solids.view.curves.items():
+        assert numbers_of(by_faces.view.curves[layer]) == numbers_of(curves), (layer, overrides)
+
+
+def numbers_of(curves: Iterable[Curve]) -> list[list[float]]:
+    """Points along curves to 1e-5 mm, in one order."""
+    return sorted([round(value, 5) + 0.0 for point in curve_points(curve) for value in point] for curve in curves)

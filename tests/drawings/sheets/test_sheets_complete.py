@@ -1,0 +1,135 @@
+"""Each sheet says everything that is declared, once, and says it truly."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from functools import cache
+from typing import Any
+
+import pytest
+
+from drawings.annotations.annotation import Angular, Callout, ControlFrame, DatumMark, Linear, Round
+from drawings.dimensions.text import number
+from drawings.export.document import document_of
+from drawings.export.lint import lint
+from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
+from stagecad.solids.artefacts.tracked_design import Reading
+from stagecad.solids.assembly.verification import Gauge
+from stagecad.solids.modelling.registry import MADE, module_of
+from tests.drawings.drawn import described, sheets, thesis, words
+
+pytestmark = pytest.mark.xdist_group("sheets of the thesis")
+"""One process draws each sheet once for all these tests."""
+
+NOT_DIMENSIONS = {
+    "teeth.fitted": "whether pockets and tapped holes for the teeth are there: seen from their being there",
+    "sea.whole_underside": "whether grooves bound the sea: seen from their being there",
+}
+"""Parameters that shape a part and stand on no sheet as a number, with the reason."""
+
+
+@cache
+def named(part: str) -> Counter[str]:
+    """How often each declaration is on the part's sheets."""
+    return Counter(
+        name
+        for sheet in sheets(part)
+        for annotation in sheet.annotations
+        if isinstance(annotation, Linear | Round | Angular | Callout)
+        for name in annotation.names
+    )
+
+
+@pytest.mark.parametrize("part", MADE)
+def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
+    module = module_of(part)
+    required = getattr(module, "requirements", lambda _: ())(thesis())
+    textures = [f"texture {r.name}" for r in required if isinstance(r, SurfaceTexture)]
+    assert named(part) == Counter([*(d.name for d in module.dimensions(thesis())), *textures])
+
+
+@pytest.mark.parametrize("part", MADE)
+def test_every_parameter_that_shapes_the_part_is_on_its_sheets_once(part: str) -> None:
+    notes: dict[Any, str] = {}
+    module_of(part).build(Reading(thesis(), notes))
+    shape = {".".join(str(step[1]) for step in way) for way in notes} - set(NOT_DIMENSIONS)
+    shown = Counter(
+        dimension.parameter
+        for dimension in module_of(part).dimensions(thesis())
+        for _ in range(named(part)[dimension.name])
+        if dimension.parameter
+    )
+    assert shape <= set(shown)
+    assert set(shown.values()) == {1}
+
+
+@pytest.mark.parametrize("part", MADE)
+def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> None:
+    said = {
+        name: words(annotation)
+        for sheet in sheets(part)
+        for annotation in sheet.annotations
+        if isinstance(annotation, Linear | Round | Angular | Callout)
+        for name in annotation.names
+    }
+    for dimension in module_of(part).dimensions(thesis()):
+        value = number(dimension.value, dimension.tolerance, 0.0)
+        if dimension.kind == "slope":
+            value = f"1:{1 / dimension.value:g}"
+        text = said[dimension.name]
+        assert value in text, (dimension.name, value, text)
+        if dimension.kind != "count":
+            assert dimension.count == 1 or text.startswith(f"{dimension.count}x ")
+
+
+@pytest.mark.parametrize("part", MADE)
+def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: str) -> None:
+    """From the points on the paper back to the part, against a gauge on the solid; and on to the DXF entity."""
+    gauge = Gauge(described(part, thesis()).solid)
+    declared = {dimension.name: dimension for dimension in module_of(part).dimensions(thesis())}
+    for sheet in sheets(part):
+        measured: list[float] = []
+        for annotation in sheet.annotations:
+            if isinstance(annotation, Linear):
+                turn = math.radians(annotation.angle)
+                (u0, v0), (u1, v1) = annotation.first, annotation.second
+                span = abs((u1 - u0) * math.cos(turn) + (v1 - v0) * math.sin(turn))
+            elif isinstance(annotation, Round):
+                span = annotation.radius * (2 if annotation.kind == "diameter" else 1)
+            else:
+                continue
+            (name,) = annotation.names
+            assert span == pytest.approx(gauge.measure(declared[name]), abs=1e-6)
+            measured.append(span)
+        entities = document_of(sheet).modelspace().query("DIMENSION")
+        lengths = [d.get_measurement() for d in entities if d.dxf.dimtype & 7 in (0, 3, 4)]  # type: ignore[attr-defined]
+        assert sorted(lengths) == pytest.approx(sorted(measured), abs=1e-6)
+
+
+@pytest.mark.parametrize("part", MADE)
+def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
+    required = getattr(module_of(part), "requirements", lambda _: ())(thesis())
+    every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
+    letters = [annotation.letter for annotation in every if isinstance(annotation, DatumMark)]
+    assert letters == [r.letter for r in required if isinstance(r, DatumFeature)]
+    frames = sorted((a.characteristic, a.datums) for a in every if isinstance(a, ControlFrame))
+    assert frames == sorted((r.characteristic, r.datums) for r in required if isinstance(r, GeometricTolerance))
+    for frame in every:
+        if isinstance(frame, ControlFrame):
+            values = {r.value for r in required if isinstance(r, GeometricTolerance)}
+            assert float(frame.tolerance.strip("⌀").split()[0]) in values
+
+
+@pytest.mark.parametrize("part", MADE)
+def test_the_sheets_of_the_thesis_are_free_of_hits(part: str) -> None:
+    for sheet in sheets(part):
+        assert [str(hit) for hit in lint(document_of(sheet))] == [], sheet.name
+
+
+def test_a_datum_that_is_an_axis_stands_in_line_with_its_diameter() -> None:
+    (sheet,) = sheets("holder")
+    (mark,) = (a for a in sheet.annotations if isinstance(a, DatumMark))
+    diameter = next(a for a in sheet.annotations if isinstance(a, Linear) and a.names == ("diameter",))
+    assert mark.frame_at[1] == pytest.approx(diameter.line_at[1])
+    assert sheet.view(mark.view).to_paper(mark.at)[1] == pytest.approx(diameter.line_at[1])

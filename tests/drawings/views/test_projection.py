@@ -1,0 +1,205 @@
+"""Hidden lines against rays: what is drawn as seen is seen, and what is drawn as hidden is not."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import cadquery as cq
+import pytest
+
+from drawings.views.projection import hidden_lines, project, with_simple_curves
+from drawings.views.view import PROJECTIONS, Arc, Curve, Point2, Polyline, Projection, Segment
+
+Box = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+
+def solid_of(boxes: list[Box]) -> cq.Shape:
+    pieces = [
+        cq.Solid.makeBox(*(b - a for a, b in zip(low, high, strict=True)), cq.Vector(*low)) for low, high in boxes
+    ]
+    return pieces[0].fuse(*pieces[1:]).clean() if len(pieces) > 1 else pieces[0]
+
+
+def heaps(seed: int) -> list[Box]:
+    """Boxes that reach into one another at random, with no two faces in one plane."""
+    generator = random.Random(seed)
+    boxes = []
+    for _ in range(5):
+        low = [generator.uniform(0, 30) for _ in range(3)]
+        boxes.append((tuple(low), tuple(at + generator.uniform(8, 25) for at in low)))
+    return boxes  # type: ignore[return-value]
+
+
+def covered(boxes: list[Box], projection: Projection, point: Point2) -> list[tuple[float, float]]:
+    """From where to where, towards the eye, the line of sight through a point of the view is in material."""
+    eye = projection.towards_eye
+    start = [u * point[0] + v * point[1] for u, v in zip(projection.right, projection.up, strict=True)]
+    spans = []
+    for low, high in boxes:
+        near, far = -math.inf, math.inf
+        for a, b, at, along in zip(low, high, start, eye, strict=True):
+            if abs(along) < 1e-12:
+                if not a < at < b:
+                    near, far = 1.0, 0.0
+                continue
+            ends = sorted(((a - at) / along, (b - at) / along))
+            near, far = max(near, ends[0]), min(far, ends[1])
+        if far > near:
+            spans.append((near, far))
+    return spans
+
+
+def points_beside(curve: Curve, by: float = 0.02) -> tuple[Point2, Point2]:
+    """A point on either side of the middle of a segment."""
+    assert isinstance(curve, Segment)
+    (x, y), (p, q) = curve.start, curve.end
+    length = math.hypot(p - x, q - y)
+    n = (-(q - y) / length * by, (p - x) / length * by)
+    middle = ((x + p) / 2, (y + q) / 2)
+    return (middle[0] + n[0], middle[1] + n[1]), (middle[0] - n[0], middle[1] - n[1])
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("direction", ["front", "top", "right", "iso"])
+def test_another_face_is_in_front_on_the_other_side_of_a_visible_line(seed: int, direction: str) -> None:
+    boxes, projection = heaps(seed), PROJECTIONS[direction]
+    curves = project(solid_of(boxes).wrapped, projection)
+    assert len(curves["VISIBLE"]) > 3
+    for curve in curves["VISIBLE"]:
+        one, other = (front_face(boxes, projection, point) for point in points_beside(curve))
+        assert one != other
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("direction", ["front", "iso"])
+def test_where_another_face_comes_to_the_front_there_is_a_line(seed: int, direction: str) -> None:
+    boxes, projection = heaps(seed), PROJECTIONS[direction]
+    lines = [c for c in project(solid_of(boxes).wrapped, projection)["VISIBLE"] if isinstance(c, Segment)]
+    step, changes = 0.3, 0
+    for v in (5.03, 11.41, 17.77, 30.19):
+        row = [(-10.0 + step * i, v) for i in range(240)]
+        faces = [front_face(boxes, projection, point) for point in row]
+        for one, other, first, second in zip(faces, faces[1:], row, row[1:]):
+            if one != other:
+                changes += 1
+                assert any(crosses(line, first, second) for line in lines)
+    assert changes > 5
+
+
+def crosses(line: Segment, first: Point2, second: Point2) -> bool:
+    """Whether a segment meets the level stretch between two points, or ends within a hair of it."""
+    (x, y), (p, q) = line.start, line.end
+    if max(y, q) < first[1] - 1e-6 or min(y, q) > first[1] + 1e-6:
+        return False
+    if abs(q - y) < 1e-9:
+        return min(x, p) <= second[0] and max(x, p) >= first[0]
+    at = x + (first[1] - y) / (q - y) * (p - x)
+    return first[0] - 1e-6 <= at <= second[0] + 1e-6
+
+
+def front_face(boxes: list[Box], projection: Projection, point: Point2) -> tuple[int, float] | None:
+    """Axis and place of the face that is nearest to the eye there."""
+    spans = covered(boxes, projection, point)
+    if not spans:
+        return None
+    depth = max(far for _, far in spans)
+    eye = projection.towards_eye
+    place = [
+        u * point[0] + v * point[1] + depth * w for u, v, w in zip(projection.right, projection.up, eye, strict=True)
+    ]
+    for low, high in boxes:
+        for axis in range(3):
+            for plane in (low[axis], high[axis]):
+                inside = all(low[k] - 1e-9 <= place[k] <= high[k] + 1e-9 for k in range(3) if k != axis)
+                if inside and abs(place[axis] - plane) < 1e-9:
+                    return (axis, plane)
+    return None
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_hidden_lines_lie_behind_material(seed: int) -> None:
+    boxes = heaps(seed)
+    curves = project(solid_of(boxes).wrapped, PROJECTIONS["front"])
+    assert curves["HIDDEN"]
+    for curve in curves["HIDDEN"]:
+        assert any(covered(boxes, PROJECTIONS["front"], point) for point in points_beside(curve))
+
+
+def test_a_drilled_plate_has_circles_above_and_dashes_in_front() -> None:
+    plate = cq.Workplane().box(40, 30, 10).faces(">Z").workplane().hole(8).val()
+    assert isinstance(plate, cq.Shape)
+    top = project(plate.wrapped, PROJECTIONS["top"])
+    assert Arc((0.0, 0.0), pytest.approx(4.0)) in [  # type: ignore[arg-type]
+        Arc(curve.centre, curve.radius) for curve in top["VISIBLE"] if isinstance(curve, Arc)
+    ]
+    assert top["HIDDEN"] == ()
+    front = project(plate.wrapped, PROJECTIONS["front"])
+    assert [round(abs(curve.start[0]), 6) for curve in front["HIDDEN"] if isinstance(curve, Segment)] == [4.0, 4.0]
+    assert len(front["VISIBLE"]) == 4
+    assert project(plate.wrapped, PROJECTIONS["front"], hidden=False)["HIDDEN"] == ()
+
+
+def test_smooth_joints_are_not_drawn() -> None:
+    rounded = cq.Workplane().box(40, 30, 10).edges("|Z").fillet(5).val()
+    assert isinstance(rounded, cq.Shape)
+    front = project(rounded.wrapped, PROJECTIONS["front"])
+    assert len(front["VISIBLE"]) == 4
+    assert len(project(rounded.wrapped, PROJECTIONS["top"])["VISIBLE"]) == 8
+
+
+def test_simple_curves_stay_near_the_crossing_of_two_bores() -> None:
+    upright = cq.Solid.makeCylinder(8.0, 60.0, cq.Vector(0, 0, -30))
+    level = cq.Solid.makeCylinder(6.0, 60.0, cq.Vector(-30, 0, 0), cq.Vector(1, 0, 0))
+    block = cq.Workplane().box(40, 40, 40).val().cut(upright, level)  # type: ignore[union-attr]
+    before = block.Volume()
+    simple = with_simple_curves(block.wrapped)
+    assert block.Volume() == before
+    edges = [edge for edge in cq.Shape.cast(simple).Edges() if edge.geomType() == "BSPLINE"]
+    assert edges
+    for edge in edges:
+        for at in range(21):
+            x, y, z = edge.positionAt(at / 20).toTuple()
+            assert math.hypot(x, y) == pytest.approx(8.0, abs=0.01)
+            assert math.hypot(y, z) == pytest.approx(6.0, abs=0.01)
+
+
+def test_splines_that_are_arcs_become_arcs_on_a_crowned_pad() -> None:
+    crown, corner, height = 2000.0, 4.0, 2.0
+    prism = cq.Workplane().box(24, 12, 20).edges("|Z").fillet(corner).val()
+    ball = cq.Workplane("XZ").sphere(crown).val()
+    pad = prism.intersect(ball.moved(cq.Location(cq.Vector(0, 0, crown - height))))  # type: ignore[union-attr]
+    assert isinstance(pad, cq.Shape)
+    count = sum(edge.geomType() == "BSPLINE" for edge in pad.Edges())
+    assert count == 4
+    simple = cq.Shape.cast(with_simple_curves(pad.wrapped))
+    assert not [edge for edge in simple.Edges() if edge.geomType() == "BSPLINE"]
+    feet = [edge for edge in simple.Edges() if max(vertex.Z for vertex in edge.Vertices()) < 0.0]
+    assert len(feet) == 8
+    for edge in feet:
+        for at in range(21):
+            x, y, z = edge.positionAt(at / 20).toTuple()
+            assert math.dist((x, y, z), (0.0, 0.0, crown - height)) == pytest.approx(crown, abs=1e-3)
+            across = math.hypot(max(abs(x) - 8.0, 0.0), max(abs(y) - 2.0, 0.0))
+            assert across == pytest.approx(corner, abs=1e-3)
+
+
+def test_the_mesh_algorithm_shows_the_same_outline() -> None:
+    boxes = heaps(1)
+    exact = project(solid_of(boxes).wrapped, PROJECTIONS["top"])["VISIBLE"]
+    coarse = project(solid_of(boxes).wrapped, PROJECTIONS["top"], exact=False)["VISIBLE"]
+
+    def length(curves: tuple[Curve, ...]) -> float:
+        return sum(math.dist(c.start, c.end) for c in curves if isinstance(c, Segment))
+
+    assert not any(isinstance(curve, Polyline) for curve in exact)
+    assert length(coarse) == pytest.approx(length(exact), rel=1e-3)
+
+
+def test_several_shapes_hide_one_another_and_keep_their_lines() -> None:
+    near = cq.Solid.makeBox(10, 10, 10)
+    behind = cq.Solid.makeBox(4, 4, 4, cq.Vector(3, 20, 3))
+    lines = hidden_lines([near.wrapped, None, behind.wrapped], PROJECTIONS["front"])
+    assert [len(found) for found in lines] == [4, 0, 0]
+    lines = hidden_lines([near.wrapped, behind.wrapped], PROJECTIONS["back"])
+    assert [len(found) for found in lines] == [4, 4]

@@ -1,0 +1,165 @@
+"""Sections and details: what is cut, how it is hatched, what a circle keeps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import Any
+
+import cadquery as cq
+import numpy as np
+import pytest
+
+import drawings.pictures.mesh_section
+from drawings.pictures.mesh_section import cut_piece
+from drawings.pictures.visibility import Scene, moved
+from drawings.views.detail import clipped
+from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines
+from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment
+from stagecad.solids.modelling.frame import Frame
+
+FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
+
+
+def tube() -> cq.Shape:
+    shape = cq.Workplane().circle(20).circle(12).extrude(30).val()
+    assert isinstance(shape, cq.Shape)
+    return shape
+
+
+def test_half_is_left_behind_the_plane() -> None:
+    left = cq.Shape.cast(cut_shape(tube().wrapped, FRONT))
+    assert left.Volume() == pytest.approx(tube().Volume() / 2)
+    assert left.BoundingBox().ymin == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_plane_that_misses_is_an_error() -> None:
+    with pytest.raises(ValueError, match="does not cut"):
+        cut_shape(tube().wrapped, Cut((0.0, 50.0, 0.0), (0.0, -1.0, 0.0), "A"))
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.2])
+def test_hatch_covers_the_cut_faces_and_nothing_else(scale: float) -> None:
+    left = cut_shape(tube().wrapped, FRONT)
+    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], scale)
+    # Lines of pitch p cover an area with its value over p of length; two walls of 8 by 30.
+    length = sum(math.dist(line.start, line.end) for line in lines)
+    assert length * HATCH_PITCH / scale == pytest.approx(2 * 8 * 30, rel=0.02 / scale)
+    for line in lines:
+        for t in (0.02, 0.5, 0.98):
+            x = line.start[0] + t * (line.end[0] - line.start[0])
+            z = line.start[1] + t * (line.end[1] - line.start[1])
+            assert 12.0 <= abs(x) <= 20.0 and 0.0 <= z <= 30.0
+
+
+def test_hatch_leaves_out_holes_and_may_fall() -> None:
+    square = [(0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0)]
+    hole = [(10.0, 10.0), (20.0, 10.0), (20.0, 20.0), (10.0, 20.0)]
+    lines = hatch_lines([square, hole], 0.5)
+    assert sum(math.dist(line.start, line.end) for line in lines) * 0.5 == pytest.approx(800.0, rel=0.01)
+    falling = hatch_lines([square], 3.0, -45.0)
+    assert all(line.end[1] < line.start[1] for line in falling)
+    assert hatch_lines([], 1.0) == ()
+
+
+def test_hatch_ends_where_a_piece_that_is_not_cut_covers_it() -> None:
+    """A square pin in the tube's bore of 12 mm radius and its wall: from -15 to -1 across, from 5 to 25 up."""
+    pin = cq.Workplane().box(14, 14, 20).translate((-8, 0, 15)).val()
+    assert isinstance(pin, cq.Shape)
+    outline = Scene({"pin": pin.wrapped}).in_plane("pin", Frame(), FRONT, PROJECTIONS["front"])
+    left = cut_shape(tube().wrapped, FRONT)
+    lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], 10.0, covers=[outline])
+    length = sum(math.dist(line.start, line.end) for line in lines)
+    # The two walls without the 3 by 20 that the pin covers of one.
+    assert length * HATCH_PITCH / 10.0 == pytest.approx(2 * 8 * 30 - 3 * 20, rel=0.005)
+    for line in lines:
+        for x, z in (line.start, line.end, ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)):
+            assert not (-14.99 < x < -1.0 and 5.01 < z < 24.99)
+
+
+def block() -> cq.Shape:
+    """A block with two bores that the plane cuts along their axes, and a step that lies in the plane."""
+    bored = cq.Workplane().box(60, 40, 30).faces(">Z").workplane().hole(12)
+    bored = bored.faces(">X").workplane().center(0, 4).hole(8, 20)
+    shape = bored.cut(cq.Workplane().box(10, 20, 10).translate((-25, -10, 10))).val()
+    assert isinstance(shape, cq.Shape)
+    return shape
+
+
+def area(faces: Iterable[Any]) -> float:
+    return sum(cq.Shape.cast(face).Area() for face in faces)
+
+
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (5.0, 2.0, 0.0), (0.0, -2.0, 1.0)])
+def test_a_piece_s_cut_leaves_what_a_solid_s_cut_does(shift: tuple[float, float, float]) -> None:
+    scene, frame = Scene({"block": block().wrapped}), Frame(shift=shift)
+    cut, caps = cut_piece(scene, "block", frame, FRONT)
+    solid = cut_shape(moved(block().wrapped, frame), FRONT)
+    assert area(caps) == pytest.approx(area(cut_faces(solid, FRONT)))
+    shown = np.unique(cut.triangles)
+    assert cut.corners[shown][:, 1].min() == pytest.approx(0.0, abs=1e-9)
+    # The faces behind the plane, with those in it, are the surface of the cut solid.
+    behind = [face for number, face in enumerate(cut.faces) if (cut.owners == number).any()]
+    assert area(behind) == pytest.approx(cq.Shape.cast(solid).Area())
+
+
+def test_faces_that_do_not_close_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One cut face too few, and the solid is cut instead."""
+    scene = Scene({"block": block().wrapped})
+    frame = Frame(shift=(5.0, 2.0, 0.0))
+    _, caps = cut_piece(scene, "block", frame, FRONT)
+    whole = drawings.pictures.mesh_section.bounded
+    monkeypatch.setattr("drawings.pictures.mesh_section.bounded", lambda behind, regions: whole(behind, regions)[1:])
+    assert len(caps) > 1
+    _, same = cut_piece(scene, "block", frame, FRONT)
+    assert area(same) == pytest.approx(area(caps))
+
+
+def test_a_piece_beside_the_plane_is_an_error() -> None:
+    with pytest.raises(ValueError, match="does not cut"):
+        cut_piece(Scene({"block": block().wrapped}), "block", Frame(shift=(0.0, 50.0, 0.0)), FRONT)
+
+
+def lengths(curves: tuple[Curve, ...]) -> float:
+    total = 0.0
+    for curve in curves:
+        if isinstance(curve, Segment):
+            total += math.dist(curve.start, curve.end)
+        elif isinstance(curve, Arc):
+            total += curve.radius * math.radians(curve.end_angle - curve.start_angle)
+        else:
+            total += sum(math.dist(a, b) for a, b in pairwise(curve.points))
+    return total
+
+
+@pytest.mark.parametrize(
+    "curve",
+    [
+        Segment((-10.0, 1.0), (10.0, 2.0)),
+        Segment((-1.0, 0.0), (1.0, 0.5)),
+        Segment((-10.0, 8.0), (10.0, 8.0)),
+        Arc((3.0, 0.0), 4.0),
+        Arc((0.0, 0.0), 2.0, 10.0, 100.0),
+        Arc((4.0, 0.0), 3.0, 200.0, 500.0),
+        Arc((0.0, 0.0), 9.0),
+    ],
+)
+def test_a_circle_keeps_what_lies_inside(curve: Curve) -> None:
+    centre, radius = (0.5, 0.3), 5.0
+    if isinstance(curve, Segment):
+        points = [
+            tuple(a + t / 20000 * (b - a) for a, b in zip(curve.start, curve.end, strict=True)) for t in range(20001)
+        ]
+    else:
+        assert isinstance(curve, Arc)
+        turns = [
+            math.radians(curve.start_angle + t / 20000 * (curve.end_angle - curve.start_angle)) for t in range(20001)
+        ]
+        points = [
+            (curve.centre[0] + curve.radius * math.cos(a), curve.centre[1] + curve.radius * math.sin(a)) for a in turns
+        ]
+    inside = sum(math.dist(a, b) for a, b in pairwise(points) if math.dist(a, centre) < radius)
+    assert lengths(clipped([curve], centre, radius)) == pytest.approx(inside, abs=5e-3)
+    as_line = Polyline(tuple(points))  # type: ignore[arg-type]
+    assert lengths(clipped([as_line], centre, radius)) == pytest.approx(inside, abs=5e-3)

@@ -1,0 +1,86 @@
+"""The pass with bristles: against the one in closed form, the generator's, and itself in finer steps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from driven_stage.truth import HEIGHT, SPACING, Truth, motion
+from driven_stage.voltages import MOTIONS
+
+from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
+from sysid.prediction.friction_drive.midpoint import follow
+
+NONE = np.empty(0)
+STEP = 5e-4
+NOISE = 2e-9
+"""m, of a good sensor: what a pass must stay well below."""
+
+
+def _driven(kind: str, truth: Truth, seed: int = 1, rows: int = 2000) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows at rest, the tip's motion, and the stage's by the generator."""
+    time = np.arange(rows) * STEP
+    first, second = MOTIONS[kind](np.random.default_rng(seed), time)
+    rest = np.zeros(rows)
+    stage = motion(truth, STEP, first, second, rest, rest + 1.0, rest)
+    return rest, -HEIGHT / SPACING * truth.gain * (second - first), stage
+
+
+@pytest.mark.parametrize("kind", ["sawtooth", "there_and_back"])
+def test_slips_of_a_bristled_tip_on_rigid_pads_add_up_to_where_the_generator_has_them(kind):
+    """Pads that gave way by a nanometre before they slide, an eightieth of the contact, left fifty times the noise."""
+    truth = Truth(mass=3.9, stiffness=1.4e7, damping=730.0, pads=1.1, slip=3.5, contact_presliding=6.8e-7)
+    rest, tip, stage = _driven(kind, truth)
+    reach = 0.15 * 1.6 ** np.arange(6) * truth.contact_presliding
+    followed = follow(
+        tip, rest, rest + truth.slip, reach, np.ones(6) / 6, truth.stiffness, truth.damping, rest + truth.pads, NONE,
+        NONE, truth.mass, STEP,
+    )  # fmt: skip
+    assert np.ptp(stage) > 1000 * NOISE
+    assert np.std(followed - stage) < 1.0 * NOISE
+
+
+@pytest.mark.parametrize("slip", [np.inf, 3.5])
+def test_without_bristles_it_is_the_pass_in_closed_form(slip):
+    truth = Truth(pads=1.3, stiffness=8e6, damping=300.0, mass=2.5)
+    rest, tip, _ = _driven("sawtooth", truth)
+    level, pads = rest + slip, rest + truth.pads
+    exact = follow_exactly(tip, rest, rest + 1.0, level, truth.stiffness, truth.damping, pads, truth.mass, STEP)
+    followed = [
+        follow(
+            tip, rest, level, NONE, NONE, truth.stiffness, truth.damping, pads, NONE, NONE, truth.mass, STEP, finer
+        )
+        for finer in (1, 4)
+    ]  # fmt: skip
+    errors = [float(np.std(x - exact)) for x in followed]
+    assert errors[0] < 2.0 * NOISE
+    # Second order, but for the moments of events.
+    assert errors[1] < 0.2 * errors[0]
+
+
+def test_bristles_of_the_pads_are_the_generator_s():
+    truth = Truth(pads=1.3, stiffness=8e6, damping=300.0, mass=2.5, presliding=5e-7)
+    rest, tip, stage = _driven("lean", truth)
+    reach = 0.15 * 1.6 ** np.arange(6) * truth.presliding
+    followed = follow(
+        tip, rest, rest + np.inf, NONE, NONE, truth.stiffness, truth.damping, rest + truth.pads, reach, np.ones(6) / 6,
+        truth.mass, STEP,
+    )  # fmt: skip
+    assert np.std(followed - stage) < 0.2 * NOISE
+
+
+@pytest.mark.parametrize("step", [0.05, 50.0])
+def test_rows_far_apart_show_a_stage_that_lags_by_its_bristles_alone(step):
+    """Quasi-static: contact and bristles are two springs, one behind the other, until all bristles slip."""
+    stiffness, pads, stretch = 6e6, 1.2, 4e-7
+    time = np.arange(400) * step
+    tip = 3e-6 * np.sin(2.0 * np.pi * time / (100.0 * step))
+    rest = np.zeros(tip.size)
+    stage = follow(
+        tip, rest, rest + np.inf, NONE, NONE, stiffness, 300.0, rest + pads, np.array([stretch]), np.ones(1), 2.0, step
+    )
+    expected, bent = np.zeros(tip.size), 0.0
+    both = pads / stiffness + stretch
+    for k in range(1, tip.size):
+        bent = min(max(bent + tip[k] - tip[k - 1], -both), both)
+        expected[k] = tip[k] - bent * pads / stiffness / both
+    assert np.abs(stage - expected).max() < 3e-3 * np.ptp(tip)

@@ -1,0 +1,97 @@
+"""A stage that moves in the plane: against the pass along one axis, and on records of a rig in code of its own."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.estimation.misfit import misfit
+from sysid.estimation.reference_fit import fit_case
+from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
+from sysid.prediction.friction_drive.planar import follow_plane
+from sysid.prediction.problem import load_case
+
+STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5
+
+
+@pytest.mark.parametrize("slip", [math.inf, 4.0])
+def test_in_a_plane_without_a_guide_no_direction_is_special(slip):
+    """Along any line the motion is that of one axis."""
+    step = 5e-4
+    time = np.arange(2000) * step
+    teeth = 5e-6 * np.interp(time % 0.1, [0.0, 0.096, 0.1], [0.0, 1.0, 0.0])
+    waves = 5e-6 * np.sin(2 * np.pi * 7.0 * time) * np.minimum(time / 0.1, 1.0)
+    tip = waves if slip == math.inf else teeth
+    one, rest = np.ones(time.size), np.zeros(time.size)
+    level, pads = np.full(time.size, slip), np.full(time.size, PADS)
+    line = follow_exactly(
+        tip, rest, one, level, STIFFNESS, DAMPING, pads, MASS, step
+    )  # fmt: skip
+    along, across = follow_plane(
+        0.6 * tip, 0.8 * tip, rest, one, level, STIFFNESS, DAMPING, pads, 0.0, 0.0, MASS, step,
+        finer=4,
+    )  # fmt: skip
+    assert np.abs(along - 0.6 * line).max() < 1e-3 * np.ptp(line)
+    assert np.abs(across - 0.8 * line).max() < 1e-3 * np.ptp(line)
+
+
+SPACING, HEIGHT, GAIN, GUIDE, TURN, NOISE = 0.046, 0.02, 1.1e-7, 4e5, 0.04, 2e-9
+
+
+def _records(folder: Path) -> None:
+    """Plain Euler steps; the tip goes where three stacks lean it, teeth pull back across, sensors stand turned."""
+    sample, fine = 5e-4, 1e-5
+    per = round(sample / fine)
+    for role, seed in (("fit", 3), ("validate", 4)):
+        random = np.random.default_rng(seed)
+        time = np.arange(2000) * sample
+        volts = []
+        for _ in range(3):
+            waves = sum(
+                random.uniform(8.0, 16.0) * np.sin(2 * np.pi * f * time + random.uniform(0, 6)) for f in (2.3, 5.1, 9.7)
+            )
+            volts.append((waves - waves[0]) * np.minimum(time / 0.1, 1.0))
+        ticks = np.arange((time.size - 1) * per + 1) * fine
+        one, two, three = (GAIN * np.interp(ticks, time, v) for v in volts)
+        tip_x = (-HEIGHT / SPACING * (two - one)).tolist()
+        tip_y = (-HEIGHT * (three - 0.5 * (one + two)) / (SPACING * math.sqrt(3.0) / 2.0)).tolist()
+        x = y = vx = vy = 0.0
+        moved = []
+        for k in range(ticks.size):
+            before = max(k - 1, 0)
+            fx = STIFFNESS * (tip_x[k] - x) + DAMPING * ((tip_x[k] - tip_x[before]) / fine - vx)
+            fy = STIFFNESS * (tip_y[k] - y) + DAMPING * ((tip_y[k] - tip_y[before]) / fine - vy) - GUIDE * y
+            vx, vy = vx + fx / MASS * fine, vy + fy / MASS * fine
+            speed = math.hypot(vx, vy)
+            kept = max(speed - PADS / MASS * fine, 0.0) / speed if speed > 0.0 else 0.0
+            vx, vy = kept * vx, kept * vy
+            x, y = x + vx * fine, y + vy * fine
+            if k % per == 0:
+                moved.append((math.cos(TURN) * x - math.sin(TURN) * y, math.sin(TURN) * x + math.cos(TURN) * y))
+        seen = np.array(moved) + NOISE * random.standard_normal((time.size, 2))
+        header = "time [s],voltage_1 [V],voltage_2 [V],voltage_3 [V],position [m],position_y [m]"
+        table = np.column_stack([time, *[75.0 + v for v in volts], seen])
+        np.savetxt(folder / f"{role}.csv", table, delimiter=",", header=header, comments="", fmt="%.10g")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n\n[rig]\nkind = "friction-drive"\n\n[rig.known]\n'
+        f'mass = "{MASS} kg"\npiezo_spacing = "{SPACING} m"\ntip_height = "{HEIGHT} m"\nbias_voltage = "75 V"\n\n'
+        '[model]\neffects = ["coulomb"]\n\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n\n[[record]]\n'
+        f'file = "validate.csv"\nrole = "validate"\n\n[noise]\nposition = "{NOISE} m"\nposition_y = "{NOISE} m"\n'
+    )
+
+
+def test_motion_along_and_across_is_predicted_down_to_the_noise(tmp_path):
+    _records(tmp_path)
+    case = load_case(tmp_path)
+    values = (base := fit_case(case)).fitted.model.values
+    left = misfit(base.fitted.model, case.validate_records)
+    assert left["position"].over_noise < 1.1
+    assert left["position_y"].over_noise < 1.1
+    assert values["rig.turn"] == pytest.approx(TURN, abs=2e-4)
+    assert values["rig.gain"] == pytest.approx(GAIN, rel=1e-3)
+    # What is known is the mass: inertia tells every force, that of guide and pads too.
+    assert values["rig.guide_stiffness"] == pytest.approx(GUIDE, rel=0.03)
+    assert values["coulomb.force"] == pytest.approx(PADS, rel=0.03)

@@ -1,0 +1,37 @@
+"""A fit held to the measured motion finds its way from where a fit of a stage on its own does not."""
+
+from __future__ import annotations
+
+import pytest
+from driven_stage import write_case
+
+from sim.library.catalogue import find
+from sysid.estimation.base_fit import fit_model
+from sysid.estimation.misfit import misfit
+from sysid.estimation.synchronised_fit import led
+from sysid.prediction.model import with_effect
+from sysid.prediction.problem import load_case
+
+LAW = "stribeck:rational"
+
+
+def test_a_stage_that_rings_on_its_pads_is_found_from_afar(tmp_path):
+    truth = write_case(tmp_path, "stribeck", "lean", 1, 2000)
+    case = load_case(tmp_path)
+    model = with_effect(case.start, find(LAW), case.scales)
+    far = model.at(
+        {
+            "rig.gain": truth["gain"],
+            "rig.contact_stiffness": 1.4 * truth["stiffness"],
+            "rig.contact_damping": truth["damping"],
+            "coulomb.force": truth["pads"],
+            f"{LAW}.force": 0.8 * truth["stribeck"],
+            f"{LAW}.velocity": 0.5 * truth["stribeck_velocity"],
+        }
+    )
+    on_its_own = fit_model(far, case.fit_records)
+    (nearer,) = led([far], case.fit_records, None, 15)
+    after = fit_model(nearer, case.fit_records)
+    assert misfit(after.model, case.fit_records)["position"].over_noise < 1.2
+    assert misfit(on_its_own.model, case.fit_records)["position"].over_noise > 3.0
+    assert after.model.values[f"{LAW}.velocity"] == pytest.approx(truth["stribeck_velocity"], rel=0.05)

@@ -1,0 +1,53 @@
+"""A law that an effect was added with stays in the model where every fit begun anew with another law ends worse."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from driven_stage import write_case
+
+from sim.library.catalogue import find
+from sysid.estimation import reference_fit
+from sysid.estimation.base_fit import fit_model
+from sysid.estimation.reference_fit import best_laws
+from sysid.estimation.starting_points import without_law
+from sysid.prediction.model import with_effect
+from sysid.prediction.problem import load_case
+
+ADDED = "stribeck:rational"
+
+
+@pytest.fixture
+def grown(tmp_path):
+    write_case(tmp_path, "stribeck", "lean", 1, 300)
+    case = load_case(tmp_path)
+    return case, fit_model(with_effect(case.start, find(ADDED), case.scales), case.fit_records, iterations=1)
+
+
+def _ending_at(part):
+    """A search whose fits end at a part of the cost of the fit they are handed first."""
+    costs = []
+
+    def searched(fitted, effect, records, scales):
+        costs.append(fitted.fit.cost)
+        model = with_effect(without_law(fitted.model, effect.name), effect, scales)
+        return replace(fitted, model=model, fit=replace(fitted.fit, cost=part * costs[0]))
+
+    return searched
+
+
+def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
+    case, fitted = grown
+    monkeypatch.setattr(reference_fit, "searched", _ending_at(20.0))
+    kept, laws = best_laws(case, fitted, ["stribeck"])
+    assert kept is fitted
+    assert laws == (ADDED,)
+
+
+def test_it_goes_where_the_family_itself_ends_better(grown, monkeypatch):
+    case, fitted = grown
+    monkeypatch.setattr(reference_fit, "searched", _ending_at(0.1))
+    other, laws = best_laws(case, fitted, ["stribeck"])
+    assert "stribeck" in [effect.name for effect in other.model.effects]
+    assert laws == ()

@@ -1,0 +1,170 @@
+"""Effects of drive, structure, memory and sensors in a simulation, against closed solutions; draws of parameters."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sim import compose, simulate
+from sim.integration import drive, kernels
+from sim.integration.draws import simulate_draws
+from sim.integration.sensing import measured
+from sim.integration.simulate import SimulationError
+from sim.library.catalogue import library
+from stagecad.parameters.errors import InputError
+
+PUSH = drive.force([0.0, 0.1, 0.3, 0.4, 0.8], [0.0, 3.0, 3.0, -3.0, -3.0])
+TIME = np.linspace(0.0, 0.8, 401)
+
+
+def test_a_lagged_drive_charges_up_exponentially():
+    step = drive.held_force([0.0, 0.01], [0.0, 2.0])
+    time = np.linspace(0.0, 0.2, 201)
+    run = simulate(compose(["drive_lag"], {"drive_lag.time_constant": 0.03}), step, time, tolerance=1e-11)
+    late = np.clip(time - 0.01, 0.0, None)
+    assert np.abs(run.drive - 2.0 * -np.expm1(-late / 0.03)).max() < 1e-9
+    # Unit mass: v' = drive.
+    assert np.abs(run.velocity - 2.0 * (late + 0.03 * np.expm1(-late / 0.03))).max() < 1e-9
+
+
+def test_a_delayed_drive_does_the_same_later():
+    late = simulate(compose(["lugre", "drive_delay"], {"drive_delay.delay": 0.05}), PUSH, TIME, tolerance=1e-10)
+    now = simulate(compose(["lugre"]), PUSH, TIME, tolerance=1e-10)
+    shift = round(0.05 / (TIME[1] - TIME[0]))
+    assert np.abs(late.position[shift:] - now.position[:-shift]).max() < 1e-9
+    assert np.all(late.position[:shift] == 0.0)
+
+
+def test_no_force_passes_through_a_play_until_it_is_crossed():
+    gap, stiffness = 1e-3, 500.0
+    pull = drive.pulled_spring([0.0, 1.0, 2.0], [0.0, 0.01, 0.0], stiffness)
+    time = np.linspace(0.0, 2.0, 2001)
+    run = simulate(compose(["viscous", "backlash"], {"backlash.gap": gap, "viscous.coefficient": 50.0}), pull, time,
+                   tolerance=1e-10)  # fmt: skip
+    end = np.interp(time, [0.0, 1.0, 2.0], [0.0, 0.01, 0.0])
+    stretch = end - run.position
+    expected = stiffness * (stretch - np.clip(stretch, -gap / 2.0, gap / 2.0))
+    assert np.abs(run.drive - expected).max() < 1e-9 * stiffness
+    crossing = (np.abs(stretch) < gap / 2.0) & (time > 1.0)
+    assert crossing.sum() > 50
+    assert np.all(run.drive[crossing] == 0.0)
+    tight = simulate(compose(["viscous", "backlash"], {"backlash.gap": gap, "viscous.coefficient": 50.0}), pull, time,
+                     tolerance=1e-12)  # fmt: skip
+    assert np.abs(run.position - tight.position).max() < 1e-9
+
+
+def test_a_rider_rings_at_the_frequency_of_the_loosened_pair():
+    """Free pair of masses m1, m2 on a spring k: w = sqrt(k (1/m1 + 1/m2)); with k = m2 w0^2, w0 sqrt(1 + m2/m1)."""
+    ratio, frequency = 0.3, 40.0
+    known = {"flexible_mode.frequency": frequency, "flexible_mode.damping": 1e-3, "flexible_mode.mass_ratio": ratio}
+    kick = drive.force([0.0, 1e-3, 1.1e-3], [5.0, 5.0, 0.0])
+    time = np.linspace(0.0, 0.5, 5001)
+    run = simulate(compose(["flexible_mode"], known), kick, time, mass=2.0, tolerance=1e-11)
+    free = run.velocity[time > 2e-3] - np.polyval(np.polyfit(time, run.velocity, 1), time[time > 2e-3])
+    signs = np.flatnonzero(np.diff(np.sign(free)) != 0)
+    found = (signs.size - 1) / 2.0 / (time[signs[-1]] - time[signs[0]])
+    assert found == pytest.approx(frequency * math.sqrt(1.0 + ratio / (1.0 - ratio)), rel=5e-3)
+    # A slow push moves the whole mass.
+    slow = simulate(compose(["flexible_mode"], known), drive.force([0.0, 1.0], [0.0, 2.0]), np.linspace(0.0, 1.0, 11),
+                    mass=2.0, tolerance=1e-10)  # fmt: skip
+    assert slow.position[-1] == pytest.approx(2.0 / 6.0 / 2.0, rel=1e-3)
+
+
+def test_friction_that_lags_follows_the_speed_of_a_while_ago():
+    delay = 0.02
+    model = compose(["lugre", "stribeck", "frictional_lag"],
+                    {"frictional_lag.delay": delay, "stribeck.velocity": 0.02})  # fmt: skip
+    motion = drive.sinusoidal_velocity(0.05, 12.0, 0.1)
+    time = np.linspace(0.0, 1.0, 1001)
+    run = simulate(model, motion, time, tolerance=1e-10)
+    speed = np.abs(0.1 + 0.05 * np.sin(12.0 * np.clip(time - delay, 0.0, None)))
+    assert np.abs(run.level - (1.0 + 0.5 * np.exp(-((speed / 0.02) ** 2)))).max() < 1e-8
+
+
+def test_a_bristle_of_its_own_damps_until_it_slides():
+    model = compose(["bristle_damping"], {"bristle_damping.damping": 30.0, "bristle_damping.stretch": 1e-5})
+    motion = drive.sinusoidal_velocity(0.0, 0.0, 1e-3)
+    time = np.linspace(0.0, 0.1, 1001)
+    run = simulate(model, motion, time, tolerance=1e-10)
+    stretched = 1e-3 * time / 1e-5
+    assert np.all(np.abs(run.friction[stretched < 0.4] / (30.0 * 1e-3) - 1.0) < 1e-3)
+    assert np.all(np.abs(run.friction[stretched > 2.0]) < 1e-5)
+
+
+@pytest.mark.parametrize(
+    ("names", "values"),
+    [
+        (["lugre_causal", "stribeck", "viscous", "bristle_damping"], {}),
+        (["maxwell_slip", "flexible_mode", "viscous"], {}),
+        (["lugre_causal", "dwell_strengthening", "run_in", "cable_spring", "magnetic_cogging"], {}),
+        (["coulomb", "drive_lag", "quadratic_drag", "gravity_torque"], {}),
+        (["lugre_undamped", "frictional_lag", "stribeck"], {}),
+    ],
+    ids=lambda x: "-".join(x) if isinstance(x, list) else "",
+)
+def test_energy_balances_to_a_millionth_of_the_work(names, values):
+    run = simulate(compose(names, values), PUSH, TIME, tolerance=1e-10, energy=True)
+    left = run.drive_work - run.core_work - run.other_work - run.kinetic
+    work = max(np.abs(run.drive_work).max(), np.abs(run.core_work).max())
+    assert np.abs(left).max() <= 1e-6 * work
+
+
+def test_a_sensor_reports_what_its_effects_make_of_the_motion():
+    model = compose(["lugre", "sensor_quantisation@position", "sensor_delay@velocity"],
+                    {"sensor_quantisation@position.step": 1e-4, "sensor_delay@velocity.delay": 0.01})  # fmt: skip
+    run = simulate(model, PUSH, TIME)
+    steps = measured(run, model, "position") / 1e-4
+    assert np.abs(steps - np.round(steps)).max() < 1e-9
+    assert np.abs(measured(run, model, "position") - run.position).max() <= 0.5e-4 * (1.0 + 1e-9)
+    assert np.allclose(measured(run, model, "velocity")[5:], run.velocity[:-5], atol=1e-12)
+    assert np.array_equal(measured(run, model, "drive_force"), run.drive)
+    with pytest.raises(InputError, match="no simulated channel 'positon'; did you mean 'position'"):
+        measured(run, model, "positon")
+    with pytest.raises(InputError, match="need instants that are evenly spaced"):
+        measured(simulate(model, PUSH, np.array([0.0, 0.1, 0.3])), model)
+
+
+def test_what_the_drive_cannot_do_says_so():
+    imposed = drive.sinusoidal_velocity(0.0, 0.0, 0.1)
+    with pytest.raises(InputError, match="'drive_lag' acts on a drive, and here the motion itself is imposed"):
+        simulate(compose(["lugre", "drive_lag"]), imposed, TIME)
+    heavy = compose(["flexible_mode"], {"flexible_mode.mass_ratio": 1.2})
+    with pytest.raises(InputError, match=r"1\.2 of the mass rides on modes; must be below 1"):
+        simulate(heavy, PUSH, TIME)
+
+
+EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
+IN_TIME = [law for law in EVERY if law.acts_on != "piezo" and kernels.unsupported(law) is None]
+
+
+@pytest.mark.parametrize("effect", IN_TIME, ids=lambda effect: effect.name)
+def test_every_effect_of_an_axis_can_be_simulated_and_does_no_work_of_its_own_at_rest(effect):
+    names = [effect.name] if effect.core is not None else ["lugre", effect.name]
+    pull = drive.pulled_spring([0.0, 0.2], [0.0, 0.0], 10.0)
+    run = simulate(compose(names), pull, np.linspace(0.0, 0.2, 21), load=1.0, temperature=20.0)
+    if effect.name == "constant_bias":
+        assert np.abs(run.velocity).max() < 0.1  # a bias pushes; the bristles hold it
+    else:
+        assert np.abs(run.position).max() < 1e-12
+
+
+def test_draws_are_those_of_single_simulations_and_failures_are_named():
+    values = {"viscous.coefficient": np.array([0.2, 0.4, math.nan, 0.8])}
+    found = simulate_draws(["lugre", "viscous"], values, PUSH, TIME, workers=2)
+    for k in (0, 1, 3):
+        model = compose(["lugre", "viscous"], {"viscous.coefficient": float(values["viscous.coefficient"][k])})
+        assert np.array_equal(found.position[k], simulate(model, PUSH, TIME, forces=False).position)
+    assert list(found.failures) == [2]
+    assert "not finite" in found.failures[2]
+    assert np.all(np.isnan(found.position[2]))
+    with pytest.raises(InputError, match="one array of values for each parameter, all of one length"):
+        simulate_draws(["lugre"], {"lugre.force": np.ones(2), "lugre.stiffness": np.ones(3)}, PUSH, TIME)
+
+
+def test_a_law_that_is_not_finite_is_never_a_silent_answer():
+    with pytest.raises(SimulationError, match="not finite"):
+        simulate(compose(["lugre", "viscous"], {"viscous.coefficient": math.nan}), PUSH, TIME)
+    with pytest.raises(SimulationError, match="too many steps"):
+        simulate(compose(["lugre", "frictional_lag"], {"frictional_lag.delay": 1e-7}), PUSH, TIME, most_steps=1000)

@@ -1,0 +1,233 @@
+"""The integrator against closed solutions: order, tolerance, corners, jumps, failures; and the cache of kernels."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from sim.integration import drive, kernels
+from sim.integration.drive import Drive
+from sim.integration.simulate import SimulationError, simulate
+from sim.library.catalogue import find
+from sim.library.model import compose
+from stagecad.parameters.errors import InputError
+
+NO_FORCE = drive.force([0.0, 1.0], [0.0, 0.0])
+
+
+def damped_oscillation(time, stiffness=50.0, drag=0.4):
+    """From x = 1 at rest, unit mass."""
+    decay = drag / 2.0
+    w = math.sqrt(stiffness - decay**2)
+    return np.exp(-decay * time) * (np.cos(w * time) + decay / w * np.sin(w * time))
+
+
+def test_the_error_follows_the_tolerance_at_order_five():
+    model = compose(["viscous", "cable_spring"], {"cable_spring.stiffness": 50.0})
+    time = np.linspace(0.0, 5.0, 501)
+    errors, steps = [], []
+    for tolerance in (1e-6, 1e-8, 1e-10, 1e-12):
+        run = simulate(model, NO_FORCE, time, position=1.0, tolerance=tolerance)
+        errors.append(np.abs(run.position - damped_oscillation(time)).max())
+        steps.append(run.steps)
+        assert errors[-1] < 30.0 * tolerance
+    # A hundredth of the tolerance takes 100^(1/5) = 2.5 times the steps.
+    assert steps[3] / steps[1] == pytest.approx(100.0 ** (2.0 / 5.0), rel=0.2)
+
+
+def test_dense_output_is_as_good_as_the_steps():
+    model = compose(["cable_spring"], {"cable_spring.stiffness": 50.0})
+    fine = np.linspace(0.0, 2.0, 20_001)
+    run = simulate(model, NO_FORCE, fine, position=1.0, tolerance=1e-9)
+    assert run.steps < 600
+    assert np.abs(run.position - np.cos(math.sqrt(50.0) * fine)).max() < 5e-8
+
+
+def test_a_corner_and_a_jump_of_the_drive_cost_no_accuracy():
+    # Unit mass, viscous 0.4: v' = u - 0.4 v, solved piece by piece.
+    pushes = drive.held_force([0.0, 0.37, 0.71], [1.0, -2.0, 0.0])
+    time = np.array([0.0, 0.37, 0.71, 1.3])
+    run = simulate(compose(["viscous"]), pushes, time, tolerance=1e-10)
+    v = 0.0
+    for begin, end, push, found in zip(time, time[1:], [1.0, -2.0, 0.0], run.velocity[1:]):
+        v = push / 0.4 + (v - push / 0.4) * math.exp(-0.4 * (end - begin))
+        assert found == pytest.approx(v, abs=1e-10)
+
+
+def test_sliding_to_rest_under_coulomb_friction_stops_where_it_should():
+    run = simulate(compose(["coulomb"]), NO_FORCE, np.linspace(0.0, 1.0, 101), velocity=0.5)
+    assert run.position[-1] == pytest.approx(0.5**2 / 2.0, abs=2e-6)  # but for the bristle's own 1e-8 m and 1e-4 s
+    assert abs(run.velocity[-1]) < 1e-9
+
+
+@pytest.mark.parametrize("core", ["lugre", "lugre_undamped", "lugre_causal", "dahl", "coulomb"])
+def test_a_loose_tolerance_stays_near_a_tight_one_through_reversals(core):
+    model = compose([core, "stribeck", "viscous"])
+    push = drive.force([0.0, 0.2, 0.4, 0.6], [0.0, 2.5, -2.5, 0.0])
+    time = np.linspace(0.0, 0.6, 61)
+    exact = simulate(model, push, time, tolerance=1e-13)
+    for tolerance in (1e-6, 1e-8, 1e-10):
+        run = simulate(model, push, time, tolerance=tolerance)
+        assert np.abs(run.position - exact.position).max() < 100.0 * tolerance * 1e-1 + 1e-13
+
+
+def test_a_wave_of_force_is_followed():
+    # x'' + 50 x = cos(3 t): steady part cos(3t)/41 started on it.
+    wave = Drive(np.zeros(1), np.zeros(1), np.zeros(1), wave=(1.0, 3.0, 0.0), stiffness=50.0)
+    time = np.linspace(0.0, 4.0, 41)
+    run = simulate(compose([]), wave, time, position=1.0 / 41.0, tolerance=1e-11)
+    assert np.abs(run.position - np.cos(3.0 * time) / 41.0).max() < 1e-10
+
+
+def test_travel_and_contact_age_are_carried():
+    # run_in: the factor falls with the distance travelled; steady sliding has a closed form.
+    model = compose(["coulomb", "run_in"], {"run_in.excess": 0.5, "run_in.distance": 0.1})
+    time = np.linspace(0.0, 1.0, 11)
+    run = simulate(model, drive.sinusoidal_velocity(0.0, 0.0, 0.2), time, tolerance=1e-10)
+    assert np.allclose(run.level, 1.0 + 0.5 * np.exp(-0.2 * time / 0.1), rtol=1e-9)
+
+
+def test_static_friction_that_rises_with_dwell_delays_the_slip():
+    """A mass pulled from rest after a wait: it slips once the pull exceeds the level that the age has built up."""
+    names = ["coulomb", "dwell_strengthening"]
+    values = {"dwell_strengthening.force": 0.1, "dwell_strengthening.cut_off": 0.05}
+    slips = []
+    for wait in (0.1, 10.0):
+        push = drive.force([0.0, wait, wait + 4.0], [0.0, 0.0, 4.0])
+        time = np.linspace(0.0, wait + 4.0, 8001)
+        run = simulate(compose(names, values), push, time)
+        begin = np.argmax(run.position > 1e-7)  # ten stretches of the Coulomb bristle, a hundredth of the memory length
+        slips.append(float(run.drive[begin]))
+        age = time[begin]
+        assert slips[-1] == pytest.approx(1.0 + 0.1 * math.log1p(age / 0.05), rel=0.02)
+    assert slips[1] > slips[0] + 0.1
+
+
+def test_more_effects_than_one_of_each_kind_meet_in_level_and_force():
+    names = ["lugre", "stribeck", "viscous", "quadratic_drag", "cable_spring", "magnetic_cogging", "constant_bias"]
+    names += ["position_dependent_friction", "load_dependent_friction", "temperature_dependent_friction"]
+    model = compose(names, {"temperature_dependent_friction.reference": 20.0})
+    time = np.linspace(0.0, 0.5, 11)
+    exact = simulate(model, drive.force([0.0, 0.5], [0.0, 6.0]), time, load=1.5, temperature=22.0, tolerance=1e-13)
+    run = simulate(model, drive.force([0.0, 0.5], [0.0, 6.0]), time, load=1.5, temperature=22.0, tolerance=1e-9)
+    assert np.abs(run.position - exact.position).max() < 1e-9
+    # The order holds only with every slope in the Jacobian.
+    finer = simulate(model, drive.force([0.0, 0.5], [0.0, 6.0]), time, load=1.5, temperature=22.0, tolerance=1e-11)
+    assert finer.steps / run.steps < 1.2 * 100.0**0.2
+
+
+def test_a_load_not_given_is_no_silent_zero():
+    with pytest.raises(SimulationError, match="not finite"):
+        simulate(compose(["coulomb", "load_dependent_friction"]), drive.force([0, 1], [0, 2]), np.linspace(0, 1, 5))
+
+
+@pytest.mark.parametrize(
+    ("effect", "message"),
+    [
+        ("piezo_creep", "'piezo_creep' acts on the signal of a piezo, which one axis does not have"),
+        ("backlash", "'backlash' needs a drive that pulls a spring"),
+    ],
+)
+def test_an_effect_that_cannot_be_integrated_says_so(effect, message):
+    with pytest.raises(InputError, match=message):
+        simulate(compose(["coulomb", effect]), NO_FORCE, np.linspace(0.0, 1.0, 3))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"mass": 0.0}, "mass = 0 kg; must be positive"),
+        ({"mass": math.nan}, "must be positive"),
+        ({"tolerance": 1e-20}, "tolerance = 1e-20; must lie between"),
+    ],
+)
+def test_an_argument_out_of_range_says_so(arguments, message):
+    with pytest.raises(InputError, match=message):
+        simulate(compose(["viscous"]), NO_FORCE, np.linspace(0.0, 1.0, 3), **arguments)
+    with pytest.raises(InputError, match="increase strictly"):
+        simulate(compose(["viscous"]), NO_FORCE, np.array([0.0, 1.0, 1.0]))
+
+
+def test_too_many_steps_is_a_failure_with_its_place():
+    with pytest.raises(SimulationError, match=r"stopped at t = .* velocity .*: too many steps"):
+        simulate(compose(["lugre"]), drive.force([0, 1], [0, 2]), np.linspace(0, 1, 5), most_steps=20)
+
+
+def test_a_law_called_back_in_python_gives_what_the_compiled_one_gives():
+    from dataclasses import replace
+
+    slow = replace(find("stribeck"), name="my_stribeck", level=lambda a, p: find("stribeck").level(a, p), slopes={})
+    assert kernels.effect_kernel(find("stribeck")).compiled
+    assert not kernels.effect_kernel(slow).compiled
+    time = np.linspace(0.0, 1.0, 21)
+    push = drive.force([0.0, 1.0], [0.0, 2.5])
+    fast = simulate(compose(["lugre", "stribeck"]), push, time)
+    same = simulate(compose(["lugre", slow]), push, time)
+    assert np.allclose(same.position, fast.position, rtol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "name", ["viscous", "stribeck", "quadratic_drag", "position_dependent_friction", "gravity_torque"]
+)
+def test_built_in_laws_compile(name):
+    assert kernels.effect_kernel(find(name)).compiled
+
+
+def test_the_cache_is_keyed_by_the_source_of_the_law(tmp_path, monkeypatch):
+    """A law edited in its own file must not leave old machine code in use."""
+    package = tmp_path / "laws.py"
+    run = (
+        "import numpy as np, laws; from sim.numerics.compilation import compile_function;"
+        "from numba import njit; f = compile_function(njit(laws.outer).py_func, [laws.__file__]); print(f(2.0))"
+    )
+    answers = []
+    for factor in (3.0, 5.0):
+        package.write_text(f"def outer(x):\n    return x * {factor}\n")
+        # The same time stamp and size: numba's own key would not see the edit.
+        import os
+
+        os.utime(package, (1e9, 1e9))
+        path = os.pathsep.join([str(tmp_path), os.getcwd()])
+        environment = {**os.environ, "PYTHONPATH": path, "STAGECAD_CACHE": str(tmp_path / "cache")}
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"
+        found = subprocess.run([sys.executable, "-c", run], env=environment, capture_output=True, text=True, check=True)
+        answers.append(float(found.stdout))
+    assert answers == [6.0, 10.0]
+    assert list((tmp_path / "cache").rglob("*.nbi"))
+
+
+def test_kernels_long_unused_are_removed_when_new_ones_are_made(tmp_path, monkeypatch):
+    import os
+
+    from sim.numerics import compilation
+
+    monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path))
+    compilation.cache_folder.cache_clear()
+    try:
+        root = compilation.cache_folder()
+        for name, age in (("old", 400), ("recent", 1)):
+            (root / name).mkdir()
+            stamp = (root / name).stat().st_mtime - 86400.0 * age
+            os.utime(root / name, (stamp, stamp))
+        kept = compilation.key_folder([__file__])
+        assert sorted(folder.name for folder in root.iterdir()) == sorted([kept.name, "recent"])
+    finally:
+        compilation.cache_folder.cache_clear()
+
+
+def test_the_cache_falls_back_where_it_cannot_be_written(tmp_path, monkeypatch):
+    from sim.numerics import compilation
+
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    monkeypatch.setenv("STAGECAD_CACHE", str(blocked))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "other"))
+    compilation.cache_folder.cache_clear()
+    try:
+        assert compilation.cache_folder() == tmp_path / "other" / "stagecad" / "kernels"
+    finally:
+        compilation.cache_folder.cache_clear()

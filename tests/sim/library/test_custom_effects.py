@@ -1,0 +1,150 @@
+"""A user's own effect: it works in under 20 lines, and each mistake in it has one clear line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sim.integration import drive
+from sim.integration.simulate import SimulationError, simulate
+from sim.library.catalogue import find, library
+from sim.library.custom import load_all_custom, load_custom
+from sim.library.model import compose
+from stagecad.parameters.errors import InputError
+
+CUBIC = '''\
+"""A spring that stiffens."""
+from sim import Effect, Parameter
+
+
+def force(axis, p):
+    return p.strength * axis.position**3
+
+
+effect = Effect(
+    name="cubic_spring",
+    meaning="spring that stiffens with the cube of the position",
+    force=force,
+    parameters=[Parameter("strength", "N/m^3", 1e3, 0.0, 1e9, "stiffening", "assumed")],
+)
+'''
+HEAD = "from sim import Effect, Parameter\nimport numpy as np\n"
+
+
+def write(folder, text, name="mine.py"):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def one(law="lambda a, p: p.c * a.velocity", parameter='Parameter("c", "N*s/m", 1.0, 0.0, 9.0, "m", "s")', name="mine"):
+    return f"{HEAD}effect = Effect({name!r}, 'm', force={law}, parameters=[{parameter}])\n"
+
+
+def test_a_users_effect_fits_in_twenty_lines_and_simulates(tmp_path):
+    assert len(CUBIC.splitlines()) < 20
+    custom = load_custom(write(tmp_path, CUBIC))
+    assert [effect.name for effect in custom] == ["cubic_spring"]
+    model = compose(["cubic_spring"], {"cubic_spring.strength": 2e3}, custom)
+    time = np.linspace(0.0, 1.0, 101)
+    run = simulate(model, drive.force([0.0, 1.0], [0.0, 0.0]), time, position=0.3, tolerance=1e-11)
+    # Energy of a frictionless oscillator: m v^2/2 + strength x^4/4.
+    energy = 0.5 * run.velocity**2 + 500.0 * run.position**4
+    assert np.allclose(energy, 500.0 * 0.3**4, rtol=1e-8)
+
+
+def test_a_users_effect_takes_its_place_among_the_built_in_ones(tmp_path):
+    custom = load_custom(write(tmp_path, CUBIC))
+    axis_force = compose(["viscous", "cubic_spring"], {}, custom)
+    assert axis_force.names == ("viscous", "cubic_spring")
+    with pytest.raises(InputError, match="did you mean 'cubic_spring'"):
+        find("cubic_sprin", custom)
+
+
+def test_a_constant_may_be_written_as_one_number(tmp_path):
+    custom = load_custom(write(tmp_path, one("lambda a, p: p.c", 'Parameter("c", "N", 1.0, 0.0, 9.0, "m", "s")')))
+    from sim.library.effect import Axis
+
+    axis = Axis(*[np.ones(5)] * 10)
+    assert custom[0].force(axis, custom[0].values()).shape == (5,)
+
+
+BROKEN = {
+    "def force(axis, p:\n    return 1\n": r"mine\.py, line 1: not valid Python: ",
+    "x = 1\n": r"mine\.py: declares no effect",
+    "import no_such_module_here\n": r"mine\.py, line 1: ModuleNotFoundError: ",
+    "from sim import Efect\n": r"mine\.py, line 1: ImportError: ",
+    HEAD + "effect = Effect('mine', 'm', parameters=[1 / 0])\n": r"mine\.py, line 3: ZeroDivisionError",
+    HEAD + "effect = Effect('mine')\n": r"mine\.py, line 3: TypeError: ",
+    HEAD + "effect = Effect('mine', 'm', forces=1)\n": r"mine\.py, line 3: TypeError: .*forces",
+    HEAD + "effect = Effect('mine', 'm')\n": r"effect 'mine': has no law",
+    HEAD + "effect = Effect('mine', 'm', force=3.0)\n": r"force: must be a function",
+    HEAD + "effect = Effect('mine', 'm', force=lambda a, p: a.velocity, parameters=['c'])\n": r"must hold Parameter",
+    HEAD
+    + "effect = Effect('mine', 'm', force=lambda a, p: a.velocity, acts_on='frction')\n": r"did you mean 'friction'",
+    HEAD + "effect = Effect('mine', 'm', force=lambda a, p: a.velocity, slopes={'force.speed': lambda a, p: 1.0})\n": (
+        r"no slope 'force\.speed'"
+    ),
+    HEAD
+    + "a = Effect('mine', 'm', force=lambda a, p: a.velocity)\n"
+    + "b = Effect('mine', 'n', force=lambda a, p: a.velocity)\n": (r"effect 'mine': the file declares it twice"),
+    one(name="stribeck"): r"effect 'stribeck': a built-in effect has that name",
+    one(name="My Effect"): r"the name must be lower-case",
+    one(parameter='Parameter("c", "furlong", 1.0, 0.0, 9.0, "m", "s")'): r"parameter 'c': unit: .*furlong",
+    one(parameter='Parameter("c", "N", 10.0, 0.0, 9.0, "m", "s")'): r"start 10 lies outside its bounds 0 to 9",
+    one(parameter='Parameter("c", "N", "1 N", 0.0, 9.0, "m", "s")'): r"must be numbers in N",
+    one(parameter='Parameter("c", "N", float("inf"), 0.0, float("inf"), "m", "s")'): r"not a finite number",
+    one(parameter='Parameter("C c", "N", 1.0, 0.0, 9.0, "m", "s")'): r"parameter 'C c': the name must be lower-case",
+    one("lambda a, p: p.d * a.velocity"): r"force.*: AttributeError: .*'d'",
+    one("lambda a, p: a.speed"): r"force.*AttributeError: .*'speed'",
+    one("lambda a: a.velocity"): r"force.*TypeError: ",
+    one(
+        "lambda a, p: np.diff(np.atleast_1d(a.velocity))"
+    ): r"gives shape \(6,\) for a record of 7 rows; must be \(7,\)",
+    one("lambda a, p: np.atleast_1d(a.velocity)"): r"gives shape \(1,\) at one instant; must be one number",
+    one("lambda a, p: 'much'"): r"gives str; must give numbers",
+    one("lambda a, p: None"): r"must give numbers|is not finite",
+    one(
+        "lambda a, p: a.velocity / (p.c - 1.0)"
+    ): r"force.*(is not finite at the parameters' defaults|ZeroDivisionError)",
+    one("lambda a, p: np.log(-p.c) + a.velocity"): r"force: is not finite at the parameters' defaults",
+    HEAD + "effect = Effect('mine', 'm', signal=lambda s, h, p: s[1:])\n": r"signal: gives shape \(6,\)",
+}
+
+
+@pytest.mark.parametrize("text", BROKEN, ids=range(len(BROKEN)))
+def test_a_mistake_has_one_line_that_says_where_and_what(tmp_path, text):
+    with pytest.raises(InputError, match=BROKEN[text]) as caught:
+        load_custom(write(tmp_path, text))
+    assert "mine.py" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_file_names_the_nearest(tmp_path):
+    write(tmp_path, CUBIC, "cubic.py")
+    with pytest.raises(InputError, match=r"cubik\.py: no such file; did you mean 'cubic\.py'"):
+        load_custom(tmp_path / "cubik.py")
+
+
+def test_two_files_may_not_declare_the_same_name(tmp_path):
+    first, second = write(tmp_path, CUBIC, "one.py"), write(tmp_path, CUBIC, "two.py")
+    with pytest.raises(InputError, match=r"two\.py: effect 'cubic_spring' is already declared in .*one\.py"):
+        load_all_custom([first, second])
+
+
+def test_a_law_that_fails_while_it_runs_is_named_with_the_time(tmp_path):
+    text = HEAD + (
+        "def force(axis, p):\n"
+        "    if np.ndim(axis.time) == 0 and axis.time > 0.3:\n"
+        "        raise RuntimeError('the cable broke')\n"
+        "    return 0.0 * axis.velocity\n"
+        "effect = Effect('cable', 'm', force=force)\n"
+    )
+    model = compose(["cable"], custom=load_custom(write(tmp_path, text)))
+    with pytest.raises(SimulationError, match=r"cable stopped at t = 0\.[23].*RuntimeError: the cable broke"):
+        simulate(model, drive.force([0.0, 1.0], [0.1, 0.1]), np.linspace(0.0, 1.0, 11))
+
+
+def test_the_library_lists_no_effect_of_a_user(tmp_path):
+    load_custom(write(tmp_path, CUBIC))
+    assert "cubic_spring" not in library()

@@ -1,0 +1,218 @@
+"""What holds for every part that is made: one sound solid, its dimensions true and complete, its datums on it."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import cadquery as cq
+import pytest
+
+from stagecad.parameters.derived import COMPUTED
+from stagecad.parameters.design import Design, load_design, schema
+from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
+from stagecad.parameters.errors import InputError
+from stagecad.solids.artefacts.tracked_design import Reading
+from stagecad.solids.assembly.verification import Gauge
+from stagecad.solids.modelling.registry import MADE, module_of
+
+SWITCHES = {"teeth.fitted", "sea.whole_underside"}
+"""Which features a part has, not how large they are: they are told by the features' being there."""
+
+
+@cache
+def thesis() -> Design:
+    return load_design()
+
+
+@cache
+def solid_of(name: str) -> cq.Solid:
+    return module_of(name).build(thesis())  # type: ignore[return-value]
+
+
+@cache
+def read_by(name: str) -> frozenset[str]:
+    notes: dict[Any, str] = {}
+    module_of(name).build(Reading(thesis(), notes))
+    return frozenset(".".join(str(step[1]) for step in way) for way in notes)
+
+
+def changed(key: str, factor: float = 1.01) -> str:
+    """An override that changes one parameter a little, and none of the values computed from it."""
+    entry = thesis().entry(key)
+    if isinstance(entry.value, int):
+        return f"{key}={entry.value + 1}"
+    return f"{key}={entry.value * factor!r} {entry.unit}".strip()
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_one_valid_closed_solid(name: str) -> None:
+    solid = solid_of(name)
+    assert isinstance(solid, cq.Solid)
+    assert solid.isValid()
+    assert len(solid.Shells()) == 1
+    assert solid.Shells()[0].Closed()
+    assert solid.Volume() > 0
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_dimension_measures_as_declared(name: str) -> None:
+    gauge = Gauge(solid_of(name))
+    wrong = []
+    for dimension in module_of(name).dimensions(thesis()):
+        measured = gauge.measure(dimension)
+        if measured is not None and abs(measured - dimension.value) > 1e-6:
+            wrong.append((dimension.name, dimension.value, measured))
+    assert wrong == []
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(name: str) -> None:
+    own = [dimension for dimension in module_of(name).dimensions(thesis()) if not dimension.derived_from]
+    declared = [dimension.parameter for dimension in own]
+    assert sorted(declared) == sorted(set(declared))
+    assert read_by(name) - SWITCHES <= set(declared)
+    # What is declared and does not shape the solid is the depth of a thread, which is cosmetic.
+    rest = {dimension for dimension in own if dimension.parameter not in read_by(name)}
+    assert all(dimension.kind == "thread_depth" for dimension in rest)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_dimensions_agree_with_their_parameters(name: str) -> None:
+    dimensions = module_of(name).dimensions(thesis())
+    assert len({dimension.name for dimension in dimensions}) == len(dimensions)
+    for dimension in dimensions:
+        assert dimension.view != "any"
+        if dimension.derived_from:
+            assert set(dimension.derived_from) <= read_by(name)
+            continue
+        assert dimension.parameter in schema()
+        assert dimension.value == pytest.approx(float(thesis().value(dimension.parameter)), abs=1e-12)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: str) -> None:
+    module = module_of(name)
+    required = getattr(module, "requirements", lambda _: ())(thesis())
+    letters = {requirement.letter for requirement in required if isinstance(requirement, DatumFeature)}
+    for requirement in required:
+        if isinstance(requirement, GeometricTolerance):
+            assert set(requirement.datums) <= letters
+        for point in requirement.points:
+            on = [face for face in solid_of(name).Faces() if face.distance(cq.Vertex.makeVertex(*point)) < 1e-6]
+            if isinstance(requirement, SurfaceTexture) or not requirement.round:
+                (face,) = on
+                normal = face.normalAt(cq.Vector(*point)).toTuple()
+                assert normal == pytest.approx(requirement.normal, abs=1e-6)
+            else:
+                bore = Dimension("bore", "diameter", 1.0, "any", (point,), requirement.normal)
+                assert Gauge(solid_of(name)).measure(bore)
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_a_threaded_hole_is_drilled_deeper_than_its_thread(name: str) -> None:
+    dimensions = {dimension.name: dimension for dimension in module_of(name).dimensions(thesis())}
+    for dimension in list(dimensions.values()):
+        if dimension.kind == "thread_depth":
+            assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value
+            assert dimension.note
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_the_solid_follows_every_parameter_at_once(name: str) -> None:
+    """Each parameter changed by its own small factor: the solid measures as the new values say, everywhere."""
+    module = module_of(name)
+    keys = sorted(key for key in read_by(name) - SWITCHES if not isinstance(thesis().value(key), int))
+    factors = {key: 1 + 0.002 * (1 + index / len(keys)) for index, key in enumerate(keys)}
+    design = load_design(overrides=[changed(key, factors[key]) for key in keys], rules=False)
+    solid = module.build(design)
+    assert solid.isValid()
+    gauge = Gauge(solid)
+    for dimension in module.dimensions(design):
+        measured = gauge.measure(dimension)
+        if dimension.parameter in factors:
+            assert dimension.value == pytest.approx(thesis().value(dimension.parameter) * factors[dimension.parameter])
+        if measured is not None:
+            assert measured == pytest.approx(dimension.value, abs=1e-6), dimension.name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MADE)
+def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -> None:
+    module = module_of(name)
+    before = solid_of(name)
+    for key in sorted(read_by(name) - SWITCHES):
+        if key == "pads.count":
+            continue  # four pads are a test of their own
+        design = load_design(overrides=[changed(key)], rules=False)
+        after = module.build(design)
+        assert _signature(after) != _signature(before), f"{key} is read, but the solid stays as it is"
+        shown = next(dimension for dimension in module.dimensions(design) if dimension.parameter == key)
+        measured = Gauge(after).measure(shown)
+        assert measured == pytest.approx(design.value(key), abs=1e-6), key
+
+
+def _signature(solid: Any) -> tuple[float, ...]:
+    """Volume and moments of inertia: no two different sizes or places share all of them."""
+    centre = solid.Center()
+    moments = cq.Shape.matrixOfInertia(solid)
+    return (
+        round(solid.Volume(), 7),
+        *(round(v, 7) for v in centre.toTuple()),
+        *(round(m, 3) for r in moments for m in r),
+    )
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_face_datums_lie_on_the_solid(name: str) -> None:
+    """A datum of a face has material behind it and none before it; one of an axis or plane lies in the air."""
+    solid = solid_of(name)
+    for datum in module_of(name).datums(thesis()).values():
+        x, y, z = datum.origin
+        at = cq.Vertex.makeVertex(x, y, z)
+        if solid.distance(at) > 1e-6 or not _on_surface(solid, at):
+            continue
+        ahead = tuple(p + 1e-3 * n for p, n in zip(datum.origin, datum.normal, strict=True))
+        assert not solid.isInside(cq.Vector(*ahead), 1e-6), f"{datum.name} points into the material"  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _on_surface(solid: cq.Shape, at: cq.Vertex) -> bool:
+    return min(face.distance(at) for face in solid.Faces()) < 1e-6
+
+
+def test_a_gauge_finds_a_wrong_dimension() -> None:
+    """The measurement is of the solid, not of the declaration: another solid's dimension does not fit this one."""
+    longer = load_design(overrides=["stage.payload_pitch=51 mm"], rules=False)
+    stage: Callable[[Any], tuple[Dimension, ...]] = module_of("stage").dimensions
+    gauge = Gauge(solid_of("stage"))
+    pitch = next(d for d in stage(longer) if d.parameter == "stage.payload_pitch")
+    with pytest.raises(LookupError):
+        gauge.measure(pitch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(20))
+def test_parts_of_random_valid_designs_measure_as_declared(seed: int) -> None:
+    """Some parameters anywhere within 30 % of the thesis's: if the rules accept them, every part can be made."""
+    rng = random.Random(seed)
+    every = sorted(set().union(*(read_by(name) for name in MADE)) - SWITCHES - set(COMPUTED))
+    keys = [key for key in every if not key.startswith("threads.")]
+    for _ in range(1000):
+        overrides = [changed(key, rng.uniform(0.7, 1.3)) for key in rng.sample(keys, 6)]
+        try:
+            design = load_design(overrides=overrides)
+            break
+        except InputError:
+            continue
+    else:
+        pytest.fail("the rules accept nothing")
+    for name in MADE:
+        module = module_of(name)
+        solid = module.build(design)
+        assert solid.isValid(), (name, overrides)
+        gauge = Gauge(solid)
+        for dimension in module.dimensions(design):
+            measured = gauge.measure(dimension)
+            assert measured is None or measured == pytest.approx(dimension.value, abs=1e-6), (dimension, overrides)

@@ -1,0 +1,220 @@
+"""The cache remembers by what was read, forgets nothing it should know, and survives damage and company."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import pytest
+
+from stagecad.solids.artefacts import source_digest
+from stagecad.solids.artefacts import store as store_module
+from stagecad.solids.artefacts.store import Store, cache_folder
+from stagecad.solids.artefacts.tracked_design import Reading, noted
+
+MODULES = ("stagecad.solids.modelling.frame",)
+
+
+@dataclass(frozen=True)
+class Table:
+    length: float = 3.0
+    width: float = 4.0
+    deep: bool = False
+    depth: float = 1.0
+
+    @property
+    def area(self) -> float:
+        return self.length * self.width
+
+    def scaled(self, by: float) -> float:
+        return self.length * by
+
+
+@dataclass(frozen=True)
+class Plan:
+    plate: Table = field(default_factory=Table)
+    other: Table = field(default_factory=Table)
+    density: Any = field(default_factory=lambda: MappingProxyType({"iron": 7.9, "gold": 19.3}))
+
+
+class Maker:
+    """Counts how often it is asked to make, and reads what a part would."""
+
+    def __init__(self) -> None:
+        self.runs = 0
+
+    def __call__(self, design: Any, folder: Path) -> None:
+        self.runs += 1
+        size = design.plate.area + design.plate.scaled(2.0) + design.density["iron"]
+        if design.plate.deep:
+            size += design.plate.depth
+        (folder / "size.txt").write_text(repr(size))
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Store:
+    return Store(tmp_path / "store")
+
+
+def test_reading_notes_each_way_to_a_value() -> None:
+    notes: dict[Any, str] = {}
+    reading = Reading(Plan(), notes)
+    assert reading.plate.length + reading.density["iron"] + reading.plate.scaled(by=2.0) == 3.0 + 7.9 + 6.0
+    assert {noted(steps): value for steps, value in notes.items()} == {
+        "plate.length": "3.0",
+        "density['iron']": "7.9",
+        "plate.scaled(by=2.0)": "6.0",
+    }
+
+
+def test_reading_a_whole_table_depends_on_all_of_it(store: Store) -> None:
+    def make(design: Any, folder: Path) -> None:
+        (folder / "sum.txt").write_text(str(sum(design.density.values())))
+
+    first = store.make("sum", Plan(), MODULES, make)
+    changed = Plan(density=MappingProxyType({"iron": 7.9, "gold": 19.4}))
+    assert store.make("sum", changed, MODULES, make).key != first.key
+
+
+def test_made_once_and_found_again_by_another_store(store: Store) -> None:
+    maker = Maker()
+    first = store.make("part", Plan(), MODULES, maker)
+    again = Store(store.folder).make("part", Plan(), MODULES, maker)
+    assert (maker.runs, again.key, again.data("size.txt")) == (1, first.key, first.data("size.txt"))
+
+
+def test_only_what_was_read_counts(store: Store) -> None:
+    maker = Maker()
+    plan = Plan()
+    first = store.make("part", plan, MODULES, maker)
+    unread = replace(plan, other=Table(length=99.0), density=MappingProxyType({"iron": 7.9, "gold": 1.0}))
+    unread = replace(unread, plate=replace(plan.plate, depth=5.0))
+    assert store.make("part", unread, MODULES, maker).key == first.key
+    assert store.make("part", replace(plan, plate=Table(width=5.0)), MODULES, maker).key != first.key
+    assert maker.runs == 2
+
+
+def test_a_branch_that_reads_more_is_kept_apart(store: Store) -> None:
+    maker = Maker()
+    shallow, deep = Plan(), Plan(plate=Table(deep=True))
+    deeper = Plan(plate=Table(deep=True, depth=2.0))
+    keys = [store.make("part", plan, MODULES, maker).key for plan in (shallow, deep, deeper)]
+    assert len(set(keys)) == 3
+    found = [store.find("part", plan, MODULES) for plan in (deeper, shallow, deep)]
+    assert [entry.key if entry else None for entry in found] == [keys[2], keys[0], keys[1]]
+    assert maker.runs == 3
+
+
+def test_name_dependencies_and_versions_count(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    maker = Maker()
+    store.make("part", Plan(), MODULES, maker)
+    assert store.find("part", Plan(), MODULES, depends=["another"]) is None
+    assert store.find("whole", Plan(), MODULES) is None
+    monkeypatch.setattr(store_module, "versions", lambda packages: {"cadquery": "99"})
+    assert store.find("part", Plan(), MODULES) is None
+
+
+def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "stagecad"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "part.py").write_text("def build():\n    from stagecad import (\n        holes,  # drilled\n    )\n")
+    (package / "holes.py").write_text("import stagecad.tables\n")
+    (package / "tables.py").write_text("SIZE = 1\n")
+    (package / "unrelated.py").write_text("SIZE = 1\n")
+    monkeypatch.setattr(source_digest, "ROOT", tmp_path)
+
+    def digest() -> str:
+        for function in (source_digest._file, source_digest._imported, source_digest.source_digest):
+            function.cache_clear()
+        return source_digest.source_digest(("stagecad.part",))
+
+    before = digest()
+    (package / "unrelated.py").write_text("SIZE = 2\n")
+    assert digest() == before
+    (package / "tables.py").write_text("SIZE = 2\n")
+    assert digest() != before
+    monkeypatch.undo()
+    for function in (source_digest._file, source_digest._imported, source_digest.source_digest):
+        function.cache_clear()
+
+
+def test_a_failed_making_leaves_nothing(store: Store) -> None:
+    def fail(design: Any, folder: Path) -> None:
+        (folder / "half.txt").write_text("half")
+        raise RuntimeError("stopped")
+
+    with pytest.raises(RuntimeError, match="stopped"):
+        store.make("part", Plan(), MODULES, fail)
+    assert store.find("part", Plan(), MODULES) is None
+    assert list((store.folder / "entries").iterdir()) == []
+
+
+@pytest.mark.parametrize("damage", ["missing file", "broken record", "broken reads"])
+def test_damage_is_made_good(store: Store, damage: str) -> None:
+    maker = Maker()
+    entry = store.make("part", Plan(), MODULES, maker)
+    if damage == "missing file":
+        entry.path("size.txt").unlink()
+    elif damage == "broken record":
+        entry.path("entry.json").write_text("{")
+    else:
+        for path in (store.folder / "reads").iterdir():
+            path.write_text("nonsense(")
+    again = store.make("part", Plan(), MODULES, maker)
+    assert again.data("size.txt") == b"25.9"
+
+
+def test_size_is_bounded_and_the_newest_stay(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("STAGECAD_CACHE_MAX", "30000")
+    monkeypatch.setattr(store_module, "YOUNGEST", 0.0)
+
+    def make(design: Any, folder: Path) -> None:
+        (folder / "block.bin").write_bytes(b"\0" * 10_000 + str(design.plate.length).encode())
+
+    start = time.time() - 1000.0
+    for index in range(6):
+        entry = store.make("block", Plan(plate=Table(length=float(index))), MODULES, make)
+        os.utime(entry.folder, (start + index, start + index))
+    kept = [
+        index for index in range(6) if store.find("block", Plan(plate=Table(length=float(index))), MODULES) is not None
+    ]
+    assert kept == [4, 5]
+
+
+def test_two_runs_at_once_agree(tmp_path: Path) -> None:
+    program = """
+import sys, time
+from pathlib import Path
+from types import SimpleNamespace
+from stagecad.solids.artefacts.store import Store
+def make(design, folder):
+    (folder / "value.txt").write_text(str(design.value))
+    time.sleep(0.2)
+entries = [Store(Path(sys.argv[1])).make(f"part{n}", SimpleNamespace(value=n), ("stagecad.solids.modelling.frame",),
+make)
+           for n in range(3)]
+print([entry.data("value.txt") for entry in entries])
+"""
+    runs = [
+        subprocess.Popen([sys.executable, "-c", program, str(tmp_path)], stdout=subprocess.PIPE, text=True)
+        for _ in range(2)
+    ]
+    outputs = [run.communicate(timeout=60)[0] for run in runs]
+    assert [run.returncode for run in runs] == [0, 0]
+    assert outputs[0] == outputs[1] == "[b'0', b'1', b'2']\n"
+    assert len([path for path in (tmp_path / "entries").iterdir() if not path.name.startswith(".")]) == 3
+
+
+def test_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.delenv("STAGECAD_CACHE", raising=False)
+    assert cache_folder() == tmp_path / "stagecad"
+    monkeypatch.setenv("STAGECAD_CACHE", str(tmp_path / "own"))
+    assert cache_folder() == tmp_path / "own"

@@ -1,0 +1,113 @@
+"""The bill of materials, and the files and document of `stagecad parts`."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters.design import Design
+from stagecad.solids.artefacts.store import Store
+from stagecad.solids.assembly.bill_of_materials import csv_text
+from stagecad.solids.assembly.machine import Machine
+from workbench.cli import run
+
+CATALOGUE = {
+    "piezo": "ASB170C801NP0",
+    "way_screw": "91251A624",
+    "clamp_screw_long": "91251A648",
+    "clamp_screw_short": "91251A642",
+    "set_screw": "91375A904",
+    "spring": "9657K26",
+}
+"""Part numbers of the thesis, section 1 of its digest."""
+
+
+@pytest.fixture
+def cached(machine: Machine, store: Store, monkeypatch: pytest.MonkeyPatch) -> Store:
+    monkeypatch.setenv("STAGECAD_CACHE", str(store.folder))
+    return store
+
+
+def test_lists_each_part_once_with_its_catalogue_number(machine: Machine) -> None:
+    rows = {row.part: row for row in machine.bill_of_materials}
+    assert len(rows) == len(machine.bill_of_materials)
+    assert sum(row.quantity for row in rows.values()) == len(machine.assembly.instances)
+    assert {name: rows[name].part_number for name in CATALOGUE} == CATALOGUE
+    assert {name for name, row in rows.items() if row.purchased} == {*CATALOGUE, "bar_screw"}
+
+
+def test_masses_add_up_to_the_machine(machine: Machine) -> None:
+    total = sum(row.quantity * row.mass for row in machine.bill_of_materials)
+    assert total == pytest.approx(machine.whole.mass, rel=1e-12)
+    table = list(csv.reader(io.StringIO(csv_text(machine.bill_of_materials))))
+    assert table[-1][1] == "total"
+    assert float(table[-1][-1]) == pytest.approx(total, abs=1e-4)
+
+
+def test_command_writes_files_document_and_manifest(
+    cached: Store, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["parts", "--out", str(tmp_path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert set(document["parts"]) == {*machine.parts, "assembly"}
+    stage = document["parts"]["stage"]
+    assert stage["mass"] == {"value": pytest.approx(machine.masses["stage"].mass), "unit": "kg"}
+    assert [Path(file).name for file in stage["files"]] == ["stage.step", "stage.stl", "stage.glb"]
+    assert document["moving_body"]["mass"]["value"] == pytest.approx(machine.moving_body.mass)
+    listed = json.loads((tmp_path / "parts_manifest.json").read_text())["files"]
+    assert set(listed) == {path.name for path in tmp_path.iterdir()} - {"parts_manifest.json"}
+    assert all(Path(file).is_file() for part in document["parts"].values() for file in part["files"])
+
+
+def test_command_leaves_good_files_alone_and_mends_others(cached: Store, tmp_path: Path) -> None:
+    assert run(["parts", "stage", "piezo", "--out", str(tmp_path)]) == 0
+    names = {path.name for path in tmp_path.iterdir()}
+    assert names == {f"{part}.{kind}" for part in ("stage", "piezo") for kind in ("step", "stl", "glb")} | {
+        "parts_manifest.json"
+    }
+    before = {name: (tmp_path / name).stat().st_mtime_ns for name in names}
+    good = (tmp_path / "piezo.step").read_bytes()
+    (tmp_path / "piezo.step").write_bytes(good[:100])
+    assert run(["parts", "stage", "piezo", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "piezo.step").read_bytes() == good
+    changed = {name for name in names if (tmp_path / name).stat().st_mtime_ns != before[name]}
+    assert changed == {"piezo.step"}
+
+
+def test_command_makes_again_what_is_damaged_in_the_cache(
+    cached: Store, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stored = machine.parts["magnet"].entry.path("magnet.stl")
+    good = stored.read_bytes()
+    stored.write_bytes(good[:-1] + b"x")
+    assert run(["parts", "magnet", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "magnet.stl").read_bytes() == good
+    assert "damaged" in capsys.readouterr().err
+
+
+def test_unknown_part_names_the_nearest(cached: Store, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["parts", "stag", "--out", str(tmp_path)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "no part 'stag'" in error
+    assert "did you mean 'stage'" in error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_nothing_changed_needs_no_kernel(cached: Store, design: Design, tmp_path: Path) -> None:
+    program = (
+        "import sys; from workbench.cli import run; status = run(sys.argv[1:]); "
+        "bad = {'cadquery', 'OCP', 'vtk', 'numba', 'scipy', 'pandas'} & set(sys.modules); "
+        "sys.exit(status or (f'imported {sorted(bad)}' if bad else 0))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, "parts", "--out", str(tmp_path)], capture_output=True, text=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "assembly.step").is_file()

@@ -1,0 +1,141 @@
+"""Exported files: the same bytes every time, and the same body to programs that are not ours."""
+
+from __future__ import annotations
+
+import io
+import json
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import cadquery as cq
+import numpy as np
+import pytest
+import trimesh
+
+from stagecad.solids.assembly.mass import geometry_of
+from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
+from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
+from stagecad.solids.modelling.frame import Frame
+from stagecad.solids.modelling.placed_shape import Piece
+
+GREY = (0.7, 0.7, 0.8)
+TURNED = Frame(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (10.0, 20.0, 50.0))
+
+
+def bracket() -> cq.Solid:
+    """A plate with round corners, counterbored holes and a ball's hollow: planes, cylinders, and a sphere."""
+    plate = cq.Workplane().box(60, 40, 12).edges("|Z").fillet(5)
+    plate = plate.faces(">Z").workplane().rarray(30, 20, 2, 2).cboreHole(5.5, 10, 5)
+    return plate.cut(cq.Workplane().sphere(8).translate((0, 0, 8))).solids().val()  # type: ignore[return-value]
+
+
+@pytest.fixture(scope="module")
+def solid() -> cq.Solid:
+    return bracket()
+
+
+@pytest.fixture(scope="module")
+def mesh(solid: cq.Solid) -> Mesh:
+    return mesh_of(solid, solid.Volume())
+
+
+def pair() -> list[Piece]:
+    return [Piece("one", "bracket", GREY), Piece("two", "bracket", GREY, TURNED)]
+
+
+def test_step_repeats_to_the_byte_in_one_process(solid: cq.Solid) -> None:
+    shapes = {"bracket": solid.wrapped}
+    for name, pieces in (("bracket", [Piece("bracket", "bracket", GREY)]), ("pair", pair())):
+        first = step_bytes(name, pieces, shapes)
+        assert step_bytes(name, pieces, shapes) == first
+        assert f"PRODUCT('{name}','{name}'".encode() in first
+
+
+def test_step_repeats_to_the_byte_in_another_process(solid: cq.Solid) -> None:
+    here = step_bytes("pair", pair(), {"bracket": solid.wrapped})
+    program = (
+        "import sys; sys.path.insert(0, sys.argv[1]); import test_export as t; "
+        "from stagecad.solids.export.step_stl_glb import *; "
+        "sys.stdout.buffer.write(step_bytes('pair', t.pair(), {'bracket': t.bracket().wrapped}))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program, str(Path(__file__).parent)], capture_output=True, check=True, timeout=120
+    )
+    assert run.stdout == here
+
+
+def test_step_reads_back_as_the_same_bodies(solid: cq.Solid, tmp_path: Path) -> None:
+    path = tmp_path / "pair.step"
+    path.write_bytes(step_bytes("pair", pair(), {"bracket": solid.wrapped}))
+    bodies = cq.importers.importStep(str(path)).solids().vals()
+    assert len(bodies) == 2
+    for body, shift in zip(bodies, ((0.0, 0.0, 0.0), TURNED.shift), strict=True):
+        assert body.Volume() == pytest.approx(solid.Volume(), rel=1e-9)
+        assert body.Center().z - solid.Center().z == pytest.approx(shift[2], abs=1e-7)
+    box = bodies[1].BoundingBox()
+    assert (box.xlen, box.ylen) == pytest.approx((40.0, 60.0), abs=1e-5)
+
+
+def test_stl_is_watertight_and_keeps_the_volume(solid: cq.Solid, mesh: Mesh) -> None:
+    body = trimesh.load(io.BytesIO(stl_bytes([mesh])), file_type="stl")
+    assert body.is_watertight
+    assert body.is_winding_consistent
+    assert body.volume == pytest.approx(solid.Volume(), rel=3e-3)
+    assert mesh.volume == pytest.approx(body.volume, rel=1e-5)
+
+
+def test_glb_is_metres_y_up_and_not_metallic(solid: cq.Solid, mesh: Mesh) -> None:
+    data = glb_bytes("pair", pair(), {"bracket": mesh})
+    length = struct.unpack_from("<I", data, 12)[0]
+    document = json.loads(data[20 : 20 + length])
+    for material in document["materials"]:
+        assert material["pbrMetallicRoughness"]["metallicFactor"] == 0.0
+        assert material["pbrMetallicRoughness"]["roughnessFactor"] == 0.7
+    scene = trimesh.load(io.BytesIO(data), file_type="glb")
+    assert sorted(name for name in scene.graph.nodes_geometry) == ["one", "two"]
+    # Height 12 mm about z = 0, and 50 mm higher: along y of the file, in metres.
+    assert scene.bounds[:, 1] == pytest.approx([-0.006, 0.056], abs=1e-6)
+    assert sum(body.volume for body in scene.dump()) == pytest.approx(2e-9 * solid.Volume(), rel=3e-3)
+
+
+def test_normals_point_out_and_jump_at_edges(mesh: Mesh) -> None:
+    a, b, c = (mesh.vertices[mesh.triangles[:, i]] for i in range(3))
+    face = np.cross(b - a, c - a)
+    assert np.all(np.einsum("ij,ij->i", face, mesh.normals[mesh.triangles[:, 0]]) > 0.0)
+    flat = np.abs(face[:, 2]) > 0.999 * np.linalg.norm(face, axis=1)
+    assert np.all(np.abs(mesh.normals[mesh.triangles[flat]][..., 2]) > 0.999)
+
+
+def test_edges_are_the_sharp_ones_only() -> None:
+    box = cq.Workplane().box(10, 10, 10).edges("|Z").fillet(2).solids().val()
+    outline = mesh_of(box, box.Volume())
+    # Two rims of 4 lines and 4 arcs; where fillet and side run into each other there is nothing to see.
+    assert len(outline.edge_ends) - 1 == 16
+
+
+def test_geometry_against_closed_forms() -> None:
+    box = cq.Workplane().box(30, 20, 10).translate((100, -50, 25)).solids().val()
+    geometry = geometry_of(box)
+    volume = 30.0 * 20.0 * 10.0
+    assert geometry.volume == pytest.approx(volume, rel=1e-12)
+    assert geometry.centre == pytest.approx((100.0, -50.0, 25.0), rel=1e-12)
+    expected = np.diag([20**2 + 10**2, 30**2 + 10**2, 30**2 + 20**2]) * volume / 12.0
+    assert np.array(geometry.second_moments) == pytest.approx(expected, rel=1e-9, abs=1e-6 * volume)
+    ball = cq.Workplane().sphere(7).solids().val()
+    low, high = geometry_of(ball).bounding_box
+    assert (*low, *high) == pytest.approx((-7, -7, -7, 7, 7, 7), abs=1e-6)
+
+
+def test_meshing_leaves_the_exact_box_alone(solid: cq.Solid) -> None:
+    before = geometry_of(solid)
+    mesh_of(solid, solid.Volume())
+    assert geometry_of(solid) == before
+
+
+def test_a_bent_wire_loses_a_twelfth_of_the_squared_angle() -> None:
+    ring = cq.Solid.makeTorus(8.0, 1.0)
+    for angular in (0.2, 0.17):
+        mesh = triangulated(ring, LINEAR, angular)
+        assert 1.0 - mesh.volume / ring.Volume() == pytest.approx(angular**2 / 12.0, rel=0.1)

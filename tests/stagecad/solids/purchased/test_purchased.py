@@ -1,0 +1,102 @@
+"""Purchased parts: true outside, valid, closed, and of the volume that closed forms give."""
+
+from __future__ import annotations
+
+import io
+import math
+
+import pytest
+import trimesh
+
+from stagecad.parameters.design import Design, load_design
+from stagecad.solids.artefacts.part import make_part
+from stagecad.solids.artefacts.store import Store
+from stagecad.solids.modelling.registry import PURCHASED
+from stagecad.solids.purchased import spring as spring_module
+
+
+def hexagon(width: float) -> float:
+    """Area of a hexagon by its width across flats."""
+    return math.sqrt(3.0) / 2.0 * width**2
+
+
+@pytest.mark.parametrize("name", PURCHASED)
+def test_one_valid_closed_solid(name: str, design: Design, store: Store) -> None:
+    part = make_part(store, name, design)
+    solid = part.solid
+    assert solid.isValid()
+    assert len(solid.Shells()) == 1
+    assert part.geometry.volume > 0.0
+    assert part.part_number
+    assert part.description
+    assert part.material in design.materials
+
+
+@pytest.mark.parametrize("key", ["way", "clamp_long", "clamp_short", "bar"])
+def test_screw_against_cylinders(key: str, design: Design, store: Store) -> None:
+    screw = getattr(design.screws, key)
+    name = {"way": "way_screw", "bar": "bar_screw"}.get(key, f"{key.replace('clamp', 'clamp_screw')}")
+    part = make_part(store, name, design)
+    shank = math.pi / 4.0 * screw.diameter**2 * screw.length
+    head = math.pi / 4.0 * screw.head_diameter**2 * screw.head_height
+    socket = hexagon(screw.socket_width) * screw.head_height / 2.0
+    chamfers = 0.02 * (shank + head)
+    assert part.geometry.volume == pytest.approx(shank + head - socket - chamfers / 2, abs=chamfers)
+    low, high = part.geometry.bounding_box
+    assert (low[2], high[2]) == pytest.approx((-screw.length, screw.head_height), abs=1e-6)
+    assert high[0] == pytest.approx(screw.head_diameter / 2.0, abs=1e-6)
+
+
+def test_set_screw_against_cylinder(design: Design, store: Store) -> None:
+    screw = design.set_screw
+    body = (math.pi / 4.0 * screw.diameter**2 - hexagon(screw.socket_width) / 2.0) * screw.length
+    assert make_part(store, "set_screw", design).geometry.volume == pytest.approx(body, rel=0.02)
+
+
+def test_spring_against_length_of_wire(design: Design, store: Store) -> None:
+    spring = design.spring
+    made = make_part(store, "spring", design).geometry
+    radius = (spring.outer_diameter - spring.wire_diameter) / 2.0
+    turns = round(spring.coils) + 1
+    rise = spring.installed_length - spring.wire_diameter
+    wire = math.hypot(2.0 * math.pi * radius * turns, rise)
+    assert made.volume == pytest.approx(math.pi / 4.0 * spring.wire_diameter**2 * wire, rel=5e-3)
+    low, high = made.bounding_box
+    assert (low[2], high[2]) == pytest.approx((0.0, spring.installed_length), abs=1e-5)
+    assert high[1] == pytest.approx(spring.outer_diameter / 2.0, abs=1e-5)
+
+
+def test_spring_pushed_together_keeps_its_wire(design: Design) -> None:
+    free, pressed = (spring_module.build(design, compression) for compression in (0.0, 8.0))
+    box = pressed.BoundingBox()
+    assert box.zlen == pytest.approx(design.spring.installed_length - 8.0, abs=1e-4)
+    assert pressed.Volume() == pytest.approx(free.Volume(), rel=0.01)
+
+
+def test_piezo_against_cylinder_and_cap(design: Design, store: Store) -> None:
+    piezo = design.piezo
+    radius, crown = piezo.diameter / 2.0, piezo.end_radius
+    sag = crown - math.sqrt(crown**2 - radius**2)
+    cap = math.pi * sag**2 * (3.0 * crown - sag) / 3.0
+    chamfer = 0.04 * piezo.diameter
+    # Pappus: the chamfer's triangle at its centroid's radius.
+    removed = chamfer**2 / 2.0 * 2.0 * math.pi * (radius - chamfer / 3.0)
+    volume = math.pi * radius**2 * (piezo.length - sag) + cap - removed
+    made = make_part(store, "piezo", design)
+    assert made.geometry.volume == pytest.approx(volume, rel=1e-9)
+    assert made.datums["end"].origin == (0.0, 0.0, piezo.length)
+
+
+def test_only_the_touched_part_is_made_again(design: Design, store: Store) -> None:
+    longer = load_design(overrides=("screws.way.length=26 mm",))
+    for name in PURCHASED:
+        same = make_part(store, name, longer).entry.key == make_part(store, name, design).entry.key
+        assert same == (name != "way_screw")
+
+
+@pytest.mark.parametrize("name", PURCHASED)
+def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Design, store: Store) -> None:
+    part = make_part(store, name, design)
+    body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
+    assert body.is_watertight
+    assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)

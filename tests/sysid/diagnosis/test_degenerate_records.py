@@ -1,0 +1,131 @@
+"""Records with nothing in them to fit, or that do not go together, end in one line, not in the middle of a sum."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.compare import compare
+from sysid.diagnose import diagnose
+from sysid.ladder import add_effects
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.problem import load_case
+from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide
+
+FORCE = 1.5 * SIGN + 20.0 * VELOCITY
+
+
+def _edit(file: Path, column: int, values: np.ndarray | float, rows: int | None = None) -> None:
+    """Put other values in a column of a CSV file, and keep no more than `rows`."""
+    header = file.read_text(encoding="utf-8").splitlines()[0]
+    table = np.loadtxt(file, delimiter=",", skiprows=1)
+    table[:, column] = values
+    np.savetxt(file, table[:rows], "%.12g", ",", header=header, comments="")
+
+
+@pytest.mark.parametrize("column", [1, 2])
+def test_a_record_in_which_nothing_moves_says_so(tmp_path: Path, column: int) -> None:
+    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
+    _edit(tmp_path / "fit.csv", column, 0.01 if column == 1 else 0.0)
+    with pytest.raises(InputError, match=r"^fit\.csv: nothing moves"):
+        load_case(tmp_path)
+
+
+def test_an_actuator_at_constant_voltage_says_so(tmp_path: Path) -> None:
+    tip, held = 1e-6 * np.sin(TIME), np.full(TIME.size, 50.0)
+    header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [m],tip_y [m]"
+    table = np.column_stack([TIME, held, held, tip, tip])
+    np.savetxt(tmp_path / "fit.csv", table, "%.9g", ",", header=header, comments="")
+    (tmp_path / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "actuator-tip"\n[rig.known]\npiezo_spacing = "46 mm"\ntip_height = "20 mm"\n'
+        'bias_voltage = "50 V"\n[model]\neffects = []\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    )
+    with pytest.raises(InputError, match=r"^fit\.csv: the voltages never change"):
+        load_case(tmp_path)
+
+
+def test_steps_so_coarse_that_two_values_are_left_are_found_and_kept(tmp_path: Path) -> None:
+    speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
+    rounded = np.round(1.5 * np.sign(speed))
+    slide(tmp_path, rounded, '"coulomb"', held_out=True)
+    for name in ("fit.csv", "validate.csv"):
+        for column, values in ((1, np.cumsum(speed) * STEP), (2, speed), (3, rounded)):
+            _edit(tmp_path / name, column, values)
+    found = diagnose(tmp_path)
+    assert (found.verdict, found.effect) == ("missing-effect", "sensor_quantisation")
+    assert max(m.over_noise for m in found.before_validate.values()) < 1e-6
+    add_effects(tmp_path, ["sensor_quantisation"])
+    again = diagnose(tmp_path)
+    assert again.verdict == "adequate"
+    assert not again.swaps
+
+
+@pytest.mark.parametrize("rows", [12, 30, 100])
+def test_a_held_out_record_of_a_few_rows_is_compared_all_the_same(tmp_path: Path, rows: int) -> None:
+    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
+    _edit(tmp_path / "validate.csv", 1, POSITION, rows)
+    found = compare(tmp_path)
+    assert found.validate["friction_force"].rms < 0.03
+    assert {m.coordinate for m in found.maps} >= {"velocity", "position"}
+
+
+def test_a_hole_in_time_that_no_grid_can_fill_is_named(tmp_path: Path) -> None:
+    slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    _edit(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
+    with pytest.raises(
+        InputError, match=r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
+    ):
+        load_case(tmp_path)
+
+
+DAMPING, MASS, FIRST = 40.0, 2.0, 1.5
+
+
+def _driven(folder: Path, step: float, name: str, rows: int) -> None:
+    """A mass driven to and fro through a Coulomb force and a drag: the drive force is what its motion needs."""
+    time = step * np.arange(rows)
+    w = 2 * np.pi * 0.7
+    position, velocity = -np.cos(w * time) * 5e-3, 5e-3 * w * np.sin(w * time)
+    acceleration = 5e-3 * w * w * np.cos(w * time)
+    force = MASS * acceleration + DAMPING * velocity + FIRST * np.sign(velocity)
+    rng = np.random.default_rng(1)
+    table = np.column_stack([time, force, position + 1e-7 * rng.standard_normal(rows)])
+    np.savetxt(folder / name, table, "%.10g", ",", header="time [s],drive_force [N],position [m]", comments="")
+
+
+def _experiment(folder: Path) -> None:
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{MASS} kg"\n[model]\n'
+        'effects = ["coulomb", "viscous"]\n[noise]\nposition = "1e-7 m"\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+        '[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+    )
+
+
+def test_records_of_different_rates_share_a_filter_that_suits_both(tmp_path: Path) -> None:
+    # A filter narrower than the rows of the slow record would pass no acceleration at all.
+    _driven(tmp_path, STEP, "fit.csv", 6000)
+    _driven(tmp_path, 32 * STEP, "validate.csv", 400)
+    _experiment(tmp_path)
+    case = load_case(tmp_path)
+    widths = {
+        r.whole.width
+        for r in (*case.fit_records, *case.validate_records)
+        if isinstance(r, Balance) and r.whole is not None
+    }
+    assert len(widths) == 1 and min(widths) >= 32 * STEP
+    found = compare(case)
+    assert found.base.fitted.model.values["viscous.coefficient"] == pytest.approx(DAMPING, rel=0.05)
+    assert found.validate["drive_force"].rms < 0.25
+
+
+@pytest.mark.parametrize("wrong", ["fit.csv", "validate.csv"])
+def test_a_record_with_its_time_in_another_unit_is_found_out(tmp_path: Path, wrong: str) -> None:
+    for name in ("fit.csv", "validate.csv"):
+        _driven(tmp_path, STEP, name, 3000)
+    _experiment(tmp_path)
+    _edit(tmp_path / wrong, 0, 1e3 * STEP * np.arange(3000))
+    with pytest.raises(InputError, match=r"too short for the filter of .*time is in one unit"):
+        load_case(tmp_path)

@@ -1,0 +1,57 @@
+"""In which order a sensor's effects act, and which effects are rivals of one another."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from sim.library.catalogue import find
+from sysid.diagnose import diagnose
+from sysid.ladder import add_effects
+from sysid.prediction.model import with_effect
+from sysid.prediction.problem import make_case
+from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
+
+
+def test_what_bends_a_scale_comes_before_the_drift_of_its_zero_unless_listed_behind(tmp_path: Path) -> None:
+    case = slide(tmp_path, 1.5 * SIGN, '"coulomb", "sensor_drift"')
+    grown = with_effect(case.start, find("sensor_nonlinearity"), case.scales)
+    assert [e.name for e in grown.effects] == ["coulomb", "sensor_nonlinearity", "sensor_drift"]
+    force = with_effect(case.start, find("constant_bias"), case.scales)
+    assert [e.name for e in force.effects] == ["coulomb", "sensor_drift", "constant_bias"]
+    listed = make_case(case.experiment, case.records, ["coulomb", "sensor_drift", "sensor_nonlinearity"])
+    assert [e.name for e in listed.start.effects] == ["coulomb", "sensor_drift", "sensor_nonlinearity"]
+
+
+def test_a_bent_and_drifting_sensor_is_found_whichever_is_found_first(tmp_path: Path) -> None:
+    force = 1.5 * SIGN + 25.0 * VELOCITY
+    bent = force + 0.06 * force**2 + 0.05 * force**3
+    slide(tmp_path, bent + 0.4 * TIME / TIME[-1], '"coulomb", "viscous"', held_out=True)
+    named = []
+    for _ in range(2):
+        found = diagnose(tmp_path)
+        named.append({found.effect, *found.indistinguishable})
+        assert found.effect is not None
+        add_effects(tmp_path, [found.effect])
+    assert any("sensor_drift" in names for names in named)
+    assert any("sensor_nonlinearity" in names for names in named)
+    last = diagnose(tmp_path)
+    assert last.verdict == "adequate"
+    assert max(m.over_noise for m in last.before_validate.values()) < 1.1
+
+
+def test_bristles_of_no_stretch_are_no_rival_of_rigid_friction(tmp_path: Path) -> None:
+    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, '"viscous"', held_out=True)
+    found = diagnose(tmp_path)
+    assert (found.effect, "presliding" in found.indistinguishable) == ("coulomb", False)
+    assert any(trial.family == "presliding" for trial in found.trials)
+
+
+def test_a_spring_that_bends_a_little_is_not_a_straight_one_and_something_else(tmp_path: Path) -> None:
+    middle = POSITION - POSITION.mean()
+    cubic = 0.08 * (middle / np.max(np.abs(middle))) ** 3
+    slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, '"coulomb", "viscous"', held_out=True)
+    found = diagnose(tmp_path)
+    assert found.verdict == "unexplained", (found.effect, found.reason)
+    assert found.maps[0].coordinate == "position"

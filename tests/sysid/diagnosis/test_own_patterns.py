@@ -1,0 +1,44 @@
+"""A residual apart from the patterns of effects that are in the model already."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from sim.library.catalogue import find
+from sysid.diagnosis.own_patterns import apart_from, own_coordinates
+from sysid.estimation.base_fit import fit_model
+from sysid.estimation.misfit import weighted_residual, weighting
+from tests.sysid.slide import NOISE, SIGN, TIME, slide
+
+RINGING = 3.0 * NOISE * np.sin(2 * np.pi * 140.0 * TIME)
+SETTLING = 0.3 / (1.0 + TIME / 0.2) * SIGN
+
+
+def left(folder: Path, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Held-out residual of Coulomb friction, and the same apart from what follows the distance travelled."""
+    case = slide(folder, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
+    model = fit_model(case.start, case.fit_records).model
+    weights = weighting(model, case.validate_records)
+    residual = weighted_residual(model, case.validate_records, weights)
+    return residual, apart_from(residual, case.validate_records, weights, own_coordinates([find("run_in")]))
+
+
+def test_the_pattern_goes_whatever_its_law_and_what_is_not_its_stays(tmp_path: Path) -> None:
+    residual, apart = left(tmp_path, SETTLING + RINGING)
+    _, ringing = left(tmp_path, RINGING)
+    assert np.std(np.clip(residual, -8.0, 8.0)) > 1.5 * np.std(np.clip(ringing, -8.0, 8.0))
+    # Steps of a bin's width are left of a curve.
+    assert np.median(np.abs(apart)) < 1.15 * np.median(np.abs(ringing))
+    assert np.corrcoef(np.clip(apart, -8.0, 8.0), np.clip(ringing, -8.0, 8.0))[0, 1] > 0.8
+
+
+def test_noise_loses_no_more_than_its_bins(tmp_path: Path) -> None:
+    residual, apart = left(tmp_path, np.zeros(TIME.size))
+    assert 0.9 < np.std(apart) / np.std(residual) <= 1.0
+
+
+def test_an_effect_of_the_speed_claims_no_coordinate() -> None:
+    assert own_coordinates([find("stribeck")]) == ()
+    assert own_coordinates([find("run_in"), find("sensor_drift")]) == ("distance_travelled", "time")

@@ -1,0 +1,187 @@
+"""Two effects at once, effects searched for anew, and swaps, on records written here with laws of their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.library.catalogue import find
+from sysid.diagnose import diagnose
+from sysid.diagnosis.pairs import Pair, added_anew, best_pairs, pairs_on_top
+from sysid.diagnosis.swaps import find_swaps
+from sysid.diagnosis.ties import tied_beside
+from sysid.diagnosis.trials import looks_on, try_all
+from sysid.estimation.base_fit import ranking_error
+from sysid.estimation.reference_fit import fit_case
+from sysid.experiment.history import read_ladder
+from sysid.ladder import add_effects
+from sysid.prediction.problem import load_case
+from sysid.signals.gaussian_filter import GaussianFilter
+
+NOISE = 0.02
+ROWS = 4000
+
+
+def _write(folder: Path, force: object, effects: str = '"coulomb", "viscous"') -> Path:
+    """A velocity-drive experiment: two records whose friction force is `force(x, v)` plus white noise."""
+    rng = np.random.default_rng(5)
+    t = 2e-3 * np.arange(ROWS)
+    for name, rates in (("fit", (0.7, 2.3)), ("validate", (0.5, 3.1))):
+        x = 8e-3 * np.sin(2 * np.pi * rates[0] * t) + 1e-3 * np.sin(2 * np.pi * rates[1] * t + 0.4)
+        v = (
+            2
+            * np.pi
+            * (
+                8e-3 * rates[0] * np.cos(2 * np.pi * rates[0] * t)
+                + 1e-3 * rates[1] * np.cos(2 * np.pi * rates[1] * t + 0.4)
+            )
+        )
+        y = force(x, v) + NOISE * rng.normal(size=ROWS)  # type: ignore[operator]
+        table = np.column_stack([t, x, v, y])
+        head = "time [s],position [m],velocity [m/s],friction_force [N]"
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=head, comments="", fmt="%.12g")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n'
+        f"[model]\neffects = [{effects}]\n"
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+        f'[noise]\nfriction_force = "{NOISE} N"\n',
+        "utf-8",
+    )
+    return folder
+
+
+def _uneven(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    # Friction that changes along the way, beside a cable: each alone is a poor explanation.
+    return (1.5 + 0.6 * np.sin(2 * np.pi * x / 6e-3 + 0.3)) * np.sign(v) + 4.0 * v + 90.0 * (x + 1e-3)
+
+
+def _dragged(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return 1.5 * np.sign(v) + 9.0 * v + 0.3 * np.sin(2 * np.pi * x / 6e-3 + 0.3)
+
+
+def test_no_pair_needs_an_amplitude_that_its_bounds_forbid(tmp_path: Path) -> None:
+    """A Stribeck curve turned over does what a drag does; it once took the places of the pairs that could be."""
+    case = load_case(_write(tmp_path, _dragged, '"coulomb"'))
+    base = fit_case(case)
+    looks = looks_on(case, base, ["coulomb"])
+    pairs = best_pairs(case, base, looks)
+    assert set(pairs[0].names) == {"viscous", "magnetic_cogging"}
+    amplitudes = [(p.model.values, e) for p in pairs for e in p.model.effects if e.name.startswith("stribeck")]
+    assert all(values[f"{effect.name}.force"] > 0.0 for values, effect in amplitudes)
+
+
+def test_two_effects_are_found_one_after_the_other_and_nothing_after_them(tmp_path: Path) -> None:
+    rig = _write(tmp_path, _uneven)
+    added = []
+    for _ in range(2):
+        found = diagnose(rig)
+        assert found.verdict == "missing-effect"
+        assert found.effect is not None
+        added.append(found.effect)
+        add_effects(rig, [found.effect])
+    assert set(added) == {"position_dependent_friction", "cable_spring"}
+    after = diagnose(rig)
+    assert after.verdict == "adequate"
+    assert after.before_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+
+
+def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    wave = np.sin(2 * np.pi * x / 6e-3 + 0.3)
+    return 1.5 * (1.0 + 0.4 * (wave + 0.2 * wave**2)) * np.sign(v) + 4.0 * v
+
+
+def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
+    rig = _write(tmp_path, _skewed)
+    found = diagnose(rig)
+    assert found.effect == "position_dependent_friction"
+    assert found.best is not None
+    assert found.best.after_validate["friction_force"].over_noise > 2.0
+    step = add_effects(rig, [found.effect])
+    assert step.rung.effects[-1] == "position_dependent_friction:overtone"
+    assert step.after_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+    # sin^2 is half of 1 - cos: the crests are a tenth of the wave broader.
+    values = step.base.fitted.model.values
+    assert abs(values["position_dependent_friction:overtone.second_cosine"]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_second_looks_find_the_same_from_what_the_first_ones_saw(tmp_path: Path) -> None:
+    case = load_case(_write(tmp_path, _uneven))
+    base = fit_case(case)
+    search = try_all(case, base, ["coulomb", "viscous"])
+    first = next(trial.candidate for trial in search.trials if trial.name == "cable_spring")
+    kept, anew = (pairs_on_top(case, base, first, seen=seen)[0] for seen in (search.first.seen, None))
+    assert set(kept.names) == set(anew.names) == {"cable_spring", "position_dependent_friction"}
+    assert kept.error == pytest.approx(anew.error, rel=1e-3)
+    assert kept.error == pytest.approx(1.0, abs=0.1)
+
+
+def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tmp_path: Path) -> None:
+    case = load_case(_write(tmp_path, _uneven))
+    base = fit_case(case)
+    looks = looks_on(case, base, ["coulomb", "viscous"])
+    pair = best_pairs(case, base, looks)[0]
+    assert set(pair.names) == {"position_dependent_friction", "cable_spring"}
+    wave = pair.effects[pair.names.index("position_dependent_friction")]
+    rng = np.random.default_rng(0)
+
+    def beside_the_wave(name: str, shift: float) -> Pair:
+        residual = pair.residual + shift * rng.normal(size=pair.residual.size)
+        return Pair((wave, find(name)), pair.fitted, ranking_error(residual), residual)
+
+    alike, worse = beside_the_wave("gravity_torque", 1e-3), beside_the_wave("magnetic_cogging", 3.0)
+    assert tied_beside(case, base, pair, [pair, alike, worse], wave.name) == ("gravity_torque",)
+
+
+def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
+    effects = '"coulomb", "viscous", "position_dependent_friction", "cable_spring"'
+    found = diagnose(_write(tmp_path, _uneven, effects))
+    assert found.verdict == "adequate"
+    assert found.base.fitted.model.values["position_dependent_friction.pitch"] == pytest.approx(6e-3, rel=0.01)
+    assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
+
+
+def test_bounds_that_the_user_set_stay_when_an_effect_is_searched_for_anew(tmp_path: Path) -> None:
+    rig = _write(tmp_path, _uneven, '"coulomb", "viscous", "position_dependent_friction"')
+    toml = rig / "experiment.toml"
+    held = '[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n[[record]]'
+    toml.write_text(toml.read_text("utf-8").replace("[[record]]", held, 1), "utf-8")
+    case = load_case(rig)
+    grown = added_anew(case, fit_case(case), [find("cable_spring")])
+    assert grown
+    for fitted in grown:
+        unknowns = {u.key: u for u in fitted.model.unknowns}
+        assert unknowns["position_dependent_friction.amplitude"].high == 0.2
+        assert fitted.model.values["position_dependent_friction.amplitude"] <= 0.2
+
+
+def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
+    rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v, '"coulomb"')
+    add_effects(rig, ["quadratic_drag"])
+    case = load_case(rig)
+    swaps = find_swaps(case, fit_case(case), ["quadratic_drag"])
+    assert [(swap.old, swap.new) for swap in swaps] == [("quadratic_drag", "viscous")]
+    assert swaps[0].after < swaps[0].before
+    step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
+    assert list(step.rung.effects) == ["coulomb", "viscous"]
+    assert [list(rung.effects) for rung in read_ladder(step.case.experiment)] == [
+        ["coulomb"],
+        ["coulomb", "quadratic_drag"],
+        ["coulomb", "viscous"],
+    ]
+    assert diagnose(rig).swaps == ()
+
+
+def test_an_effect_that_nothing_needs_is_said_to_be_so(tmp_path: Path) -> None:
+    rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v)
+    add_effects(rig, ["quadratic_drag"])
+    assert [(swap.old, swap.new) for swap in diagnose(rig).swaps] == [("quadratic_drag", None)]
+
+
+@pytest.mark.parametrize("width", [2e-3, 7e-3])
+def test_smoothing_at_some_samples_is_smoothing(width: float) -> None:
+    signal = np.cumsum(np.random.default_rng(1).normal(size=3000))
+    smooth = GaussianFilter(width, 1e-3, signal.size)
+    index = np.concatenate([np.arange(0, 40), np.arange(40, 2960, 7), np.arange(2960, 3000)])
+    assert np.allclose(smooth.at(signal, index), smooth(signal)[index], rtol=0.0, atol=1e-6 * np.ptp(signal))

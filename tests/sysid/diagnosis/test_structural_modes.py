@@ -1,0 +1,102 @@
+"""A mode of the structure that rings above the balance's filter: found, measured, kept; none is seen where none is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import cont2discrete
+
+from sysid.diagnose import diagnose
+from sysid.diagnosis.structural_modes import ringing
+from sysid.estimation.reference_fit import BaseFit, fit_case
+from sysid.experiment.experiment import load_experiment
+from sysid.ladder import add_effects
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.problem import Case, load_case
+from sysid.signals.gaussian_filter import BAND
+from workbench.cli import run
+
+STEP, ROWS = 1e-3, 9000
+MASS, DRAG = 1.5, 6.0
+FREQUENCY, DAMPING = 31.0, 0.02
+FORCE_NOISE = 5e-3
+
+
+def _position(force: np.ndarray, shaken: np.ndarray, part: float) -> np.ndarray:
+    """Where a mass goes, a part of which rides on a mode: exact for forces (n,) held from row to row."""
+    w, own = 2.0 * np.pi * FREQUENCY, (1.0 - part) * MASS
+    ride = np.array([w**2, 0.0, -(w**2), -2.0 * DAMPING * w])
+    matrix = np.array([[0, 1, 0, 0], [0, -DRAG / own, 0, 0] - part * MASS / own * ride, [0, 0, 0, 1], ride])
+    held, push, *_ = cont2discrete((matrix, np.array([[0], [1 / own], [0], [0]]), np.eye(4), np.zeros((4, 1))), STEP)
+    state, out = np.zeros(4), np.empty(force.size)
+    for k in range(force.size):
+        out[k] = state[0]
+        state = held @ state + push[:, 0] * (force[k] + shaken[k])
+    return out
+
+
+def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-6) -> Path:
+    """A mass pushed by steps of force, its position with `noise`, m; the `vibration` of the floor pushes it too, N."""
+    folder.mkdir()
+    text = (
+        f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = ["viscous"]\n'
+        f'[noise]\nposition = "{noise} m"\ndrive_force = "{FORCE_NOISE} N"\n'
+    )
+    for seed, role in enumerate(("fit", "validate")):
+        rng = np.random.default_rng([5, seed])
+        time = STEP * np.arange(ROWS)
+        force = np.repeat(rng.uniform(-4.0, 4.0, ROWS // 300), 300)
+        shaken = vibration * np.sin(2.0 * np.pi * FREQUENCY * time + rng.uniform(0.0, 6.0))
+        position = _position(force, shaken, part) + noise * rng.standard_normal(ROWS)
+        table = np.column_stack([time, force + FORCE_NOISE * rng.standard_normal(ROWS), position])
+        head = "time [s],drive_force [N],position [m]"
+        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=head, comments="")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(text)
+    return folder
+
+
+def _fitted(folder: Path) -> tuple[Case, BaseFit]:
+    case = load_case(folder)
+    return case, fit_case(case)
+
+
+def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
+    case, base = _fitted(_write(tmp_path / "rig", 0.15))
+    record = case.fit_records[0]
+    assert isinstance(record, Balance) and record.whole is not None
+    assert BAND / record.whole.width < 0.5 * FREQUENCY
+    found = ringing(case, base.fitted)
+    assert found is not None and found.band == pytest.approx(BAND / record.whole.width)
+    assert min(found.fit, found.held_out) > 20.0
+    assert found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
+    assert found.values["mass_ratio"] == pytest.approx(0.15, rel=0.1)
+    assert found.values["damping"] == pytest.approx(DAMPING, rel=0.2)
+
+
+@pytest.mark.parametrize("vibration", [0.0, 0.05])
+def test_without_a_mode_none_is_seen_though_the_floor_vibrates(tmp_path: Path, vibration: float) -> None:
+    case, base = _fitted(_write(tmp_path / "rig", 0.0, vibration))
+    assert ringing(case, base.fitted) is None
+
+
+def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
+    assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "missing: flexible_mode" in said
+    assert "rings at" in said
+    case, base = _fitted(folder)
+    add_effects(folder, ["flexible_mode"])
+    known = load_experiment(folder).parameters["flexible_mode.frequency"]
+    assert known.start == pytest.approx(FREQUENCY, rel=0.05)
+    # What the ringing told, not what a fit made of it and of the balance: the balance is fitted again.
+    told = ringing(case, base.fitted)
+    assert told is not None
+    assert known.start == pytest.approx(told.values["frequency"], rel=1e-5)
+    assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)
+    after = diagnose(folder)
+    assert after.verdict == "adequate"
+    assert not after.swaps

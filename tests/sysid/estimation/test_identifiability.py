@@ -1,0 +1,73 @@
+"""What records leave open, in words a person can act on."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from sysid.estimation.base_fit import Fitted
+from sysid.estimation.covariance import Intervals
+from sysid.estimation.identifiability import correlation_json, open_words, public_key
+from sysid.estimation.least_squares import FitResult
+from sysid.estimation.misfit import Weighting
+from sysid.prediction.model import Model
+
+KEYS = ("coulomb.force", "viscous.coefficient", "stribeck:rational.force", "constant_bias.force")
+
+
+def fitted(**changes: Any) -> Fitted:
+    values = dict.fromkeys(KEYS, 1.0)
+    fit = FitResult(values, 1.0, np.eye(4), np.zeros(4), np.ones(4), KEYS, **changes)
+    return Fitted(Model((), values, ()), fit, Weighting((), ()))
+
+
+def intervals(*pairs: tuple[int, int, float], unidentified: tuple[str, ...] = ()) -> Intervals:
+    matrix = np.eye(4)
+    for i, j, r in pairs:
+        matrix[i, j] = matrix[j, i] = r
+    return Intervals({}, KEYS, matrix, unidentified)
+
+
+def test_nothing_is_said_where_every_value_stands_on_its_own() -> None:
+    assert open_words(fitted(), intervals((0, 1, 0.85))) == []
+
+
+def test_two_that_hang_together_are_named_with_their_correlation() -> None:
+    assert open_words(fitted(), intervals((0, 1, -0.97))) == [
+        "coulomb.force and viscous.coefficient hang together (correlation -0.97)."
+    ]
+
+
+def test_a_chain_of_correlations_is_one_sentence_under_public_names() -> None:
+    words = open_words(fitted(), intervals((0, 1, -0.97), (1, 2, 0.95)))
+    assert len(words) == 1
+    assert words[0].startswith("coulomb.force, viscous.coefficient and stribeck.force hang together")
+    assert "constant_bias" not in words[0]
+
+
+def test_dead_values_bounds_and_combinations_are_said() -> None:
+    words = open_words(
+        fitted(dead=("viscous.coefficient",), at_bound=("coulomb.force",), converged=False),
+        intervals(unidentified=("stribeck:rational.force against constant_bias.force",)),
+    )
+    assert words == [
+        "viscous.coefficient changes nothing in these records.",
+        "coulomb.force ended at its bound; its interval is not told.",
+        "Only a combination is told, not each by itself: stribeck.force against constant_bias.force.",
+        "The fit stopped before its last step was small.",
+    ]
+
+
+def test_a_value_the_records_do_not_tell_has_no_correlation() -> None:
+    known = intervals((0, 1, 0.5))
+    known.correlation[3, :] = known.correlation[:, 3] = np.nan
+    document = correlation_json(known)
+    assert document["keys"][2] == "stribeck.force"
+    assert document["matrix"][0][1] == 0.5
+    assert document["matrix"][3] == [None] * 4
+
+
+def test_public_keys_keep_channels_and_drop_laws() -> None:
+    assert public_key("sensor_lag@position.time_constant") == "sensor_lag@position.time_constant"
+    assert public_key("presliding:lugre.stiffness") == "presliding.stiffness"

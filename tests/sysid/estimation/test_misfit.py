@@ -1,0 +1,131 @@
+"""How large a residual is: figures that noise alone makes one, whatever its size, its outliers and its steep places."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import norm
+
+from sysid.estimation.misfit import (
+    KEPT,
+    LOSS_CORNER,
+    TRIM_FACTOR,
+    blocks,
+    huber_square,
+    misfit,
+    sample_deviation,
+    trimmed_rms,
+    weighted_residual,
+    weighting,
+)
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.model import predict
+from sysid.prediction.problem import Case
+from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
+
+
+def test_noise_alone_gives_one() -> None:
+    residual = np.random.default_rng(0).standard_normal(200_000)
+    assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.01)
+    assert trimmed_rms(3.0 * residual) == pytest.approx(3.0, abs=0.03)
+
+
+def test_the_factor_of_the_trimmed_rms_is_the_normal_distributions() -> None:
+    corner = norm.ppf(0.5 + 0.5 * KEPT)
+    inner, _ = quad(lambda x: x**2 * norm.pdf(x), -corner, corner)
+    assert pytest.approx(np.sqrt(inner / KEPT), rel=1e-6) == TRIM_FACTOR
+
+
+def test_three_samples_of_a_hundred_are_nobodys_fault_and_a_fourth_is() -> None:
+    residual = np.random.default_rng(0).standard_normal(10_000)
+    clean = trimmed_rms(residual)
+    residual[:250] = 1e6
+    assert trimmed_rms(residual) < 1.15 * clean
+    residual[:400] = 1e6
+    assert trimmed_rms(residual) > 1e3
+
+
+def test_no_sample_gives_no_number() -> None:
+    assert np.isnan(trimmed_rms(np.empty(0)))
+
+
+def test_the_loss_is_a_square_up_to_the_corner_and_straight_beyond() -> None:
+    x = np.array([0.0, 1.0, -LOSS_CORNER, LOSS_CORNER + 1.0, -LOSS_CORNER - 2.0, 1e200])
+    loss = huber_square(x)
+    assert loss[:3] == pytest.approx([0.0, 1.0, LOSS_CORNER**2])
+    slope = 2.0 * LOSS_CORNER
+    assert loss[3] - loss[2] == pytest.approx(slope)
+    assert loss[4] - loss[3] == pytest.approx(slope)
+    assert np.isfinite(loss[5])
+    # The slope does not jump at the corner.
+    near = huber_square(np.array([LOSS_CORNER - 1e-6, LOSS_CORNER, LOSS_CORNER + 1e-6]))
+    assert np.diff(near) == pytest.approx([slope * 1e-6] * 2, rel=1e-3)
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Case:
+    return slide(tmp_path, 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb", "viscous"')
+
+
+def right(case: Case) -> dict[str, float]:
+    return {**case.start.values, "coulomb.force": 1.5, "viscous.coefficient": 20.0}
+
+
+def test_the_right_model_leaves_the_noise_and_a_wrong_one_what_it_is_wrong_by(case: Case) -> None:
+    found = misfit(case.start.at(right(case)), case.fit_records)["friction_force"]
+    assert found.over_noise == pytest.approx(1.0, abs=0.05)
+    # A constant of 5 deviations on top.
+    other = {**right(case), "coulomb.force": 1.5 + 5.0 * NOISE}
+    wrong = misfit(case.start.at(other), case.fit_records)["friction_force"]
+    # The best 97 % of a constant are nearly all of it: scaled as noise is, it counts for a little more.
+    assert wrong.over_noise == pytest.approx(np.hypot(1.0, 5.0) / TRIM_FACTOR, rel=0.03)
+    measured = case.fit_records[0].measured["friction_force"][case.fit_records[0].valid["friction_force"]]
+    spread = np.sqrt(np.mean((measured - measured.mean()) ** 2))
+    assert wrong.fit_percent == pytest.approx(100.0 * (1.0 - wrong.rms / spread), abs=1e-6)
+    assert wrong.size == measured.size
+
+
+def test_the_first_sample_and_gaps_are_not_scored(case: Case) -> None:
+    record = case.fit_records[0]
+    assert not record.valid["friction_force"][0]
+    spoilt = record.measured["friction_force"].copy()
+    spoilt[0] = 1e9
+    assert misfit(case.start, [replace(record, measured={"friction_force": spoilt})]) == misfit(case.start, [record])
+
+
+def test_a_sample_is_less_certain_where_the_prediction_is_steep(case: Case) -> None:
+    record = case.fit_records[0]
+    assert isinstance(record, Balance)
+    predicted = predict(record, case.start.effects, right(case))
+    deviation = sample_deviation(record, predicted, "friction_force")
+    turns = np.abs(np.diff(predicted["friction_force"], prepend=predicted["friction_force"][0])) > 1.0
+    assert deviation[turns].min() > 20.0 * NOISE
+    assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
+    assert sample_deviation(replace(record, jitter=0.0), predicted, "friction_force") == pytest.approx(NOISE)
+
+
+def test_weighted_residuals_are_in_deviations_and_follow_values_given(case: Case) -> None:
+    model = case.start.at(right(case))
+    weights = weighting(model, case.fit_records)
+    residual = weighted_residual(model, case.fit_records, weights)
+    assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.05)
+    moved = weighted_residual(model, case.fit_records, weights, {**model.values, "coulomb.force": 1.6})
+    pick = weights.picks[0]["friction_force"]
+    change = (residual - moved) * weights.deviations[0]["friction_force"][pick]
+    assert np.median(np.abs(change)) == pytest.approx(0.1)
+
+
+def test_blocks_are_stretches_of_time_and_never_shared_between_records(case: Case) -> None:
+    record = case.fit_records[0]
+    weights = weighting(case.start, [record, record])
+    numbers = blocks([record, record], weights, 10)
+    half = numbers.size // 2
+    assert set(numbers[:half]) == set(range(10))
+    assert set(numbers[half:]) == set(range(10, 20))
+    assert np.all(np.diff(numbers) >= 0)
+    edges = TIME[: record.size][weights.picks[0]["friction_force"]][np.flatnonzero(np.diff(numbers[:half]))]
+    assert np.diff(edges) == pytest.approx(0.1 * record.size * record.step, abs=2 * record.step)

@@ -1,0 +1,96 @@
+"""Angles between effects: geometry that is known, and pairs that are one thing, near, or far apart on a record."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import subspace_angles
+
+from sim.library.catalogue import find
+from sysid.estimation.base_fit import Fitted, fit_model
+from sysid.estimation.principal_angles import own_directions, principal_angles, stand_in_angle
+from sysid.prediction.model import with_effect
+from sysid.prediction.problem import Case
+from tests.sysid.slide import SIGN, VELOCITY, slide
+
+ONE_GROUP = np.deg2rad(15.0)
+"""Below it the tutorial calls two effects one and the same to these records."""
+
+
+@pytest.mark.parametrize("tilt", [1e-9, 1e-4, 0.02, 0.3, 1.2])
+def test_a_plane_turned_about_one_of_its_lines(tilt: float) -> None:
+    plane = np.eye(5)[:, :2]
+    turned = np.column_stack([plane[:, 0], np.cos(tilt) * plane[:, 1] + np.sin(tilt) * np.eye(5)[:, 4]])
+    assert principal_angles(plane, turned) == pytest.approx([0.0, tilt], rel=1e-6, abs=1e-12)
+
+
+def test_the_same_as_another_implementation() -> None:
+    rng = np.random.default_rng(0)
+    a, b = (np.linalg.qr(rng.standard_normal((40, k)))[0] for k in (2, 4))
+    assert principal_angles(a, b) == pytest.approx(np.sort(subspace_angles(a, b)))
+    assert principal_angles(b, a) == pytest.approx(principal_angles(a, b))
+
+
+def test_a_line_within_a_plane_is_no_angle_away() -> None:
+    assert principal_angles(np.eye(6)[:, :1], np.eye(6)[:, :3]) == pytest.approx([0.0])
+
+
+@pytest.fixture
+def case(tmp_path: Path) -> Case:
+    return slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, '"coulomb"')
+
+
+def added(case: Case, base: Fitted, effect: str) -> Fitted:
+    return fit_model(with_effect(base.model, find(effect), case.scales), case.fit_records, base.weights, 4)
+
+
+def angle(case: Case, one: str, other: str) -> float | None:
+    base = fit_model(case.start, case.fit_records)
+    return stand_in_angle(added(case, base, one), added(case, base, other), base)
+
+
+def test_two_names_for_one_thing_are_no_angle_apart(case: Case) -> None:
+    # Under plain Coulomb friction a bias is an asymmetry of the level: with its viscous part held they are the same.
+    base = fit_model(case.start, case.fit_records)
+    asymmetry = with_effect(base.model, find("direction_asymmetry"), case.scales)
+    held = type(asymmetry)(
+        asymmetry.effects, asymmetry.values, tuple(u for u in asymmetry.unknowns if "asymmetry.viscous" not in u.key)
+    )
+    one = fit_model(held, case.fit_records, base.weights, 4)
+    apart = stand_in_angle(one, added(case, base, "constant_bias"), base)
+    assert apart is not None
+    assert apart < 0.2 * ONE_GROUP
+
+
+def test_two_laws_of_drag_are_near_and_a_spring_is_far(case: Case) -> None:
+    near, far = angle(case, "viscous", "quadratic_drag"), angle(case, "viscous", "cable_spring")
+    assert near is not None
+    assert far is not None
+    assert near < far
+    assert far > 4.0 * ONE_GROUP
+
+
+def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> None:
+    case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    base = fit_model(case.start, case.fit_records)
+    load = added(case, base, "load_dependent_friction")
+    assert own_directions(load, base).shape[1] == 0
+    assert stand_in_angle(load, added(case, base, "viscous"), base) is None
+
+
+def test_a_law_with_more_values_may_stand_in_where_one_with_fewer_may_not(tmp_path: Path) -> None:
+    level = 1.5 + 0.3 * np.exp(-((VELOCITY / 8e-3) ** 2))
+    case = slide(tmp_path, level * SIGN, '"coulomb"')
+    base = fit_model(case.start, case.fit_records)
+    curve, drag = (
+        fit_model(added(case, base, n).model, case.fit_records, base.weights) for n in ("stribeck", "viscous")
+    )
+    # What the curve does is no straight line; drag cannot be negative, and does nothing here.
+    could = stand_in_angle(curve, drag, base)
+    assert could is not None
+    assert could > ONE_GROUP
+    # Not only along its slope where it ended: all that it took.
+    assert stand_in_angle(curve, curve, base) == pytest.approx(0.0, abs=1e-3)
+    assert stand_in_angle(drag, curve, base) is None

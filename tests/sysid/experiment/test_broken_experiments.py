@@ -1,0 +1,147 @@
+"""Each way a file can be wrong gives one line: file, key or row, what is wrong, what would be right."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.record import load_records
+
+CASES = tomllib.loads((Path(__file__).parent / "broken" / "cases.toml").read_text(encoding="utf-8"))
+
+EXPERIMENT = """schema = 1
+
+[rig]
+kind = "spring-pull"
+
+[rig.known]
+mass = "1.79 kg"
+pull_stiffness = "5752 N/m"
+
+[model]
+effects = ["coulomb"]
+
+[[record]]
+file = "fit.csv"
+role = "fit"
+
+[noise]
+position = "2e-07 m"
+"""
+CSV = "time [s],pull_position [m],position [m],spring_force [N]\n" + "".join(
+    f"{i / 100:g},{i / 1000:g},{i / 2000:g},{i / 10:g}\n" for i in range(40)
+)
+
+
+def _write(folder: Path, case: dict) -> None:
+    toml = EXPERIMENT.replace(*case["toml"]) if "toml" in case else EXPERIMENT
+    toml = case.get("prepend", "") + toml
+    csv = case.get("whole_csv", CSV)
+    csv = csv.replace(*case["csv"]) if "csv" in case else csv
+    assert (toml, csv) != (EXPERIMENT, CSV) or set(case) & {"encoding", "delete"}, "the case changes nothing"
+    (folder / "experiment.toml").write_text(toml, encoding="utf-8")
+    (folder / case.get("rename", "fit.csv")).write_bytes(csv.encode(case.get("encoding", "utf-8")))
+    if "custom" in case:
+        (folder / "mine.py").write_text(case["custom"])
+    if "delete" in case:
+        (folder / case["delete"]).unlink()
+
+
+def test_the_good_files_are_good(tmp_path):
+    (tmp_path / "experiment.toml").write_text(EXPERIMENT)
+    (tmp_path / "fit.csv").write_text(CSV)
+    assert len(load_records(load_experiment(tmp_path))) == 2
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_line(tmp_path, name):
+    case = CASES[name]
+    _write(tmp_path, case)
+    with pytest.raises(InputError) as caught:
+        load_records(load_experiment(tmp_path))
+    assert str(caught.value) == case["line"].replace("{dir}", str(tmp_path))
+
+
+def test_there_are_many():
+    assert len(CASES) >= 40
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    (tmp_path / "rig_1").mkdir()
+    with pytest.raises(InputError, match=r"rig_2: no such folder or file; did you mean 'rig_1'\?"):
+        load_experiment(tmp_path / "rig_2")
+
+
+def test_a_very_long_name_stays_one_short_line(tmp_path):
+    (tmp_path / "fit.csv").write_text(CSV)
+    (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "x" * 5000 + ".csv"))
+    with pytest.raises(InputError) as caught:
+        load_experiment(tmp_path)
+    assert len(str(caught.value)) < 300 and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"PAR1", b"PAR1" + bytes(50) + b"PAR1"])
+def test_a_damaged_parquet_file(tmp_path, content):
+    (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.parquet"))
+    (tmp_path / "fit.parquet").write_bytes(content)
+    with pytest.raises(InputError, match=r"fit\.parquet: is no Parquet file"):
+        load_experiment(tmp_path)
+
+
+def test_a_mat_file_without_vectors_or_of_another_version(tmp_path):
+    from scipy.io import savemat
+
+    (tmp_path / "experiment.toml").write_text(EXPERIMENT.replace("fit.csv", "fit.mat"))
+    savemat(tmp_path / "fit.mat", {"comment": "nothing measured", "gain": 3.0})
+    with pytest.raises(InputError, match=r"fit\.mat: holds no vector of numbers"):
+        load_experiment(tmp_path)
+    (tmp_path / "fit.mat").write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512))
+    with pytest.raises(InputError, match=r"version 7\.3"):
+        load_experiment(tmp_path)
+
+
+def _survives(folder: Path, toml: bytes, csv: bytes) -> None:
+    (folder / "experiment.toml").write_bytes(toml)
+    (folder / "fit.csv").write_bytes(csv)
+    line = ""
+    try:
+        load_records(load_experiment(folder))
+    except InputError as error:
+        line = str(error)
+    assert "\n" not in line
+
+
+QUICK = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@QUICK
+@given(place=st.integers(0, len(CSV) - 1), length=st.integers(0, 20), junk=st.binary(max_size=12))
+def test_a_record_with_bytes_changed_never_ends_in_a_traceback(tmp_path, place, length, junk):
+    data = CSV.encode()
+    _survives(tmp_path, EXPERIMENT.encode(), data[:place] + junk + data[place + length :])
+
+
+@QUICK
+@given(place=st.integers(0, len(EXPERIMENT) - 1), length=st.integers(0, 20), junk=st.text(max_size=12))
+def test_an_experiment_with_letters_changed_never_ends_in_a_traceback(tmp_path, place, length, junk):
+    toml = EXPERIMENT[:place] + junk + EXPERIMENT[place + length :]
+    _survives(tmp_path, toml.encode("utf-8", "replace"), CSV.encode())
+
+
+VALUES = st.one_of(
+    st.text(alphabet='0123456789.e+-kgNmsrad/*^ "', max_size=12).map(lambda text: f"'''{text}'''"),
+    st.sampled_from(["1", "-1", "nan", "inf", "true", "[]", "{}", "[1]", "1979-05-27", "{a = 1}", '"design"', '["x"]']),
+)
+
+
+@QUICK
+@given(line=st.sampled_from([line for line in EXPERIMENT.splitlines() if "=" in line]), value=VALUES)
+def test_any_value_under_any_key_never_ends_in_a_traceback(tmp_path, line, value):
+    toml = EXPERIMENT.replace(line, f"{line.partition('=')[0]}= {value}")
+    _survives(tmp_path, toml.encode(), CSV.encode())

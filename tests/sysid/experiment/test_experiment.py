@@ -1,0 +1,137 @@
+"""What an experiment file says, as the program understands it."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import load_experiment
+
+SHARED = Path(__file__).parents[4] / "shared"
+
+
+def _experiment(folder: Path, rig: str, header: str, model: str = "effects = []", record: str = "", rest: str = ""):
+    rows = "".join(",".join([f"{0.01 * i:g}"] + [f"{0.1 * i:g}"] * header.count(",")) + "\n" for i in range(40))
+    (folder / "fit.csv").write_text(f"{header}\n{rows}")
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\n{rig}\n[model]\n{model}\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n{record}\n{rest}\n'
+    )
+    return folder
+
+
+SPRING = "time [s],pull_position [m],position [m]"
+
+
+def test_known_values_in_si_with_their_uncertainty(tmp_path):
+    folder = _experiment(
+        tmp_path, 'kind = "spring-pull"\nknown = {mass = "1790 +- 10 g", pull_stiffness = "5.752 N/mm"}', SPRING
+    )
+    known = load_experiment(folder).rig.known
+    assert (known["mass"].value, known["mass"].std) == (pytest.approx(1.79), pytest.approx(0.01))
+    assert known["pull_stiffness"].value == pytest.approx(5752.0) and known["pull_stiffness"].std is None
+    assert known["mass"].origin == "given"
+
+
+def test_design_values_are_asked_for_by_name_and_only_when_needed(tmp_path):
+    folder = _experiment(
+        tmp_path,
+        'kind = "actuator-tip"\nknown = {piezo_spacing = "design", tip_height = "21 mm", bias_voltage = "50 V"}',
+        "time [s],voltage_1 [V],voltage_2 [V],tip_x [um],tip_y [nm]",
+    )
+    asked = []
+
+    def design(name):
+        asked.append(name)
+        return 0.046
+
+    rig = load_experiment(folder, design).rig
+    assert asked == ["piezo_spacing"]
+    assert rig.known["piezo_spacing"].value == 0.046 and rig.known["piezo_spacing"].origin == "design"
+    assert rig.known["tip_height"].value == pytest.approx(0.021)
+    with pytest.raises(InputError, match=r"rig\.known\.piezo_spacing: the design has no 'piezo_spacing'"):
+        load_experiment(folder, {"tip_height": 0.02})
+
+
+@pytest.mark.parametrize("key", ["mass", "inertia"])
+def test_a_rotary_axis_is_told_by_its_units(tmp_path, key):
+    folder = _experiment(
+        tmp_path,
+        f'kind = "force-drive"\nknown = {{{key} = "4.1 kg*cm^2"}}',
+        "time [ms],drive_force [mN*m],position [deg],normal_load [N*m]",
+        'effects = ["viscous"]\nparameters = {"viscous.coefficient" = {start = "2e-3 N*m*s/rad", fixed = true}}',
+        rest='[noise]\nposition = "0.001 deg"\ndrive_force = "1 mN*m"',
+    )
+    experiment = load_experiment(folder)
+    assert experiment.rig.rotary
+    assert experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
+    assert experiment.noise["position"] == pytest.approx(math.radians(0.001))
+    assert experiment.parameters["viscous.coefficient"].fixed
+    assert experiment.records[0].sources["time"].factor == pytest.approx(1e-3)
+
+
+def test_model_effects_variants_sensors_and_settings(tmp_path):
+    folder = _experiment(
+        tmp_path,
+        'kind = "spring-pull"',
+        SPRING + ",spring_force [N]",
+        'effects = ["presliding:lugre", "stribeck", "sensor_lag@position", "sensor_drift@spring_force"]\n'
+        "[model.parameters]\n"
+        'stribeck.velocity = {start = "2 mm/s", low = "0.1 mm/s", high = inf}\n'
+        '"sensor_lag@position.time_constant" = "3 ms"\n'
+        '"sensor_drift@spring_force.amplitude" = {low = "-1 mN"}',
+    )
+    experiment = load_experiment(folder)
+    assert experiment.effects[0] == "presliding:lugre"
+    setting = experiment.parameters["stribeck.velocity"]
+    assert (setting.start, setting.low, setting.high) == (pytest.approx(2e-3), pytest.approx(1e-4), math.inf)
+    assert experiment.parameters["sensor_lag@position.time_constant"].start == pytest.approx(3e-3)
+    assert experiment.parameters["sensor_drift@spring_force.amplitude"].low == pytest.approx(-1e-3)
+
+
+def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from sim.library.effect import Effect, Parameter\n"
+        "def force(axis, p):\n    return p.strength * axis.position**3\n"
+        'effect = Effect("cubic_spring", "stiffens", force=force,\n'
+        '    parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])\n'
+    )
+    folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING, 'effects = ["cubic_spring"]\ncustom = ["mine.py"]')
+    experiment = load_experiment(folder)
+    assert experiment.effects == ("cubic_spring",) and experiment.custom == (tmp_path / "mine.py",)
+
+
+def test_path_may_be_the_file_and_the_text_is_kept(tmp_path):
+    folder = _experiment(tmp_path, 'kind = "spring-pull"\ninput_hold = "linear"  # ramp', SPRING)
+    experiment = load_experiment(folder / "experiment.toml")
+    assert experiment.folder == folder and "# ramp" in experiment.text and experiment.rig.input_hold == "linear"
+
+
+def test_a_record_may_override_the_noise_and_continue_another(tmp_path):
+    folder = _experiment(
+        tmp_path,
+        'kind = "spring-pull"',
+        SPRING,
+        record='noise = {position = "3 um"}\n[[record]]\nfile = "fit.csv"\nrole = "validate"\ncontinues = "fit.csv"',
+        rest='[noise]\nposition = "1 um"',
+    )
+    first, second = load_experiment(folder).records
+    assert first.noise["position"] == pytest.approx(3e-6) and not second.noise
+    assert (second.name, second.continues) == ("fit#2", "fit")
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
+def test_every_practice_experiment_and_both_rigs_read():
+    from sysid.experiment.record import load_records
+
+    folders = [path.parent for path in SHARED.glob("*/*/experiment.toml")]
+    assert len(folders) >= 42
+    for folder in folders:
+        records = load_records(load_experiment(folder))
+        assert {record.role for record in records} == {"fit", "validate"}
+        for record in records:
+            assert np.all(np.diff(record.time) > 0)
+            assert record.rotary == (folder.name == "case026")

@@ -1,0 +1,306 @@
+"""The ladder: rungs and experiment file in step, whatever happens between two writes."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sysid.experiment.history as ladder
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
+from sysid.experiment.history import append_rung, edited_by_hand, ladder_lock, read_ladder, undo
+
+TEXT = """# my rig, spring no. 3
+schema = 1
+
+[rig]
+kind = "velocity-drive"   # the slow one
+
+[model]
+# what we know so far
+effects = [
+    "coulomb",  # dry
+    "viscous",
+]
+
+[model.parameters]
+"coulomb.force" = {start = "1.2 N", low = "0.1 N", high = inf}  # from last week
+
+[[record]]
+file = "fit.csv"     # Monday
+role = "fit"
+
+[noise]
+friction_force = "0.01 N"  # data sheet
+"""
+
+
+RECORD = '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+
+
+def _rig(folder: Path, text: str = TEXT) -> Experiment:
+    t = np.arange(50) * 0.01
+    rows = [f"{a:.6g},{0.01 * np.sin(a):.6g},{np.cos(a):.6g}" for a in t]
+    (folder / "fit.csv").write_text("time [s],position [m],friction_force [N]\n" + "\n".join(rows) + "\n")
+    (folder / "experiment.toml").write_text(text)
+    return load_experiment(folder)
+
+
+def _add(experiment: Experiment, *new: str, starts: dict[str, tuple[float, str]] | None = None) -> ladder.Rung:
+    return append_rung(
+        experiment,
+        (*experiment.effects, *new),
+        starts or {"coulomb.force": (1.3, "N")},
+        {"before": {"fit": {"rms": np.float64(0.1), "p": float("nan")}}, "parameters": {}},
+        {"before": {"fit": {"rms": 0.5}}, "parameters": {}},
+        {"fit": "abc"},
+    )
+
+
+def test_first_rung_keeps_the_model_before_and_every_comment(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck", starts={"coulomb.force": (1.3, "N"), "stribeck.velocity": (0.002, "m/s")})
+    text = experiment.path.read_text()
+    for comment in ("my rig, spring no. 3", "the slow one", "what we know so far", "dry", "Monday", "data sheet"):
+        assert f"# {comment}" in text
+    after = load_experiment(tmp_path)
+    assert after.effects == ("coulomb", "viscous", "stribeck")
+    assert after.parameters["stribeck.velocity"].start == pytest.approx(0.002)
+    # Bounds that the user gave stay.
+    setting = after.parameters["coulomb.force"]
+    assert (setting.start, setting.low, setting.high) == (1.3, 0.1, float("inf"))
+    rungs = read_ladder(after)
+    assert [rung.effects for rung in rungs] == [("coulomb", "viscous"), ("coulomb", "viscous", "stribeck")]
+    assert rungs[0].document["before"]["fit"]["rms"] == 0.5
+    assert rungs[1].document["added"] == ["stribeck"] and rungs[1].document["records"] == {"fit": "abc"}
+    assert rungs[1].document["before"]["fit"] == {"rms": 0.1, "p": None}
+    assert not edited_by_hand(after, rungs)
+
+
+def test_a_new_table_of_parameters_leaves_a_blank_line_behind(tmp_path):
+    plain = "\n".join(line for line in TEXT.splitlines() if "coulomb.force" not in line and "parameters" not in line)
+    experiment = _rig(tmp_path, plain)
+    _add(experiment, "stribeck")
+    assert '"coulomb.force" = {start = "1.3 N"}\n\n[[record]]' in experiment.path.read_text()
+
+
+def test_undo_restores_the_file_byte_for_byte_and_keeps_the_rung(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    second = experiment.path.read_bytes()
+    _add(load_experiment(tmp_path), "constant_bias")
+    restored, kept = undo(load_experiment(tmp_path))
+    assert restored.number == 1 and experiment.path.read_bytes() == second
+    assert json.loads(kept.read_text())["added"] == ["constant_bias"]
+    undo(load_experiment(tmp_path))
+    assert experiment.path.read_text() == TEXT
+    with pytest.raises(InputError, match="nothing to undo"):
+        undo(load_experiment(tmp_path))
+    # A second climb reuses the number and loses neither.
+    _add(load_experiment(tmp_path), "cable_spring")
+    undo(load_experiment(tmp_path))
+    undone = tmp_path / "ladder" / "undone"
+    assert {path.name for path in undone.iterdir()} == {"001-1.json", "001-2.json", "002-1.json"}
+
+
+def test_undo_keeps_what_was_edited_outside_the_model(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    experiment.path.write_text(experiment.path.read_text().replace("0.01 N", "0.02 N"))
+    undo(load_experiment(tmp_path))
+    assert experiment.path.read_text() == TEXT.replace("0.01 N", "0.02 N")
+
+
+def test_undo_refuses_after_an_edit_by_hand_and_add_keeps_that_model(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    edited = experiment.path.read_text().replace('"viscous",', '"viscous", "cable_spring",')
+    experiment.path.write_text(edited)
+    with pytest.raises(InputError, match=r"\[model\] was edited by hand since rung 001"):
+        undo(load_experiment(tmp_path))
+    assert experiment.path.read_text() == edited
+    _add(load_experiment(tmp_path), "constant_bias")
+    rungs = read_ladder(load_experiment(tmp_path))
+    assert len(rungs) == 4 and rungs[2].document["edited_by_hand"] and "cable_spring" in rungs[2].effects
+
+
+def test_undo_says_so_where_the_model_edited_by_hand_is_no_valid_one(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck", starts={"stribeck.velocity": (0.002, "m/s")})
+    edited = "\n".join(line for line in experiment.path.read_text().splitlines() if line.strip(" ,") != '"stribeck"')
+    experiment.path.write_text(edited)
+    with pytest.raises(InputError, match=r"stribeck\.velocity"):
+        load_experiment(tmp_path)
+    with pytest.raises(InputError, match=r"\[model\] was edited by hand since rung 001"):
+        undo(find_experiment(tmp_path))
+    assert experiment.path.read_text() == edited
+    experiment.path.write_text(edited + "[model\n")
+    with pytest.raises(InputError, match=r"experiment\.toml: "):
+        undo(find_experiment(tmp_path))
+
+
+def test_a_comment_or_another_order_of_keys_is_no_edit(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    experiment.path.write_text(experiment.path.read_text().replace("# dry", "# Coulomb 1785"))
+    rung, _ = undo(load_experiment(tmp_path))
+    assert rung.number == 0 and "stribeck" not in rung.effects
+    assert "# Coulomb 1785" in experiment.path.read_text()
+
+
+def test_add_refuses_a_file_that_changed_during_the_fit(tmp_path):
+    experiment = _rig(tmp_path)
+    experiment.path.write_text(TEXT + "# a thought\n")
+    with pytest.raises(InputError, match="changed while the fit ran"):
+        _add(experiment, "stribeck")
+    assert read_ladder(load_experiment(tmp_path)) == []
+
+
+def test_a_core_that_replaces_another_takes_its_settings_along(tmp_path):
+    experiment = _rig(tmp_path)
+    append_rung(experiment, ("viscous", "presliding"), {}, {}, {}, {})
+    after = load_experiment(tmp_path)
+    assert after.effects == ("viscous", "presliding") and not after.parameters
+    undo(after)
+    assert experiment.path.read_text() == TEXT
+
+
+@pytest.mark.parametrize("writes_before_the_stop", range(4))
+def test_a_run_stopped_between_two_writes_leaves_one_side_or_the_other(tmp_path, monkeypatch, writes_before_the_stop):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    one = load_experiment(tmp_path)
+    left = [writes_before_the_stop]
+
+    def stopping(write):
+        def wrapped(path, data):
+            if left[0] == 0:
+                raise KeyboardInterrupt
+            left[0] -= 1
+            write(path, data)
+
+        return wrapped
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ladder, "atomic_write_text", stopping(ladder.atomic_write_text))
+        patch.setattr(ladder, "atomic_write_bytes", stopping(ladder.atomic_write_bytes))
+        # Three writes: the note, the rung, the experiment.
+        if writes_before_the_stop >= 3:
+            _add(one, "constant_bias")
+        else:
+            with pytest.raises(KeyboardInterrupt):
+                _add(one, "constant_bias")
+    now = load_experiment(tmp_path)
+    rungs = read_ladder(now)
+    assert not edited_by_hand(now, rungs)
+    assert rungs[-1].effects == now.effects
+    assert len(rungs) == (3 if writes_before_the_stop >= 3 else 2)
+    _add(now, "cable_spring")
+    assert len(read_ladder(load_experiment(tmp_path))) == len(rungs) + 1
+
+
+def test_an_undo_stopped_after_the_experiment_was_written_counts_as_done(tmp_path, monkeypatch):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+
+    def stop(path):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ladder, "_set_aside", stop)
+        with pytest.raises(KeyboardInterrupt):
+            undo(load_experiment(tmp_path))
+    now = load_experiment(tmp_path)
+    assert now.effects == ("coulomb", "viscous") and len(read_ladder(now)) == 1
+    _add(now, "constant_bias")
+    assert [rung.effects[-1] for rung in read_ladder(load_experiment(tmp_path))] == ["viscous", "constant_bias"]
+    assert len(list((tmp_path / "ladder" / "undone").iterdir())) == 1
+
+
+def test_another_process_waits_and_is_told(tmp_path):
+    experiment = _rig(tmp_path)
+    code = (
+        "import sys; from sysid.experiment.experiment import load_experiment\n"
+        "from sysid.experiment.history import ladder_lock\n"
+        "with ladder_lock(load_experiment(sys.argv[1])):\n    print('held', flush=True); sys.stdin.read()"
+    )
+    root = Path(ladder.__file__).parents[1]
+    with subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=root
+    ) as other:
+        assert other.stdout is not None and other.stdout.readline() == "held\n"
+        with pytest.raises(InputError, match=f"another run is at work on it .process {other.pid}.; try again"):
+            append_rung(experiment, ("coulomb",), {}, {}, {}, {}, timeout=0.2)
+        # A process that is killed lets go of the lock.
+        other.kill()
+        other.wait()
+    _add(experiment, "stribeck")
+
+
+def _climb(folder: str, effect: str) -> None:
+    with ladder_lock(load_experiment(folder), timeout=60.0):
+        _add(load_experiment(folder), effect)
+
+
+def test_two_runs_at_once_lose_nothing(tmp_path):
+    _rig(tmp_path)
+    context = multiprocessing.get_context("spawn")
+    runs = [context.Process(target=_climb, args=(str(tmp_path), name)) for name in ("stribeck", "constant_bias")]
+    for run in runs:
+        run.start()
+    for run in runs:
+        run.join(60)
+    assert [run.exitcode for run in runs] == [0, 0]
+    after = load_experiment(tmp_path)
+    assert set(after.effects) == {"coulomb", "viscous", "stribeck", "constant_bias"}
+    assert len(read_ladder(after)) == 3 and not edited_by_hand(after, read_ladder(after))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("001.json", "{", "001.json: is no JSON"),
+        ("001.json", "[]", "001.json: is no rung"),
+        ("001.json", '{"schema": 1}', "001.json: 'model' is missing"),
+        ("003.json", '{"schema": 1, "model": {}}', "rung 002.json is missing"),
+    ],
+)
+def test_a_damaged_ladder_says_which_rung(tmp_path, name, content, message):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    (tmp_path / "ladder" / name).write_text(content)
+    with pytest.raises(InputError, match=message):
+        read_ladder(load_experiment(tmp_path))
+
+
+@pytest.mark.parametrize(
+    "layout",
+    [
+        f'model = {{effects = ["coulomb"]}}\nschema = 1\nrig = {{kind = "velocity-drive"}}\n{RECORD}',
+        f'schema = 1\nrig.kind = "velocity-drive"\nmodel.effects = ["coulomb"]\n{RECORD}',
+        TEXT.replace("\n", "\r\n"),
+        TEXT.replace(
+            '[model.parameters]\n"coulomb.force" = {start = "1.2 N", low = "0.1 N", high = inf}',
+            '[model.parameters.coulomb.force]\nstart = "1.2 N"',
+        ),
+    ],
+    ids=["inline", "dotted", "crlf", "nested"],
+)
+def test_other_layouts_of_the_same_file(tmp_path, layout):
+    experiment = _rig(tmp_path)
+    experiment.path.write_bytes(layout.encode())
+    experiment = load_experiment(tmp_path)
+    _add(experiment, "stribeck")
+    after = load_experiment(tmp_path)
+    assert after.effects == (*experiment.effects, "stribeck")
+    assert after.parameters["coulomb.force"].start == 1.3
+    assert tomllib.loads(after.text)["record"] == tomllib.loads(layout)["record"]
+    undo(after)
+    assert experiment.path.read_bytes() == layout.encode()

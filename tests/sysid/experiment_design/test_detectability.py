@@ -1,0 +1,85 @@
+"""The smallest size that records could have shown: against algebra, and against what a diagnosis then finds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from sim.library.catalogue import find
+from sysid.diagnose import diagnose
+from sysid.diagnosis.verdict_limits import LEAST_GAIN
+from sysid.estimation.reference_fit import fit_case
+from sysid.experiment_design.detectability import Smallest, smallest_shown, smallest_sizes
+from sysid.prediction.problem import Case
+from tests.sysid.slide import NOISE, SIGN, STEP, VELOCITY, slide
+
+
+def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Case:
+    """Coulomb friction and something else, the model knowing the first."""
+    return slide(folder, 1.5 * SIGN + extra, '"coulomb"', held_out=True, noise=noise)
+
+
+def sizes(case: Case, *names: str) -> dict[str, Smallest]:
+    found = smallest_sizes(fit_case(case).fitted, [find(n) for n in names], case.fit_records, case.scales)
+    return {one.effect: one for one in found}
+
+
+def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
+    case = bare(tmp_path)
+    found = sizes(case, "constant_bias", "viscous")
+    sign = SIGN[1:]
+    for effect, column in (("constant_bias", np.ones(sign.size)), ("viscous", VELOCITY[1:])):
+        free = column - sign * (sign @ column) / (sign @ sign)
+        wanted = NOISE * np.sqrt(LEAST_GAIN * sign.size / (free @ free))
+        # The deviations allow for the time of a turn within a step, which plain algebra does not.
+        assert found[effect].value == pytest.approx(wanted, rel=0.1)
+
+
+@pytest.mark.parametrize("times,verdict", [(1.7, "missing-effect"), (0.4, "adequate")])
+def test_a_diagnosis_finds_what_is_well_above_that_size_and_not_what_is_below(
+    tmp_path: Path, times: float, verdict: str
+) -> None:
+    smallest = sizes(bare(tmp_path / "without"), "viscous")["viscous"].value
+    assert smallest is not None
+    found = diagnose(bare(tmp_path / "with", times * smallest * VELOCITY))
+    assert found.verdict == verdict
+    assert found.effect == ("viscous" if verdict == "missing-effect" else None)
+
+
+def test_a_size_without_an_amplitude_is_searched(tmp_path: Path) -> None:
+    smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
+    assert smallest is not None
+    assert 1e-5 < smallest < 5e-3
+    decay = np.exp(-STEP / (3.0 * smallest))
+    lagged = np.asarray(lfilter([1.0 - decay], [1.0, -decay], 1.5 * SIGN))
+    found = diagnose(bare(tmp_path / "with", lagged - 1.5 * SIGN))
+    assert found.effect in ("sensor_lag", "sensor_delay")
+
+
+def test_the_loudest_noise_hides_most(tmp_path: Path) -> None:
+    quiet = sizes(bare(tmp_path / "a"), "cable_spring", "magnetic_cogging", "presliding")
+    loud = sizes(
+        bare(tmp_path / "b", noise=10.0 * NOISE),
+        "cable_spring", "magnetic_cogging", "presliding",
+    )  # fmt: skip
+    for name, one in quiet.items():
+        assert one.value is not None
+        other = loud[name].value
+        assert other is None or other > 2.0 * one.value, name
+
+
+def test_a_relative_size_beyond_its_bound_is_no_size(tmp_path: Path) -> None:
+    case = bare(tmp_path, noise=300.0 * NOISE)
+    assert sizes(case, "position_dependent_friction")["position_dependent_friction"].value is None
+
+
+def test_a_diagnosis_tells_it_of_every_effect_but_the_one_it_found(tmp_path: Path) -> None:
+    found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
+    assert found.effect == "viscous"
+    told = {one.effect for one in smallest_shown(found)}
+    assert "viscous" not in told
+    assert "coulomb" not in told
+    assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told

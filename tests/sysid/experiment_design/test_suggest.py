@@ -1,0 +1,142 @@
+"""Choice of the next motion: what must be inseparable is, what must be separable is, by as much as algebra says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.library.catalogue import find
+from sysid.estimation.misfit import weighting
+from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
+from sysid.experiment_design.suggest import columns_of, motion_record, motions_for, separation
+from sysid.prediction.model import Model, predict, with_effect
+from sysid.prediction.problem import Case, load_case
+
+NOISE = 0.01
+ENVELOPE = Envelope(-0.01, 0.02, 0.05, 2.0, 2e-6, load=(10.0, 30.0))
+
+
+@pytest.fixture(scope="module")
+def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
+    folder = tmp_path_factory.mktemp("rig")
+    t = np.arange(4000) * 1e-3
+    v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
+    x = np.cumsum(v) * 1e-3
+    rng = np.random.default_rng(3)
+    force = 1.5 * np.sign(v) + 8.0 * v + rng.normal(0, NOISE, t.size)
+    rows = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.6g}" for a, b, c, d in zip(t, x, v, force, strict=True))
+    (folder / "log.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{rows}\n")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
+        '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "0.01 N"\n'
+    )
+    return load_case(folder)
+
+
+def model(case: Case, **values: float) -> Model:
+    """Coulomb friction of 1.5 N with one more effect at the values given (`effect__parameter`)."""
+    name = next(iter(values)).partition("__")[0]
+    found = with_effect(case.start, find(name), case.scales)
+    at = {"coulomb.force": 1.5, **{key.replace("__", "."): value for key, value in values.items()}}
+    return found.at({**found.values, **at})
+
+
+def motion(case: Case, name: str) -> Motion:
+    return next(m for m in motions_for(case) if m.name == name)
+
+
+def apart(case: Case, one: Model, other: Model, name: str) -> float:
+    record, count = motion_record(case, motion(case, name))
+    return count * separation(one, other, [record], weighting(one, [record], thin=False))
+
+
+def test_a_model_is_not_apart_from_itself_at_other_values(case: Case) -> None:
+    one, other = model(case, viscous__coefficient=8.0), model(case, viscous__coefficient=2.0)
+    assert apart(case, one, other, "triangle sweeps") < 0.5
+
+
+def test_a_bias_and_an_asymmetry_of_plain_coulomb_friction_are_one(case: Case) -> None:
+    bias, asymmetry = model(case, constant_bias__force=0.1), model(case, direction_asymmetry__coulomb=0.06)
+    for m in motions_for(case):
+        assert apart(case, bias, asymmetry, m.name) < 0.1, m.name
+    assert apart(case, bias, model(case, viscous__coefficient=1.0), "triangle sweeps") > 20.0
+
+
+def test_drag_laws_need_more_than_one_speed(case: Case) -> None:
+    linear, square = model(case, viscous__coefficient=8.0), model(case, quadratic_drag__coefficient=200.0)
+    sweeps, one_speed = (apart(case, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
+    assert sweeps > 20.0
+    assert one_speed < 0.2 * sweeps
+
+
+def test_separation_of_linear_models_is_the_part_a_projection_leaves(case: Case) -> None:
+    linear, square = model(case, viscous__coefficient=8.0), model(case, quadratic_drag__coefficient=200.0)
+    m = motion(case, "triangle sweeps")
+    record, _ = motion_record(case, m)
+    # Deviations without the allowance for timing, so that algebra on plain columns applies.
+    record = replace(record, jitter=0.0)
+    ok = record.valid["friction_force"]
+    v = np.gradient(m.signals["position"], m.step)
+    coulomb = predict(record, case.start.effects, {**case.start.values, "coulomb.force": 1.0})["friction_force"]
+    truth = [1.5 * coulomb + 8.0 * v, 1.5 * coulomb + 200.0 * v * np.abs(v)]
+    rivals = [np.column_stack([coulomb, v * np.abs(v)]), np.column_stack([coulomb, v])]
+    left = []
+    for y, columns in zip(truth, rivals, strict=True):
+        best, *_ = np.linalg.lstsq(columns[ok], y[ok], rcond=None)
+        left.append(np.linalg.norm((y - columns @ best)[ok]) / NOISE)
+    found = separation(linear, square, [record], weighting(linear, [record], thin=False))
+    assert found == pytest.approx(min(left), rel=0.02)
+
+
+def test_sampling_a_motion_more_coarsely_leaves_its_evidence(case: Case) -> None:
+    one, other = model(case, viscous__coefficient=8.0), model(case, quadratic_drag__coefficient=200.0)
+    fine = next(
+        m for m in axis_motions(Envelope(-0.005, 0.005, 0.03, 1.0, 1e-6), 1e-3, most=8000) if m.name == "multisine"
+    )
+    coarse = Motion(fine.name, fine.reason, {"position": fine.signals["position"][::3]}, 3 * fine.step)
+    found = []
+    for m in (fine, coarse):
+        record, count = motion_record(case, m)
+        found.append(count * separation(one, other, [record], weighting(one, [record], thin=False)))
+    # Counted by samples, the finer one would seem 1.7 times as telling.
+    assert found[0] == pytest.approx(found[1], rel=0.15)
+
+
+@pytest.mark.parametrize("m", axis_motions(ENVELOPE, 1e-3), ids=lambda m: m.name)
+def test_motions_stay_within_what_the_rig_has_shown(m: Motion) -> None:
+    x = m.signals["position"]
+    assert np.isfinite(x).all()
+    assert ENVELOPE.low - 1e-9 <= x.min() and x.max() <= ENVELOPE.high + 1e-9
+    assert np.max(np.abs(np.gradient(x, m.step))) <= 1.02 * ENVELOPE.speed
+    assert m.seconds <= 45.0
+    load = m.signals.get("normal_load")
+    assert load is None or (load.min() >= 10.0 - 1e-9 and load.max() <= 30.0 + 1e-9)
+
+
+def test_the_last_motion_fills_places_and_speeds() -> None:
+    m = axis_motions(ENVELOPE, 1e-3)[-1]
+    x = m.signals["position"]
+    v = np.abs(np.gradient(x, m.step))
+    places = np.histogram(x, bins=8, range=(ENVELOPE.low, ENVELOPE.high))[0]
+    speeds = np.histogram(np.log10(np.maximum(v, 1e-9) / ENVELOPE.speed), bins=4, range=(-2.0, 0.0))[0]
+    assert np.count_nonzero(places) >= 7
+    assert np.all(speeds > 0)
+    assert np.mean(v < 1e-9) > 0.01
+
+
+@pytest.mark.parametrize("pistons", [2, 3])
+def test_voltages_stay_within_what_the_piezos_have_seen(pistons: int) -> None:
+    for m in tip_motions([0.0] * pistons, [100.0] * pistons, 1e-3):
+        assert sorted(m.signals) == [f"voltage_{k + 1}" for k in range(pistons)]
+        for u in m.signals.values():
+            assert u.min() >= 0.0 and u.max() <= 100.0
+
+
+def test_the_table_to_run_names_its_units(case: Case, tmp_path: Path) -> None:
+    table = columns_of(case, motion(case, "multisine"))
+    assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
+    x, v = table["position [m]"], table["velocity [m/s]"]
+    assert np.allclose(np.cumsum(v)[-2] * (table["time [s]"][1]), x[-1] - x[0], atol=2e-3 * np.ptp(x))

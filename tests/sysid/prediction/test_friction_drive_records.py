@@ -1,0 +1,175 @@
+"""Friction-drive experiments: records of a rig in code of its own, with something hidden in it."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experiment
+
+from sim.library.catalogue import find
+from stagecad.parameters.errors import InputError
+from sysid.estimation.misfit import misfit
+from sysid.estimation.reference_fit import fit_case
+from sysid.estimation.score_test import target_of
+from sysid.estimation.screening import try_effect
+from sysid.prediction.friction_drive.midpoint import follow
+from sysid.prediction.observable import candidates_of
+from sysid.prediction.problem import load_case
+from workbench.cli import run
+
+NONE, FORCE = np.empty(0), np.ones(1)
+
+
+def over_noise(case, model) -> float:
+    return misfit(model, case.validate_records)["position"].over_noise
+
+
+def tried(case, base, name: str):
+    """The model with one effect more, fitted, and its misfit on the record held out; that of the base if it does
+    nothing."""
+    basis, target = target_of(base.fitted)
+    found = try_effect(base.fitted, find(name), case.fit_records, case.scales, basis, target)
+    if found is None:
+        return base.fitted.model, over_noise(case, base.fitted.model)
+    return found.fitted.model, over_noise(case, found.fitted.model)
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """Nothing hidden: the model has all that the rig does."""
+    case = load_case(write_experiment(tmp_path_factory.mktemp("plain"), Truth(), ["coulomb"]))
+    return case, fit_case(case)
+
+
+def test_a_complete_model_is_down_to_the_noise_with_the_rigs_own_values(plain):
+    case, base = plain
+    values = base.fitted.model.values
+    assert over_noise(case, base.fitted.model) < 1.1
+    assert values["rig.gain"] == pytest.approx(GAIN, rel=2e-3)
+    assert values["coulomb.force"] == pytest.approx(1.5, rel=0.01)
+
+
+def test_contact_effects_are_tried_where_they_can_show(plain):
+    case, _ = plain
+    names = [effect.name for effect in candidates_of(case, ["coulomb"])]
+    assert {"contact.coulomb", "contact.presliding", "piezo_hysteresis", "gain_mismatch", "sensor_lag"} <= set(names)
+    # The tip goes neither up nor down in these records, and nothing slips yet.
+    assert "contact.load_dependent_friction" not in names
+    assert "flexible_mode" in names
+    slipping = [effect.name for effect in candidates_of(case, ["coulomb", "contact.coulomb"])]
+    assert "contact.stribeck" in slipping
+    assert "contact.coulomb" not in slipping
+    assert "coulomb" not in slipping
+
+
+@pytest.mark.parametrize(
+    ("hidden", "effect", "value", "expected"),
+    [
+        ({"mismatch": 0.08}, "gain_mismatch", "gain_mismatch.mismatch", 0.08),
+        ({"hysteresis": 0.12}, "piezo_hysteresis:bouc_wen", "piezo_hysteresis:bouc_wen.strength", 0.12),
+        ({"slip": 1.6}, "contact.coulomb", "contact.coulomb.force", 1.6),
+    ],
+)
+def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect, value, expected):
+    # Voltages that only oppose each other cannot tell a weaker stack from a smaller gain.
+    lift = 15.0 if "mismatch" in hidden else 0.0
+    case = load_case(write_experiment(tmp_path, Truth(**hidden), ["coulomb"], lift))
+    base = fit_case(case)
+    before = over_noise(case, base.fitted.model)
+    assert before > 5.0
+    model, after = tried(case, base, effect)
+    assert after < 2.0
+    assert model.values[value] == pytest.approx(expected, rel=0.05)
+    for rival in {"piezo_creep", "sensor_lag", "viscous", "gain_mismatch"} - {effect}:
+        assert tried(case, base, rival)[1] > 3.0 * after
+
+
+def test_slip_that_goes_with_the_load(tmp_path):
+    folder = write_experiment(tmp_path, Truth(slip=2.2, load_exponent=1.0), ["coulomb", "contact.coulomb"], lift=15.0)
+    case = load_case(folder)
+    base = fit_case(case)
+    assert over_noise(case, base.fitted.model) > 20.0
+    model, after = tried(case, base, "contact.load_dependent_friction")
+    assert after < 2.0
+    assert model.values["contact.load_dependent_friction.sensitivity"] == pytest.approx(1.0, abs=0.03)
+    assert model.values["contact.coulomb.force"] == pytest.approx(2.2, rel=0.02)
+    assert tried(case, base, "contact.stribeck")[1] > 5.0 * after
+
+
+def test_follow_without_friction_is_a_driven_oscillator():
+    """m x'' = k (tip - x) + c (tip' - x') under a step that is a ramp of one sample: by hand after it."""
+    step, k, m, c = 1e-5, 8e6, 3.0, 300.0
+    time = np.arange(2000) * step
+    tip = np.where(time > 0.0, 1e-7, 0.0)
+    forever = np.full(time.size, math.inf)
+    x = follow(tip, 0.0 * tip, forever, NONE, NONE, k, c, 0.0 * tip, NONE, NONE, m, step, 10)
+    w, decay = math.sqrt(k / m), c / (2 * m)
+    free = math.sqrt(w * w - decay * decay)
+    late = time - 0.5 * step
+    # A unit step of position through spring and dashpot: 1 - e^(-d t) (cos - d/w sin), since the dashpot feels it too.
+    expected = 1e-7 * (1 - np.exp(-decay * late) * (np.cos(free * late) - decay / free * np.sin(free * late)))
+    assert np.abs(x - expected)[5:].max() < 2e-9
+
+
+def test_follow_slides_as_far_as_the_tip_less_what_the_pads_wind_up():
+    step = 1e-3
+    tip = np.concatenate([np.linspace(0.0, 5e-6, 500), np.full(500, 5e-6)])
+    level = np.full(tip.size, 2.0)
+    forever = np.full(tip.size, math.inf)
+    x = follow(tip, 0.0 * tip, forever, NONE, NONE, 8e6, 400.0, level, np.array([1e-9]), FORCE, 3.0, step, 20)
+    # Slowly: the contact is wound up by the pads' 2 N.
+    assert x[-1] == pytest.approx(5e-6 - 2.0 / 8e6, rel=2e-3)
+    weak = np.full(tip.size, 1.5)
+    stuck = follow(tip, 0.0 * tip, weak, NONE, NONE, 8e6, 400.0, level, np.array([1e-9]), FORCE, 3.0, step, 20)
+    # A contact that holds less than the pads never moves the stage out of its presliding.
+    assert abs(stuck[-1]) < 1e-9
+
+
+def test_a_lifted_tip_carries_nothing_along():
+    step = 1e-3
+    tip = np.linspace(0.0, 5e-6, 1000)
+    touches = np.where(np.arange(1000) < 500, math.inf, 0.0)
+    x = follow(
+        tip, 0.0 * tip, touches, NONE, NONE, 8e6, 400.0, np.full(1000, 1.0), np.array([1e-9]), FORCE, 3.0, step, 20
+    )
+    assert x[-1] == pytest.approx(x[520], abs=2e-9)
+    assert x[499] == pytest.approx(tip[499] - 1.0 / 8e6, rel=5e-3)
+
+
+def test_a_core_without_bristles_of_its_own_is_refused(tmp_path):
+    folder = write_experiment(tmp_path, Truth(), ["lugre"])
+    with pytest.raises(InputError, match="its cores are 'coulomb' and 'presliding'"):
+        fit_case(load_case(folder))
+
+
+def test_a_tip_without_its_lengths_is_one_line(tmp_path, capsys):
+    folder = write_experiment(tmp_path / "rig", Truth(), ["coulomb"])
+    file = folder / "experiment.toml"
+    file.write_text("\n".join(line for line in file.read_text().splitlines() if "piezo_spacing" not in line))
+    assert run(["compare", str(folder), "--out", str(tmp_path / "out")]) == 2
+    message = capsys.readouterr().err.strip()
+    assert "rig.known.piezo_spacing is missing" in message
+    assert len(message.splitlines()) == 1
+
+
+def test_compare_as_a_user_runs_it(tmp_path, capsys):
+    folder = write_experiment(tmp_path / "rig", Truth(mismatch=0.08), ["coulomb"], lift=15.0)
+    target = tmp_path / "compare.json"
+    assert run(["compare", str(folder), "--out", str(tmp_path / "out"), "--json", str(target)]) == 0
+    found = json.loads(target.read_text())
+    assert found["form"] == "output"
+    assert found["noise"]["position"] == {"value": NOISE, "unit": "m", "from": "given"}
+    assert found["before"]["validate"]["position"]["over_noise"] > 5.0
+
+
+def test_forces_are_in_proportion_to_the_contacts_stiffness(plain):
+    """The motion tells forces over stiffness only: with half of it known, all forces and the mass come out halved."""
+    case, base = plain
+    half = {"rig.contact_stiffness": 0.5 * STIFFNESS, "rig.mass": 0.5 * MASS}
+    values = {key: 0.5 * value for key, value in base.fitted.model.values.items() if key.endswith(("force", "damping"))}
+    scaled = replace(base.fitted.model, values={**base.fitted.model.values, **half, **values})
+    assert over_noise(case, scaled) == pytest.approx(over_noise(case, base.fitted.model), rel=1e-6)

@@ -1,0 +1,77 @@
+"""Turns and stops of a block under Coulomb friction, timed from its noisy position, against an event-exact solution."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sysid.prediction.force_balance.reversals import event_times, sharp_direction, sharp_friction
+
+
+def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> np.ndarray:
+    """Position at unit steps of a body of unit mass pushed back by `push`, that stops at `turn` and returns."""
+    i = np.arange(n, dtype=float)
+    before, after = -(push + friction), -(push - friction)
+    tau = i - turn
+    return np.where(tau < 0, 0.5 * before * tau**2, 0.5 * after * tau**2)
+
+
+def test_turn_is_found_between_samples_free_of_the_kink() -> None:
+    rng = np.random.default_rng(1)
+    errors = []
+    for turn in np.linspace(195.0, 205.0, 23):
+        x = _turning_block(turn, 2e-3, 1e-3) + rng.normal(scale=2e-3, size=401)
+        drive = np.full(401, -2e-3)
+        found = event_times(x, drive, np.array([turn + rng.uniform(-2, 2)]), 12, 5.0)
+        errors.append(found[0] - turn)
+    # A smoothed velocity would be late by about half a filter width, here several samples.
+    assert abs(np.mean(errors)) < 0.3
+    assert np.std(errors) < 1.0
+
+
+def test_a_stop_is_found_where_the_body_stays() -> None:
+    i = np.arange(201, dtype=float)
+    stop = 100.4
+    x = np.where(i < stop, -0.5 * 1e-2 * (i - stop) ** 2, 0.0)
+    found = event_times(x, np.zeros(201), np.array([102.0]), 10, 4.0)
+    assert abs(found[0] - stop) < 0.1
+
+
+def test_friction_of_a_resting_body_is_what_is_applied_up_to_the_level() -> None:
+    n = 50
+    applied = np.linspace(-2.0, 2.0, n)
+    friction = sharp_friction(np.zeros(n), np.ones(n), np.empty(0), applied, np.ones(n), 1e-8, 1e-6)
+    assert np.array_equal(friction, np.clip(applied, -1.0, 1.0))
+
+
+def test_friction_follows_the_motion_and_turns_within_a_sample() -> None:
+    n = 60
+    turn = 30.25
+    direction = np.zeros(n)
+    direction[:30], direction[31:] = -1.0, 1.0
+    direction[30] = -(turn - 29.5) + (30.5 - turn)
+    friction = sharp_friction(direction, np.zeros(n), np.array([turn]), np.full(n, 5.0), np.ones(n), 1e-12, 1e-3)
+    assert np.array_equal(friction[:30], -np.ones(30))
+    assert np.array_equal(friction[31:], np.ones(29))
+    # Where the drive is strong, the bristle passes at once: the sample's mean is the mean sign of the motion in it.
+    assert abs(friction[30] - direction[30]) < 0.1
+
+
+def test_a_turn_under_a_weak_drive_holds_until_the_level_is_passed() -> None:
+    n = 60
+    direction = np.where(np.arange(n) < 30, -1.0, 1.0)
+    applied = np.where(np.arange(n) < 40, 0.3, 2.0)
+    friction = sharp_friction(direction, np.zeros(n), np.array([29.5]), applied, np.ones(n), 1e-9, 1e-3)
+    assert np.allclose(friction[31:40], 0.3, atol=1e-6)
+    assert np.array_equal(friction[42:], np.ones(18))
+
+
+def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
+    n = 200
+    position = 1e-6 * np.arange(float(n))
+    velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
+    resting[95:97] = True
+    direction, rest, turns, stops = sharp_direction(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
+    assert turns.size == 0
+    assert stops.time == pytest.approx([n - 0.5]) and stops.first == pytest.approx([-0.5])
+    assert np.all(direction + rest == pytest.approx(1.0))

@@ -1,0 +1,104 @@
+"""Where only the spring's force is logged, the position it tells shows how the body gives way at rest."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.stick_phases import REST
+from sysid.prediction.model import predict
+from sysid.prediction.problem import Case, load_case
+
+STEP = 1e-3
+MASS, STIFFNESS, LEVEL = 1.5, 3000.0, 0.8
+BRISTLES = 4e5
+NOISE = 5e-4
+
+
+@cache
+def _pulled(bristles: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, pull and spring force (n,) of a body on bristles whose pull creeps to and fro: it holds, gives way, slips.
+
+    The bristles are ideal springs that slip at the level, followed in small steps of their own.
+    """
+    n, parts = 6000, 30
+    time = STEP * np.arange(n)
+    pull = 1.2e-3 * np.sin(2 * np.pi * 0.35 * time) + 0.5e-3 * np.sin(2 * np.pi * 0.11 * time)
+    dt, most = STEP / parts, LEVEL / bristles
+    x = v = z = 0.0
+    force = np.empty(n)
+    for i, drawn in enumerate(pull.tolist()):
+        force[i] = STIFFNESS * (drawn - x)
+        for _ in range(parts):
+            v += dt * (STIFFNESS * (drawn - x) - bristles * z - 60.0 * v) / MASS
+            x += dt * v
+            z = min(max(z + dt * v, -most), most)
+    return time, pull, force
+
+
+def _written(folder: Path, stiffness: str, effects: str, bristles: float = BRISTLES, bent: float = 0.0) -> Case:
+    """An experiment on that body, in which its own position is not logged."""
+    folder.mkdir()
+    time, pull, force = _pulled(bristles)
+    force = force + bent * force**2 / 3.0 + NOISE * np.random.default_rng(2).standard_normal(force.size)
+    np.savetxt(folder / "fit.csv", np.column_stack([time, pull, force]), "%.10g", ",",
+               header="time [s],pull_position [m],spring_force [N]", comments="")  # fmt: skip
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "spring-pull"\n[rig.known]\nmass = "{MASS} kg"\npull_stiffness = "{stiffness}"\n'
+        f'[model]\neffects = [{effects}]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+        f'[noise]\nspring_force = "{NOISE} N"\n'
+    )
+    return load_case(folder)
+
+
+def _at_rest(case: Case, **values: float) -> tuple[Balance, np.ndarray, np.ndarray]:
+    balance = case.fit_records[0]
+    assert isinstance(balance, Balance)
+    assert balance.rests is not None
+    predicted = predict(balance, case.start.effects, {**case.start.values, **values})[REST]
+    return balance, balance.rests.shift[balance.rests.scored], predicted[balance.rests.scored]
+
+
+def test_rigid_friction_leaves_what_bristles_explain(tmp_path: Path) -> None:
+    told = f"{STIFFNESS:g} N/m"
+    rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, '"coulomb", "viscous"'))
+    assert rigid.rests is not None
+    assert rigid.rests.compliance == pytest.approx(1.0 / STIFFNESS)
+    assert np.std(shift) > 5.0 * rigid.rests.noise
+    assert not held.any()
+    core = {"presliding.force": LEVEL, "presliding.stretch": LEVEL / BRISTLES, "presliding.curvature": 1.0}
+    case = _written(tmp_path / "bristles", told, '"presliding", "viscous"')
+    assert set(core) <= set(case.start.values)
+    _, shift, moved = _at_rest(case, **core)
+    assert np.std(shift - moved) < 0.3 * np.std(shift)
+
+
+def test_a_spring_softer_than_said_is_told_apart_once_its_deviation_is_given(tmp_path: Path) -> None:
+    exact = _written(tmp_path / "exact", f"{1.005 * STIFFNESS:g} N/m", '"coulomb", "viscous"', 4e6)
+    assert any("pull_stiffness as exact" in note for note in exact.notes)
+    case = _written(tmp_path / "unsure", f"{1.005 * STIFFNESS:g} +- {0.01 * STIFFNESS:g} N/m", '"coulomb"', 4e6)
+    assert not any("pull_stiffness" in note for note in case.notes)
+    _, shift, _ = _at_rest(case)
+    _, _, of_spring = _at_rest(case, **{"rig.pull_stiffness": STIFFNESS})
+    # A spring half a hundredth too stiff makes of a body that holds: the force times the compliance that is missing.
+    assert np.std(of_spring) == pytest.approx(np.std(shift), rel=0.3)
+    assert np.corrcoef(shift, of_spring)[0, 1] > 0.9
+
+
+def test_a_bent_sensor_of_the_force_bends_the_position_it_tells(tmp_path: Path) -> None:
+    case = _written(
+        tmp_path / "bent",
+        f"{STIFFNESS:g} N/m",
+        '"presliding", "viscous", "sensor_nonlinearity@spring_force"',
+        bent=0.05,
+    )
+    scale = case.start.values["sensor_nonlinearity@spring_force.full_scale"]
+    core = {"presliding.force": LEVEL, "presliding.stretch": LEVEL / BRISTLES, "presliding.curvature": 1.0}
+    bend = {"sensor_nonlinearity@spring_force.second_order": 0.05 * scale / 3.0}
+    _, shift, straight = _at_rest(case, **core)
+    _, _, moved = _at_rest(case, **core, **bend)
+    assert np.std(shift - moved) < 0.5 * np.std(shift - straight)

@@ -1,0 +1,43 @@
+"""The filter of the force balance: exact on polynomials, and its noise as computed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sysid.signals.gaussian_filter import GaussianFilter
+
+
+@pytest.mark.parametrize("width", [2e-3, 5e-3, 0.02])
+def test_derivatives_of_a_parabola_are_exact(width: float) -> None:
+    step = 1e-3
+    t = step * np.arange(2000)
+    x = 3.0 + 2.0 * t - 5.0 * t**2
+    smooth = GaussianFilter(width, step, t.size)
+    inner = slice(smooth.half, -smooth.half)
+    assert np.allclose(smooth(x, 1)[inner], (2.0 - 10.0 * t)[inner], atol=1e-9)
+    assert np.allclose(smooth(x, 2)[inner], -10.0, atol=1e-7)
+    # A Gaussian adds half its variance times the second derivative, up to the sampling of its kernel.
+    kernel = smooth.kernel()
+    variance = float(np.sum(kernel * (step * np.arange(-smooth.half, smooth.half + 1)) ** 2))
+    assert np.allclose(smooth(x)[inner], (x - 5.0 * variance)[inner], atol=1e-10)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.8])
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float) -> None:
+    rng = np.random.default_rng(3)
+    n, step = 200_000, 1e-3
+    white = rng.normal(size=n)
+    noise = np.empty(n)
+    noise[0] = white[0]
+    for i in range(1, n):
+        noise[i] = correlation * noise[i - 1] + np.sqrt(1.0 - correlation**2) * white[i]
+    smooth = GaussianFilter(4e-3, step, n)
+    measured = float(np.std(smooth(noise, order)[1000:-1000]))
+    assert measured == pytest.approx(smooth.noise_gain(order, correlation), rel=0.03)
+
+
+def test_no_width_changes_nothing() -> None:
+    x = np.arange(10.0)
+    assert GaussianFilter(0.0, 1e-3, 10)(x) is x

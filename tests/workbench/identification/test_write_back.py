@@ -1,0 +1,215 @@
+"""Fitted values written back to the parameter file, and what the design says of a value as a prior of its fit."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import workbench.identification.design_values
+from sysid.estimation.covariance import intervals
+from sysid.estimation.reference_fit import fit_case
+from sysid.experiment.known import DesignValue
+from sysid.prediction.problem import load_case
+from workbench.cli import run
+from workbench.identification.design_values import design_values
+from workbench.options import Run
+
+COULOMB, VISCOUS, STRIBECK, STRIBECK_VELOCITY = 1.3, 8.0, 0.6, 4e-3
+NOISE = 0.01
+STAGE = """# My own stage.
+extends = "thesis"
+
+[friction]
+# Measured last year, by hand.
+coulomb = {value = "1.2 N", origin = "assumed: a guess"}   # look again
+stribeck_velocity = {value = "1 mm/s", origin = "thesis 4.2"}
+"""
+
+
+def write_rig(folder: Path, effects: list[str], parameters: str = "") -> Path:
+    folder.mkdir()
+    t = np.arange(4000) * 1e-3
+    v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
+    x = np.cumsum(v) * 1e-3
+    level = COULOMB + STRIBECK * np.exp(-((v / STRIBECK_VELOCITY) ** 2))
+    force = level * np.sign(v) + VISCOUS * v + np.random.default_rng(3).normal(0, NOISE, t.size)
+    rows = "\n".join(f"{a:.3f},{b:.8g},{c:.8g},{d:.6g}" for a, b, c, d in zip(t, x, v, force, strict=True))
+    (folder / "log.csv").write_text(f"time [s],position [m],velocity [m/s],friction_force [N]\n{rows}\n")
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = {json.dumps(effects)}\n{parameters}\n'
+        f'[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "{NOISE} N"\n'
+    )
+    return folder
+
+
+@pytest.fixture
+def rig(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"])
+
+
+def in_stage_file() -> dict[str, Any]:
+    return tomllib.loads(Path("stage.toml").read_text())["friction"]
+
+
+def test_a_value_goes_back_with_its_deviation_and_the_experiment_as_origin(
+    rig: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("stage.toml").write_text(STAGE)
+    assert run(["add", str(rig), "--write-back", "friction.coulomb", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+
+    value, _, rest = in_stage_file()["coulomb"]["value"].partition(" +- ")
+    assert abs(float(value) - COULOMB) < 4.0 * float(rest.removesuffix(" N"))
+    assert in_stage_file()["coulomb"]["origin"] == "measured: slide"
+    written = document["written_back"]["friction.coulomb"]
+    fitted = document["parameters"]["coulomb.force"]
+    assert (written["value"], written["std"]) == (fitted["value"], fitted["std"])
+    assert written["before"] == {"text": "1.2 N", "origin": "assumed: a guess"}
+    text = Path("stage.toml").read_text()
+    for kept in ("# My own stage.", "# Measured last year, by hand.", "# look again", 'value = "1 mm/s"'):
+        assert kept in text
+
+
+def test_after_an_effect_was_added_the_origin_names_the_rung(rig: Path) -> None:
+    Path("stage.toml").write_text(STAGE)
+    assert run(["add", str(rig), "constant_bias", "--write-back", "friction.stribeck_velocity"]) == 0
+    entry = in_stage_file()["stribeck_velocity"]
+    assert entry["origin"] == "measured: slide, rung 001"
+    assert entry["value"].endswith(" mm/s")
+    assert float(entry["value"].partition(" ")[0]) == pytest.approx(1e3 * STRIBECK_VELOCITY, rel=0.05)
+
+
+def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Path("stage.toml").write_text(STAGE)
+    assert run(["add", str(rig), "--write-back", "friction.breakaway", "--json"]) == 0
+    written = json.loads(capsys.readouterr().out)["written_back"]["friction.breakaway"]
+
+    case = load_case(rig)
+    found = intervals(fit_case(case).fitted, case.fit_records)
+    one, two = found.by_key["coulomb.force"], found.by_key["stribeck.force"]
+    together = found.correlation[found.keys.index("coulomb.force"), found.keys.index("stribeck.force")]
+    assert written["value"] == pytest.approx(one.value + two.value)
+    assert written["std"] == pytest.approx(np.sqrt(one.std**2 + two.std**2 + 2.0 * together * one.std * two.std))
+
+
+def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    packaged = (
+        Path(workbench.identification.design_values.__file__).parents[2] / "stagecad" / "parameters" / "thesis.toml"
+    )
+    before = packaged.read_bytes()
+    for params in ([], ["--params", str(packaged)]):
+        assert run(["add", str(rig), "constant_bias", "--write-back", "friction.coulomb", *params]) == 2
+        assert "the packaged design is not written to" in capsys.readouterr().err
+    assert packaged.read_bytes() == before
+    assert not (rig / "ladder").exists()
+
+
+@pytest.mark.parametrize(
+    "wanted,said",
+    [
+        ("friction.colomb", "did you mean 'friction.coulomb'?"),
+        ("friction.mass", "the model has no rig.mass"),
+        ("stage.length", "no fitted value stands for it"),
+        ("friction.viscous=coulomb.force", "coulomb.force is in N, friction.viscous in N*s/m"),
+        ("friction.viscous=coulomb.forse", "did you mean 'coulomb.force'?"),
+        ("stage.material", "stage.material is no number"),
+    ],
+)
+def test_what_cannot_be_written_is_said_in_one_line_and_the_file_stays(
+    rig: Path, capsys: pytest.CaptureFixture[str], wanted: str, said: str
+) -> None:
+    Path("stage.toml").write_text(STAGE)
+    assert run(["add", str(rig), "--write-back", "friction.coulomb", "--write-back", wanted]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert len(error.strip().splitlines()) == 1
+    assert Path("stage.toml").read_text() == STAGE
+
+
+def test_a_value_at_its_bound_is_not_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    settings = '[model.parameters]\n"viscous.coefficient" = {low = "9 N*s/m", start = "9.5 N*s/m"}\n'
+    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"], settings)
+    Path("stage.toml").write_text(STAGE)
+    assert run(["add", str(rig), "--write-back", "friction.viscous"]) == 2
+    assert "viscous.coefficient ended at its bound; nothing is written" in capsys.readouterr().err
+    assert Path("stage.toml").read_text() == STAGE
+
+
+def fitted_viscous(rig: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any] | None:
+    capsys.readouterr()
+    assert run(["compare", str(rig), "--no-figures", "--json"]) == 0
+    return json.loads(capsys.readouterr().out)["parameters"].get("viscous.coefficient")
+
+
+def test_the_designs_deviation_is_a_prior_of_the_fit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    settings = '[model.parameters]\n"viscous.coefficient" = "design"\n'
+    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous", "stribeck"], settings)
+    design = '[friction]\nviscous = {value = "%s", origin = "assumed: a test"}\n'
+
+    Path("stage.toml").write_text('extends = "thesis"\n' + design % "8.5 N*s/m")
+    alone = fitted_viscous(rig, capsys)
+    assert alone is not None
+    known = alone["std"]
+    believed = alone["value"] + 2.0 * known
+    Path("stage.toml").write_text('extends = "thesis"\n' + design % f"{believed} +- {known} N*s/m")
+    both = fitted_viscous(rig, capsys)
+    assert both is not None
+    # Two measurements that are as good as each other: their mean, and a deviation less by the root of two.
+    assert both["value"] == pytest.approx(alone["value"] + known, abs=0.3 * known)
+    assert both["std"] == pytest.approx(known / np.sqrt(2.0), rel=0.2)
+
+
+def test_the_designs_value_can_be_held_and_stays_in_the_file_after_add(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    settings = (
+        '[model.parameters]\n"viscous.coefficient" = {start = "design", fixed = true}\n"coulomb.force" = "design"\n'
+    )
+    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous"], settings)
+    assert fitted_viscous(rig, capsys) is None
+    assert run(["add", str(rig), "stribeck"]) == 0
+    settings_now = tomllib.loads((rig / "experiment.toml").read_text())["model"]["parameters"]
+    assert settings_now["coulomb.force"] == "design"
+    assert settings_now["viscous.coefficient"] == {"start": "design", "fixed": True}
+
+
+def test_what_the_design_does_not_say_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    settings = '[model.parameters]\n"constant_bias.force" = "design"\n'
+    rig = write_rig(tmp_path / "slide", ["coulomb", "constant_bias"], settings)
+    assert run(["compare", str(rig)]) == 2
+    error = capsys.readouterr().err
+    assert "experiment.toml: model.parameters.constant_bias.force = 'design': the design has no such number" in error
+
+
+def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workbench.identification.design_values, "design_mass", lambda run: 1.8)
+    told = design_values(Run(None, (), Path("build"), None))("mass")
+    assert told == DesignValue(1.8, pytest.approx(0.018))
+
+
+def test_the_breakaway_force_above_the_coulomb_force_is_the_stribeck_force(tmp_path: Path) -> None:
+    path = tmp_path / "stage.toml"
+    path.write_text(
+        'extends = "thesis"\n[friction]\ncoulomb = {value = "1.1 +- 0.3 N", origin = "assumed: a test"}\n'
+        'breakaway = {value = "1.6 +- 0.4 N", origin = "assumed: a test"}\n'
+    )
+    told = design_values(Run(path, (), Path("build"), None))
+    assert told("stribeck.force").value == pytest.approx(0.5)
+    assert told("stribeck.force").std == pytest.approx(0.5)
+    assert told("frictional_lag.delay") == DesignValue(pytest.approx(6e-3), None, 3e-3, 9e-3)

@@ -1,0 +1,119 @@
+"""The report of the loop: figures that lose no spike, sections that belong together, a page that stands by itself."""
+
+from __future__ import annotations
+
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.options import Run
+from workbench.report.figures import axis_scale, decimate, worst_stretch
+from workbench.report.page import report_html, section_key, story, write_ladder
+
+
+def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
+    time = np.arange(100_000) * 1e-3
+    values = np.sin(time)
+    values[54_321] = 9.0
+    t, v = decimate(time, values, 500)
+    assert v.size == 1000
+    assert v.max() == 9.0
+    assert t[int(np.argmax(v))] == time[54_321]
+    assert np.all(np.diff(t) >= 0.0)
+
+
+def test_decimation_keeps_a_gap_and_the_numbers_beside_it() -> None:
+    values = np.ones(10_000)
+    values[2000:6000] = np.nan
+    t, v = decimate(np.arange(10_000.0), values, 100)
+    assert np.isnan(v[(t > 2100) & (t < 5900)]).all()
+    assert np.isfinite(v[(t < 1900) | (t > 6100)]).all()
+
+
+def test_the_worst_stretch_is_a_bad_patch_and_not_one_wild_sample() -> None:
+    residual = np.random.default_rng(0).normal(0, 1, 20_000)
+    residual[3000] = 1e4
+    residual[12_000:12_600] += 4.0
+    found = worst_stretch(residual)
+    assert found.start <= 12_300 <= found.stop
+    assert not found.start <= 3000 < found.stop
+
+
+@pytest.mark.parametrize(
+    "largest,unit,factor,shown",
+    [(0.004, "N", 1e3, "mN"), (2e-7, "m", 1e9, "nm"), (0.03, "m/s", 1e3, "mm/s"), (0.02, "N*m", 1e3, "mN·m"),
+     (24.0, "degC", 1.0, "°C"), (0.01, "1", 1.0, ""), (0.0, "N", 1.0, "N")],
+)  # fmt: skip
+def test_axes_carry_a_readable_unit(largest: float, unit: str, factor: float, shown: str) -> None:
+    found, label = axis_scale(np.array([np.nan, -largest]), unit)
+    assert found == pytest.approx(factor)
+    assert label == shown
+
+
+def rung(number: int, effects: list[str], added: list[str], over: float) -> dict:
+    entry = {"rms": {"value": 0.01 * over, "unit": "N"}, "over_noise": over, "fit_percent": 50.0}
+    return {
+        "rung": number, "effects": effects, "added": added, "parameters": {}, "noise": {},
+        "before": {"fit": {"friction_force": entry}, "validate": {"friction_force": entry}},
+    }  # fmt: skip
+
+
+class Links(HTMLParser):
+    """Whatever the page would fetch or run."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag in ("script", "link", "iframe", "img"):
+            self.found.append(tag)
+        for key, value in attrs:
+            if key in ("src", "href", "xlink:href") and value and not value.startswith("#"):
+                self.found.append(value)
+
+
+def test_the_ladder_is_a_page_that_fetches_nothing_and_is_the_same_twice(tmp_path: Path) -> None:
+    run = Run(None, (), tmp_path, None)
+    rungs = [rung(0, ["coulomb"], [], 74.0), rung(1, ["coulomb", "stribeck"], ["stribeck"], 1.1)]
+    report = write_ladder(run, "a rig <b>", rungs)
+    page = report.read_text(encoding="utf-8")
+    parser = Links()
+    parser.feed(page)
+    assert parser.found == []
+    assert "a_rig__b_" in page
+    assert "74 ×" in page and "1.10 ×" in page
+    figures = sorted(p.name for p in report.parent.iterdir())
+    assert figures == ["ladder.png", "ladder.svg", "report.html", "sections"]
+    before = {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
+    write_ladder(run, "a rig <b>", rungs)
+    assert before == {p.name: p.read_bytes() for p in report.parent.glob("*.*")}
+
+
+def section(kind: str, effects: list[str], sha: str, number: int) -> dict:
+    return {"kind": kind, "effects": effects, "records": {"fit": sha}, "number_in_report": number}
+
+
+def test_sections_on_other_records_are_left_out_and_the_ladder_comes_first() -> None:
+    old = section("compare", ["coulomb"], "old", 1)
+    first, second = section("diagnose", ["coulomb"], "new", 2), section("diagnose", ["coulomb", "viscous"], "new", 3)
+    ladder = {"kind": "ladder", "effects": ["coulomb", "viscous"], "number_in_report": 4}
+    assert story([old, second, ladder, first]) == [ladder, first, second]
+    assert section_key(first) != section_key(second)
+
+
+def test_a_section_that_cannot_be_read_is_written_again(tmp_path: Path) -> None:
+    run = Run(None, (), tmp_path, None)
+    sections = tmp_path / "rig" / "sections"
+    sections.mkdir(parents=True)
+    (sections / "ladder.json").write_text("{broken", encoding="utf-8")
+    write_ladder(run, "rig", [rung(0, [], [], 3.0), rung(1, ["viscous"], ["viscous"], 1.0)])
+    assert json.loads((sections / "ladder.json").read_text(encoding="utf-8"))["kind"] == "ladder"
+
+
+def test_names_from_files_are_text_on_the_page() -> None:
+    page = report_html("<script>alert(1)</script>", [])
+    assert "<script>" not in page

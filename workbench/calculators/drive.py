@@ -1,0 +1,303 @@
+"""Calculators of drive, pads, height adjustment, screws and sensor for `stagecad calc`."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from workbench.calculators.catalogue import Calculator, Option, Values, constant, from_key, from_material, quantities
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    from designcalc.checks.inputs import Reading
+
+
+def _drive(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.drive import friction_drive as drive
+
+    path = drive.tip_ellipse(v["amplitude"], v["phase"], v["piezo_spacing"], v["tip_height"])
+    needed = drive.frequency_for(v["speed"], path.along)
+    first = drive.resonance(v["piezos"] * drive.piezo_stiffness(v["blocking_force"], v["free_stroke"]), v["tip_mass"])
+    return quantities(
+        travel_along=(path.along, "m"),
+        travel_normal=(path.normal, "m"),
+        frequency_stopping=(needed["stopping"], "Hz"),
+        frequency_coasting=(needed["coasting"], "Hz"),
+        frequency_apex=(needed["apex"], "Hz"),
+        resonance=(first, "Hz"),
+        acceleration_limit=(drive.acceleration_limit(v["friction"], v["preload_ratio"]), "m/s^2"),
+        preload_ratio_for_1g=(drive.preload_ratio_for(drive.GRAVITY, v["friction"]), ""),
+    )
+
+
+def _swinging(r: Reading, given: Values) -> float:
+    from designcalc.checks.machine import swinging_mass
+
+    return swinging_mass(r)
+
+
+def _rise(r: Reading, given: Values) -> float:
+    from designcalc.checks.machine import usable_ellipse
+
+    return usable_ellipse(r)[1]
+
+
+def _side_force(r: Reading, given: Values) -> float:
+    from designcalc.checks.machine import tip_load
+
+    return r("drive.friction") * tip_load(r)
+
+
+def _stack(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.drive.friction_drive import stack_current, stack_heat
+    from designcalc.drive.piezo_stack import drive_pull, side_load, stack_tension
+
+    swing = stack_tension(v["mass"], v["frequency"], v["rise"])
+    push = drive_pull(v["side_force"], v["tip_height"], v["piezo_spacing"])
+    bent = side_load(
+        v["side_force"] / v["piezos"], v["length"], v["free_length"], v["area"], v["modulus"], v["clearance"]
+    )
+    return quantities(
+        pull_by_inertia=(swing, "N"),
+        pull_by_drive=(push, "N"),
+        tension=((swing + push) / v["area"], "Pa"),
+        bending=(bent.stress, "Pa"),
+        end_deflection=(bent.deflection, "m"),
+        heat=(stack_heat(v["capacitance"], v["voltage"], v["frequency"], v["loss_factor"]), "W"),
+        peak_current=(stack_current(v["capacitance"], v["voltage"], v["frequency"]), "A"),
+    )
+
+
+def _tip_over(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.checks.inputs import Reading
+    from designcalc.checks.machine import pads
+    from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
+
+    places = pads(Reading(run.design, None, "friction drive"))
+    share = tip_force_limit(places, (0.0, 0.0), (-v["position"], 0.0))
+    return quantities(
+        share_of_load=(share, ""),
+        acceleration=(acceleration_limit(v["friction"], v["preload_ratio"], share, v["pad_friction"]), "m/s^2"),
+        acceleration_before_lift_off=(acceleration_limit(v["friction"], v["preload_ratio"]), "m/s^2"),
+    )
+
+
+def _clamp(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.bearing.fastener import preload_of_torque
+    from designcalc.drive.height_adjustment import clamp_shift
+
+    force = preload_of_torque(v["torque"], v["screw_diameter"], v["nut_factor"])
+    shift = clamp_shift(
+        force, v["wrap"], v["holder_diameter"], v["holder_height"], v["play"], v["apex_height"], v["modulus"],
+        v["poisson"],
+    )  # fmt: skip
+    return quantities(
+        screw_force=(force, "N"),
+        squeeze=(shift.squeeze, "m"),
+        drop=(shift.drop, "m"),
+        sideways=(shift.sideways, "m"),
+    )
+
+
+def _wrap(r: Reading, given: Values) -> float:
+    start = math.acos(r("base.clamp_slot_1") / (r("base.pocket_diameter") / 2))
+    return r("base.clamp_neck_angle_1") - start
+
+
+def _pad_load(r: Reading, given: Values) -> float:
+    from designcalc.checks.machine import heaviest_pad
+
+    return heaviest_pad(r)
+
+
+def _pads(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.bearing.sliding import confined_modulus, film_contact
+    from designcalc.contact.hertz import contact_modulus
+
+    bodies = contact_modulus(v["pad_modulus"], v["pad_poisson"], v["way_modulus"], v["way_poisson"])
+    film = confined_modulus(v["film_modulus"], v["film_poisson"])
+    contact = film_contact(v["load"], v["crown_radius"], v["film_thickness"], film, float(bodies))
+    return quantities(
+        contact_radius=(contact.radius, "m"),
+        peak_pressure=(contact.peak_pressure, "Pa"),
+        film_indentation=(contact.indentation, "m"),
+        stiffness=(contact.stiffness, "N/m"),
+    )
+
+
+def _wedge(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.drive.height_adjustment import wedge_drive
+
+    wedge = wedge_drive(v["pitch"], v["slope"], v["stroke"])
+    return quantities(
+        lift_per_turn=(wedge.lift_per_turn, "m"),
+        lift_per_degree=(wedge.lift_per_degree, "m"),
+        range=(wedge.range, "m"),
+        locking_friction=(wedge.locking_friction, ""),
+    )
+
+
+def _screw(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.bearing.fastener import (
+        UnifiedThread,
+        preload_of_torque,
+        strip_area_of_bed,
+        strip_area_of_screw,
+    )
+
+    thread = UnifiedThread(v["diameter"], v["pitch"])
+    force = preload_of_torque(v["torque"], v["diameter"], v["nut_factor"])
+    return quantities(
+        preload=(force, "N"),
+        stress=(force / thread.stress_area, "Pa"),
+        stress_area=(thread.stress_area, "m^2"),
+        bed_strip_stress=(force / strip_area_of_bed(thread, v["engagement"]), "Pa"),
+        screw_strip_stress=(force / strip_area_of_screw(thread, v["engagement"]), "Pa"),
+    )
+
+
+def _probe(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.errors.sensors import count_size, filtered_noise, velocity_noise
+
+    count = count_size(v["range"] / v["gain"], v["bits"])
+    return quantities(
+        noise=(filtered_noise(v["noise"], v["bandwidth"], v["cutoff"]), "m"),
+        range=(v["range"] / v["gain"], "m"),
+        count=(count, "m"),
+        velocity_noise=(velocity_noise(count, v["rate"]), "m/s"),
+    )
+
+
+DRIVE_CALCULATORS: dict[str, Calculator] = {
+    "drive": Calculator(
+        "Tip ellipse, the frequency a speed needs by three laws, first resonance, acceleration without lift-off.",
+        {
+            "amplitude": Option("m", "of a piezo, zero to peak", from_key("actuator.stroke_amplitude")),
+            "phase": Option("rad", "between the piezos", from_key("actuator.phase")),
+            "piezo_spacing": Option("m", "D", from_key("actuator.piezo_spacing")),
+            "tip_height": Option("m", "h", from_key("actuator.tip_height")),
+            "speed": Option("m/s", "of the stage", from_key("requirements.speed")),
+            "tip_mass": Option("kg", "with its share of the stacks", _swinging),
+            "piezos": Option("", "under the tip", constant(3.0)),
+            "blocking_force": Option("N", "of a piezo", from_key("piezo.blocking_force")),
+            "free_stroke": Option("m", "of a piezo", from_key("piezo.stroke")),
+            "friction": Option("", "between tip and stage", from_key("drive.friction")),
+            "preload_ratio": Option("", "preload over weight", from_key("preload.ratio")),
+        },
+        _drive,
+    ),
+    "stack": Calculator(
+        "What the drive asks of one piezo stack: pull by inertia and drive force, bending, heat, current.",
+        {
+            "mass": Option("kg", "that swings on the stacks", _swinging),
+            "frequency": Option("Hz", "of the drive", from_key("actuator.frequency")),
+            "rise": Option("m", "of the tip, peak to peak", _rise),
+            "side_force": Option("N", "of the tip on the stage", _side_force),
+            "tip_height": Option("m", "h", from_key("actuator.tip_height")),
+            "piezo_spacing": Option("m", "D", from_key("actuator.piezo_spacing")),
+            "piezos": Option("", "that share the side force", constant(3.0)),
+            "length": Option("m", "of a stack", from_key("piezo.length")),
+            "free_length": Option(
+                "m",
+                "proud of its bore",
+                lambda r, given: r("piezo.length") + r("holder.floor") - r("holder.height"),
+            ),
+            "area": Option("m^2", "of the ceramic element", from_key("piezo.element_area")),
+            "modulus": Option("Pa", "of the ceramic", from_material("piezo", "youngs_modulus")),
+            "clearance": Option(
+                "m",
+                "in its bore, on the radius",
+                lambda r, given: (r("holder.bore_diameter") - r("piezo.diameter")) / 2,
+            ),
+            "capacitance": Option("F", "", from_key("piezo.capacitance")),
+            "voltage": Option("V", "peak to peak", from_key("piezo.highest_voltage")),
+            "loss_factor": Option("", "tan(delta)", from_key("piezo.loss_factor")),
+        },
+        _stack,
+    ),
+    "tip-over": Calculator(
+        "What the tip may carry and push with the stage off the middle of its travel, before a pad lifts.",
+        {
+            "position": Option("m", "of the stage from the middle", lambda r, given: r("stage.travel") / 2),
+            "friction": Option("", "between tip and stage", from_key("drive.friction")),
+            "pad_friction": Option("", "of the pads", from_key("bearing.dynamic_friction")),
+            "preload_ratio": Option("", "preload over weight", from_key("preload.ratio")),
+        },
+        _tip_over,
+    ),
+    "clamp": Calculator(
+        "Shift of the tip as the clamp closes on the actuator.",
+        {
+            "torque": Option("N*m", "of the clamp screw", from_key("screws.clamp_long.torque")),
+            "screw_diameter": Option("m", "", from_key("screws.clamp_long.diameter")),
+            "nut_factor": Option("", "", from_key("screws.clamp_long.nut_factor")),
+            "wrap": Option("rad", "angle over which the finger lies on the holder", _wrap),
+            "holder_diameter": Option("m", "", from_key("holder.diameter")),
+            "holder_height": Option("m", "", from_key("holder.height")),
+            "play": Option(
+                "m",
+                "of the holder in its pocket",
+                lambda r, given: r("base.pocket_diameter") - given["holder_diameter"],
+            ),
+            "apex_height": Option(
+                "m",
+                "of the tip over the holder's foot",
+                lambda r, given: r("holder.floor") + r("piezo.length") + r("actuator.tip_height"),
+            ),
+            "modulus": Option("Pa", "of the holder", from_material("holder", "youngs_modulus")),
+            "poisson": Option("", "of the holder", from_material("holder", "poisson_ratio")),
+        },
+        _clamp,
+    ),
+    "pads": Calculator(
+        "A crowned pad with its thin film on the way: spot, pressure, stiffness.",
+        {
+            "load": Option("N", "of the pad", _pad_load),
+            "crown_radius": Option("m", "of the pad", from_key("pads.crown_radius")),
+            "film_thickness": Option("m", "of the PTFE", from_key("bearing.film_thickness")),
+            "film_modulus": Option("Pa", "of the PTFE", from_key("materials.ptfe.youngs_modulus")),
+            "film_poisson": Option("", "of the PTFE", from_key("materials.ptfe.poisson_ratio")),
+            "pad_modulus": Option("Pa", "of the pad", from_material("stage", "youngs_modulus")),
+            "pad_poisson": Option("", "of the pad", from_material("stage", "poisson_ratio")),
+            "way_modulus": Option("Pa", "of the way", from_material("bearing_way", "youngs_modulus")),
+            "way_poisson": Option("", "of the way", from_material("bearing_way", "poisson_ratio")),
+        },
+        _pads,
+    ),
+    "wedge": Calculator(
+        "Lift of the height pins per turn and degree of the set screw, range, self-locking.",
+        {
+            "pitch": Option("m", "of the set screw", from_key("set_screw.pitch")),
+            "slope": Option("", "rise over run", from_key("height_pin_1.slope")),
+            "stroke": Option("m", "of pin 1", from_key("height_pin_1.stroke")),
+        },
+        _wedge,
+    ),
+    "screw": Calculator(
+        "Preload of a way screw from its torque, and the stresses of thread and shank.",
+        {
+            "diameter": Option("m", "of the thread", from_key("screws.way.diameter")),
+            "pitch": Option("m", "of the thread", from_key("screws.way.pitch")),
+            "torque": Option("N*m", "", from_key("screws.way.torque")),
+            "nut_factor": Option("", "0.1 greased to 0.3 dry", from_key("screws.way.nut_factor")),
+            "engagement": Option(
+                "m", "of the thread", lambda r, given: r("screws.way.length") - r("bearing_way.flange_thickness")
+            ),
+        },
+        _screw,
+    ),
+    "probe": Calculator(
+        "Capacitive probe behind filter, gain and converter: noise, range, count.",
+        {
+            "noise": Option("m", "within the bandwidth", from_key("sensors.probe.resolution")),
+            "bandwidth": Option("Hz", "of the probe", from_key("sensors.probe.bandwidth")),
+            "cutoff": Option("Hz", "of the filter", from_key("sensors.filtered_probe.filter_frequency")),
+            "range": Option("m", "of the probe", from_key("sensors.probe.range")),
+            "gain": Option("", "after the filter", from_key("sensors.filtered_probe.gain")),
+            "bits": Option("", "of the converter", from_key("sensors.filtered_probe.bits")),
+            "rate": Option("Hz", "of sampling, for the velocity", constant(1000.0)),
+        },
+        _probe,
+    ),
+}
+"""By the name they are called with."""

@@ -1,0 +1,120 @@
+"""Calculators of errors for `stagecad calc`: heat, vibration, alignment of the sensor, and the budgets."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.quantities import as_json
+from workbench.calculators.catalogue import Calculator, Option, Values, from_key, from_material, quantities
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    from designcalc.checks.inputs import Reading
+
+
+def _bow(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.errors.thermal import bow_of_layers, differential_growth
+
+    bow = bow_of_layers(
+        v["length"], v["thickness_1"], v["modulus_1"], v["expansion_1"], v["thickness_2"], v["modulus_2"],
+        v["expansion_2"],
+    )  # fmt: skip
+    growth = differential_growth(v["length"], v["expansion_1"], v["expansion_2"])
+    return quantities(bow=(bow * v["change"], "m"), slip=(growth * v["change"], "m"))
+
+
+def _holding(r: Reading, given: Values) -> float:
+    from designcalc.checks.machine import holding_stiffness
+
+    return holding_stiffness(r)
+
+
+def _moved(r: Reading, given: Values) -> float:
+    from designcalc.checks.machine import moved_mass
+
+    return moved_mass(r)
+
+
+def _vibration(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.drive.friction_drive import resonance
+    from designcalc.errors.thermal import vibration_at_tip
+
+    first = resonance(v["stiffness"], v["mass"])
+    shake = 2 * math.pi * v["floor_frequency"] * v["floor_velocity"]
+    return quantities(
+        resonance=(first, "Hz"), floor_acceleration=(shake, "m/s^2"), motion=(vibration_at_tip(shake, first), "m")
+    )
+
+
+def _alignment(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.errors.sensors import abbe_error, cosine_error, lag_error
+
+    return quantities(
+        abbe_error=(abbe_error(v["offset"], v["angle"]), "m"),
+        cosine_error=(cosine_error(v["travel"], v["misalignment"]), "m"),
+        lag=(lag_error(v["speed"], v["bandwidth"]), "m"),
+    )
+
+
+def _budget(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.checks.budget import budgets
+    from designcalc.checks.inputs import Reading
+
+    found: dict[str, Any] = {}
+    for one in budgets(Reading(run.design, None, "error budget")):
+        rows = [(cause.name, float(abs(e[one.axis])), cause.random) for cause, e in one.rows]
+        found[one.name] = [
+            {"contribution": name, "error": as_json(size, "m"), "adds": "by squares" if random else "in full"}
+            for name, size, random in rows
+        ]
+        found[f"{one.name}_total"] = as_json(float(one.total[one.axis]), "m")
+    return found
+
+
+ERROR_CALCULATORS: dict[str, Calculator] = {
+    "bow": Calculator(
+        "Bow of two layers that cannot slip by a change of temperature, and the slip of two that can.",
+        {
+            "length": Option("m", "of both", from_key("bearing_way.length")),
+            "thickness_1": Option("m", "of the first layer", from_key("bearing_way.height")),
+            "modulus_1": Option("Pa", "of the first layer", from_material("bearing_way", "youngs_modulus")),
+            "expansion_1": Option("1/K", "of the first layer", from_material("bearing_way", "expansion")),
+            "thickness_2": Option("m", "of the second layer", from_key("base.height")),
+            "modulus_2": Option("Pa", "of the second layer", from_material("base", "youngs_modulus")),
+            "expansion_2": Option("1/K", "of the second layer", from_material("base", "expansion")),
+            "change": Option("K", "of temperature", from_key("environment.temperature_change")),
+        },
+        _bow,
+    ),
+    "vibration": Calculator(
+        "What the floor's vibration moves of a mass that is held by a stiffness, well below its resonance.",
+        {
+            "floor_velocity": Option("m/s", "rms", from_key("environment.floor_velocity")),
+            "floor_frequency": Option("Hz", "of the floor", from_key("environment.floor_frequency")),
+            "stiffness": Option("N/m", "by default of tip and contact along the travel", _holding),
+            "mass": Option("kg", "by default stage and payload", _moved),
+        },
+        _vibration,
+    ),
+    "alignment": Calculator(
+        "Abbe and cosine error of a sensor that is not where and as it should be, and its lag in motion.",
+        {
+            "offset": Option(
+                "m", "line of measurement to payload", lambda r, given: r("stage.thickness") / 2 + r("payload.height")
+            ),
+            "angle": Option(
+                "rad",
+                "turn of the stage",
+                lambda r, given: 4 * r("bearing.way_straightness") / r("bearing_way.length"),
+            ),
+            "travel": Option("m", "", from_key("stage.travel")),
+            "misalignment": Option("rad", "beam to travel", from_key("sensors.interferometer.misalignment")),
+            "speed": Option("m/s", "of the stage", from_key("requirements.speed")),
+            "bandwidth": Option("Hz", "of the sensor", from_key("sensors.lvdt.bandwidth")),
+        },
+        _alignment,
+    ),
+    "budget": Calculator("Error budgets at the payload, each contribution named, the largest first.", {}, _budget),
+}
+"""By the name they are called with."""

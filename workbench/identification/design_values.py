@@ -1,0 +1,81 @@
+"""What the design says of an experiment's numbers: for `"design"` in its file, and where fitted values go back to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import hypot
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.quantities import format_quantity
+from sysid.experiment.known import DesignValue
+from workbench.options import Run
+from workbench.simulation.inputs import design_mass
+
+MASS_DEVIATION = 0.01
+"""Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
+out)."""
+
+CONTACT_DEVIATION = 0.2
+"""Relative standard deviation of the stiffness of tip on stage by Hertz and Mindlin (assumed: it goes with the cube
+root of a load that the tip may carry half of, and a nose's radius and a surface's edge are known to a tenth)."""
+
+ENTRIES = {
+    "piezo_spacing": "actuator.piezo_spacing",
+    "tip_height": "actuator.tip_height",
+    "bias_voltage": "actuator.bias_voltage",
+    "coulomb.force": "friction.coulomb",
+    "presliding.force": "friction.coulomb",
+    "viscous.coefficient": "friction.viscous",
+    "stribeck.velocity": "friction.stribeck_velocity",
+    "presliding:lugre.stiffness": "friction.bristle_stiffness",
+    "presliding:lugre.damping": "friction.bristle_damping",
+    "dwell_strengthening:kato.rate": "friction.dwell_rate",
+    "dwell_strengthening:kato.exponent": "friction.dwell_exponent",
+    "magnetic_cogging.pitch": "teeth.pitch",
+}
+"""Numbers of an experiment that stand in the parameter file as they are, by their key there."""
+
+
+def design_values(run: Run) -> Callable[[str], DesignValue]:
+    """A function that gives what the design says of a number, SI, asked only for what a file names.
+
+    A deviation given in the parameter file (`"1.2 +- 0.1 N"`) comes with it, and is a prior of the fit.
+    """
+
+    def value(name: str) -> DesignValue:
+        if name == "mass":
+            mass = design_mass(run)
+            return DesignValue(mass, MASS_DEVIATION * mass)
+        if name == "contact_stiffness":
+            # Its elliptic integrals come from a library that takes a third of a second to load.
+            from workbench.machine.design_contact import tip_contact
+
+            contact = tip_contact(run.design, design_mass(run))
+            run.note(
+                f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "
+                f"{format_quantity(contact.normal, 'N/m')} across it (Hertz), under the {contact.load:.3g} N of weight "
+                f"and preload"
+            )
+            return DesignValue(contact.tangential, CONTACT_DEVIATION * contact.tangential)
+        if name == "stribeck.force":
+            breakaway, coulomb = _entry(run, "friction.breakaway"), _entry(run, "friction.coulomb")
+            deviations = [d.std for d in (breakaway, coulomb) if d.std is not None]
+            return DesignValue(max(breakaway.value - coulomb.value, 0.0), hypot(*deviations) if deviations else None)
+        if name == "frictional_lag.delay":
+            low, high = _entry(run, "friction.lag_low").value, _entry(run, "friction.lag_high").value
+            return DesignValue(0.5 * (low + high), None, low, high)
+        if name in ENTRIES:
+            return _entry(run, ENTRIES[name])
+        known = [*ENTRIES, "mass", "contact_stiffness", "stribeck.force", "frictional_lag.delay"]
+        place = f"model.parameters.{name}" if "." in name else f"rig.known.{name}"
+        raise InputError(f"{place} = 'design': the design has no such number{nearest(name, known)}")
+
+    return value
+
+
+def _entry(run: Run, key: str) -> DesignValue:
+    entry = run.design.entry(key)
+    value = run.design.si(key)
+    # The deviation is kept in the attribute's unit, as the value is.
+    std = None if entry.std is None or not entry.value else abs(entry.std * value / entry.value)
+    return DesignValue(value, std)

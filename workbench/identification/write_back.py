@@ -1,0 +1,215 @@
+"""Fitted values written back to the parameter file, with their deviation, and the experiment as their origin."""
+
+from __future__ import annotations
+
+import getpass
+import hashlib
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from math import isfinite, sqrt
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.quantities import from_si, si_unit, unit_dimension
+from sysid.estimation.base_fit import Fitted
+from sysid.estimation.covariance import intervals
+from sysid.estimation.identifiability import public_key
+from sysid.experiment.file_lock import file_lock
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.problem import Case
+from sysid.report import parameter_unit
+from workbench.options import Run
+
+LOCK_SECONDS = 10.0
+
+Terms = Mapping[str, float]
+"""A linear combination of fitted values: factor by public key."""
+
+
+@dataclass(frozen=True)
+class Written:
+    """One value written back. SI units.
+
+    Args:
+        key: of the parameter file.
+        value, std: as measured.
+        unit: SI unit.
+        text: as it stands in the file now.
+        before: text that stood there, and where it came from.
+        origin: what the file says now of where the value comes from.
+    """
+
+    key: str
+    value: float
+    std: float
+    unit: str
+    text: str
+    before: tuple[str, str]
+    origin: str
+
+
+def stands_for(run: Run, case: Case) -> dict[str, list[Terms]]:
+    """What each key of the parameter file is in terms of fitted values; the first that the model has serves."""
+    found: dict[str, list[Terms]] = {
+        "friction.coulomb": [{"coulomb.force": 1.0}, {"presliding.force": 1.0}],
+        "friction.breakaway": [
+            {"coulomb.force": 1.0, "stribeck.force": 1.0},
+            {"presliding.force": 1.0, "stribeck.force": 1.0},
+        ],
+        "friction.viscous": [{"viscous.coefficient": 1.0}],
+        "friction.stribeck_velocity": [{"stribeck.velocity": 1.0}],
+        "friction.bristle_stiffness": [{"presliding.stiffness": 1.0}],
+        "friction.bristle_damping": [{"presliding.damping": 1.0}, {"bristle_damping.damping": 1.0}],
+        "friction.mass": [{"rig.mass": 1.0}],
+        "piezo.stroke": [{"rig.gain": run.design.si("piezo.highest_voltage")}],
+    }
+    loads = [r.axis.load for r in case.fit_records if isinstance(r, Balance)]
+    if any("normal_load" in record.channels for record in case.records) and loads:
+        load = float(np.mean(np.concatenate(loads)))
+        found["bearing.dynamic_friction"] = [{"coulomb.force": 1.0 / load}, {"presliding.force": 1.0 / load}]
+    return found
+
+
+def parameter_file(run: Run) -> Path:
+    """The user's own parameter file, which values are written to.
+
+    Raises:
+        InputError: there is none, or it is the packaged design.
+    """
+    path = run.params if run.params is not None else Path("stage.toml")
+    advice = "'stagecad params --write stage.toml' makes a file of your own; then give --params stage.toml"
+    if run.params is None and not path.is_file():
+        raise InputError(f"--write-back: no stage.toml here, and the packaged design is not written to; {advice}")
+    if path.resolve().parent == Path(str(files("stagecad.parameters"))).resolve():
+        raise InputError(f"--write-back: {path}: the packaged design is not written to; {advice}")
+    return path
+
+
+def write_back(run: Run, case: Case, fitted: Fitted, wanted: Sequence[str], origin: str) -> list[Written]:
+    """Write fitted values into the parameter file: all of `wanted`, or none.
+
+    Args:
+        run: of the command; its `--params` names the file.
+        case, fitted: the experiment and its fit.
+        wanted: keys of the parameter file, each alone, or as `KEY=FITTED` where the fit's value has another name there.
+        origin: what the file is to say of where the values come from.
+
+    Raises:
+        InputError: a key that the file or the fit does not have, units that do not match, a value the records do not
+            tell, or no file of the user's own.
+    """
+    from stagecad.parameters.parameter_file import write_values
+
+    path = parameter_file(run)
+    with file_lock(_lock_of(path), LOCK_SECONDS, str(path)):
+        measured = _measured(run, case, fitted)
+        written = [_value(run, item, measured, stands_for(run, case), origin) for item in wanted]
+        write_values(path, {one.key: (one.text, one.origin) for one in written})
+    return written
+
+
+def _lock_of(path: Path) -> Path:
+    """Lock file of a parameter file, out of the user's folder: whoever writes to it reads it first."""
+    name = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:16]
+    return Path(tempfile.gettempdir()) / f"stagecad-{getpass.getuser()}" / f"{name}.lock"
+
+
+@dataclass(frozen=True)
+class _Measured:
+    """Fitted values by public key with units, their covariance, and those that the records do not tell."""
+
+    values: dict[str, float]
+    units: dict[str, str]
+    covariance: Callable[[str, str], float]
+    untold: dict[str, str]
+
+
+def _measured(run: Run, case: Case, fitted: Fitted) -> _Measured:
+    found = intervals(fitted, case.fit_records)
+    names = [public_key(key) for key in found.keys]
+    by_name = {public_key(key): interval for key, interval in found.by_key.items()}
+
+    def covariance(a: str, b: str) -> float:
+        together = 1.0 if a == b else float(found.correlation[names.index(a), names.index(b)])
+        return together * by_name[a].std * by_name[b].std
+
+    return _Measured(
+        {name: interval.value for name, interval in by_name.items()},
+        {public_key(key): parameter_unit(case, key) for key in found.keys},
+        covariance,
+        {
+            name: "ended at its bound" if interval.at_bound else "is not told by these records"
+            for name, interval in by_name.items()
+            if interval.at_bound or not isfinite(interval.std)
+        },
+    )
+
+
+def _value(run: Run, item: str, measured: _Measured, known: Mapping[str, list[Terms]], origin: str) -> Written:
+    key, given, name = (part.strip() for part in item.partition("="))
+    entry = run.design.entry(key)
+    if isinstance(entry.value, bool | str):
+        raise InputError(f"--write-back {item}: {key} is no number")
+    if given:
+        if name not in measured.values:
+            raise InputError(f"--write-back {item}: the fit has no '{name}'{nearest(name, measured.values)}")
+        terms: Terms | None = {name: 1.0}
+    else:
+        options = known.get(key, [])
+        terms = next((option for option in options if all(part in measured.values for part in option)), None)
+        if terms is None and options:
+            raise InputError(f"--write-back {key}: the model has no {' and '.join(options[0])}, which it stands for")
+        if terms is None:
+            near = nearest(key, known)
+            raise InputError(f"--write-back {key}: no fitted value stands for it{near}; or write {key}=FITTED")
+    assert terms is not None
+    for part in terms:
+        if part in measured.untold:
+            raise InputError(f"--write-back {item}: {part} {measured.untold[part]}; nothing is written")
+        unit = measured.units[part]
+        if given and unit_dimension(unit) != unit_dimension(entry.unit):
+            raise InputError(f"--write-back {item}: {name} is in {unit or '1'}, {key} in {entry.unit or '1'}")
+    value = sum(factor * measured.values[part] for part, factor in terms.items())
+    variance = sum(f * g * measured.covariance(a, b) for a, f in terms.items() for b, g in terms.items())
+    unit = measured.units[next(iter(terms))]
+    if unit_dimension(unit) != unit_dimension(entry.unit):
+        unit = si_unit(unit_dimension(entry.unit))
+    std = sqrt(max(variance, 0.0))
+    shown = _unit_of(entry.text, entry.unit)
+    return Written(key, value, std, unit, _text(value, std, shown), (entry.text, entry.origin), origin)
+
+
+def _unit_of(text: str, unit: str) -> str:
+    """The unit a quantity is written in, so that `1 mm/s` stays in mm/s; `unit` where it cannot be told."""
+    last = text.rpartition(" ")[2]
+    try:
+        return last if unit and unit_dimension(last) == unit_dimension(unit) else unit
+    except InputError:
+        return unit
+
+
+def _text(value: float, std: float, unit: str) -> str:
+    """`0.3127 +- 0.0041 N`: two digits of the deviation, and the value to the same place."""
+    shown, deviation = (from_si(v, unit) if unit else v for v in (value, std))
+    size = np.floor(np.log10(deviation)) if deviation > 0.0 else np.floor(np.log10(abs(shown) or 1.0)) - 8
+    digits = int(max(np.floor(np.log10(abs(shown) or 1.0)) - size + 2, 2))
+    return f"{shown:.{digits}g} +- {deviation:.2g} {unit}".rstrip()
+
+
+def written_json(written: Sequence[Written]) -> dict[str, Any]:
+    """What was written back, by key of the parameter file."""
+    return {
+        one.key: {
+            "value": one.value,
+            "unit": one.unit,
+            "std": one.std,
+            "origin": one.origin,
+            "before": {"text": one.before[0], "origin": one.before[1]},
+        }
+        for one in written
+    }

@@ -1,0 +1,256 @@
+"""Figures beside the checks: the rail curve, the map of the teeth, a sweep."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stagecad.parameters.atomic import atomic_path
+
+if TYPE_CHECKING:
+    from designcalc.checks import Weighed
+    from designcalc.checks.sweep import Point, Range
+    from designcalc.checks.tolerance import ToleranceStudy
+    from stagecad.parameters.design import Design
+
+
+def rail_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+    """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
+    from dataclasses import replace
+
+    from matplotlib.figure import Figure
+
+    from designcalc.bearing.bolted_rail import best_spacing_ratio, total_stiffness
+    from designcalc.checks.inputs import Reading
+    from designcalc.checks.machine import rail
+
+    r = Reading(design, weighed, "bearing ways")
+    way, diameter = rail(r), r("screws.way.diameter")
+    here, tau = r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
+    steel = replace(way, rail_modulus=207e9, bed_modulus=207e9, bolt_modulus=207e9, poisson=0.3)
+    M = np.linspace(1.3, 10, 200)
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(M, total_stiffness(way, M, tau) / 1e6, color="tab:blue", label="materials of the design")
+    axes.plot(M, total_stiffness(steel, M, tau) / 1e6, color="0.6", ls="--", label="steel throughout, as the thesis")
+    best = best_spacing_ratio(way, tau)
+    axes.plot(best, total_stiffness(way, best, tau) / 1e6, "^", color="tab:green", label=f"optimum, M = {best:.2f}")
+    axes.plot(here, total_stiffness(way, here, tau) / 1e6, "o", color="tab:red", label=f"design, M = {here:.2f}")
+    axes.set_xlabel("bolt spacing over bolt diameter, M")
+    axes.set_ylabel("stiffness of the way, N/µm")
+    axes.set_ylim(0)
+    axes.legend(frameon=False)
+    axes.set_title(f"Bearing way on its bolts, flange {tau:.2f} diameters thick", fontsize=10)
+    _save(figure, path)
+    return True
+
+
+def teeth_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+    """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; False without teeth."""
+    if not design.teeth.fitted:
+        return False
+    from matplotlib.figure import Figure
+
+    from designcalc.drive.magnetic_teeth import ratio_map
+
+    teeth = design.teeth
+    widths, gaps = np.linspace(0.08, 0.9, 22), np.geomspace(0.04, 1.0, 20)
+    ratio, _, _ = ratio_map(widths, gaps, teeth.groove_depth / teeth.pitch)
+    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
+    axes = figure.subplots()
+    shades = axes.contourf(widths, gaps, ratio, levels=16, cmap="viridis")
+    figure.colorbar(shades, label="$K_x / K_z$")
+    axes.axvline(0.4, color="white", ls="--", lw=1.2)
+    axes.text(0.41, 0.045, "thesis: 0.4", color="white", va="bottom")
+    axes.plot(teeth.width / teeth.pitch, teeth.gap / teeth.pitch, "o", color="tab:red", mec="white")
+    axes.annotate(
+        "design",
+        (teeth.width / teeth.pitch, teeth.gap / teeth.pitch),
+        xytext=(8, 6),
+        textcoords="offset points",
+        color="white",
+    )
+    axes.set_yscale("log")
+    axes.set_xlabel("tooth width over pitch, l/p")
+    axes.set_ylabel("gap over pitch, e/p")
+    axes.set_title("Lateral over normal stiffness of the teeth at fixed magnetic potential", fontsize=10)
+    _save(figure, path)
+    return True
+
+
+def speed_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+    """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
+    from matplotlib.figure import Figure
+
+    from designcalc.checks.inputs import Reading
+    from designcalc.checks.machine import tip_resonance, usable_ellipse
+    from designcalc.drive.friction_drive import speed_of
+
+    r = Reading(design, weighed, "friction drive")
+    travel, first, wanted = usable_ellipse(r)[0], tip_resonance(r), r("requirements.speed")
+    frequency = np.linspace(0, 1.9 * first, 50)
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    for (law, speed), colour in zip(speed_of(travel, frequency).items(), ("tab:blue", "tab:orange", "tab:green")):
+        axes.plot(frequency / 1e3, 1e3 * speed, color=colour, label=f"{law}")
+    axes.axhline(1e3 * wanted, color="0.3", lw=0.8)
+    axes.text(0.1, 1e3 * wanted, " asked for", va="bottom", fontsize=8, color="0.3")
+    axes.axvspan(0, first / 3e3, color="tab:green", alpha=0.12, lw=0)
+    axes.axvline(first / 1e3, color="tab:red", ls="--", lw=1)
+    axes.text(first / 1e3, 8, " first resonance of the tip", color="tab:red", fontsize=8)
+    axes.axvline(r("actuator.frequency") / 1e3, color="0.6", ls=":", lw=1.2)
+    axes.text(r("actuator.frequency") / 1e3, 8, " drive", color="0.4", fontsize=8)
+    axes.set_xlabel("drive frequency, kHz (shaded: below a third of the resonance)")
+    axes.set_ylabel("speed of the stage, mm/s")
+    axes.set_xlim(0, frequency[-1] / 1e3)
+    axes.set_ylim(0)
+    axes.legend(frameon=False, title="contact", loc="upper left")
+    axes.set_title(f"Speed from an ellipse {1e6 * travel:.2f} µm long", fontsize=10)
+    _save(figure, path)
+    return True
+
+
+def travel_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+    """Acceleration the tip can give over the travel without tipping the stage off its pads."""
+    from matplotlib.figure import Figure
+
+    from designcalc.checks.inputs import Reading
+    from designcalc.checks.machine import pads, preload_ratio
+    from designcalc.drive.friction_drive import GRAVITY, acceleration_limit, tip_force_limit
+
+    r = Reading(design, weighed, "friction drive")
+    half, places, centre = r("stage.travel") / 2, pads(r), r.centre()
+    x = np.linspace(-half, half, 161)
+    # The stage at x stands with the tip at -x on it.
+    share = np.array([tip_force_limit(places, centre, (-place, 0.0)) for place in x])
+    mu, mu_pad, p = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r)
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(1e3 * x, acceleration_limit(mu, p, share, mu_pad) / GRAVITY, color="tab:blue", label="before a pad lifts")
+    axes.axhline(
+        float(acceleration_limit(mu, p)) / GRAVITY, color="tab:orange", ls="--", label="before lift-off, mu (1 + p)"
+    )
+    for key, label in (("acceleration_low", "asked for, least"), ("acceleration", "asked for, most")):
+        axes.axhline(r(f"requirements.{key}") / GRAVITY, color="0.4", lw=0.8)
+        axes.text(-1e3 * half, r(f"requirements.{key}") / GRAVITY, label, va="bottom", fontsize=8, color="0.4")
+    axes.axhline(0, color="0.8", lw=0.8)
+    axes.set_xlabel("stage from the middle of its travel, mm")
+    axes.set_ylabel("acceleration, g")
+    axes.legend(frameon=False, loc="center right", fontsize=8)
+    axes.set_title("What the tip can push over the travel", fontsize=10)
+    _save(figure, path)
+    return True
+
+
+def profile_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+    """The lapped way with its waves under one pad, and the height of the pad that rides it."""
+    from matplotlib.figure import Figure
+
+    from designcalc.bearing.sliding import averaged_profile
+    from designcalc.bearing.way_profile import synthetic_profiles
+    from designcalc.checks.inputs import Reading
+    from designcalc.checks.smoothness import lapped_surface, spot
+
+    r = Reading(design, weighed, "smoothness")
+    surface, side = lapped_surface(r), spot(r)
+    profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, side, 1)
+    height = averaged_profile(profiles[0], step, side)
+    x = step * np.arange(profiles.shape[1])
+    first = (x.size - height.size) // 2
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    axes.plot(1e3 * x, 1e9 * profiles[0], color="0.75", lw=0.5, label="way, averaged across the contact")
+    axes.plot(1e3 * x[first : first + height.size], 1e9 * height, color="tab:blue", lw=1.4, label="pad that rides it")
+    limit = 1e9 * r("requirements.smoothness")
+    axes.axhspan(-limit, limit, color="tab:green", alpha=0.15, lw=0, label="smoothness asked for")
+    axes.set_xlabel("along the travel, mm")
+    axes.set_ylabel("height, nm")
+    axes.legend(frameon=False, fontsize=8, loc="upper right")
+    axes.set_title(f"A pad touches over {1e3 * side:.2g} mm: roughness is averaged, waves are not", fontsize=10)
+    _save(figure, path)
+    return True
+
+
+def budget_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+    """Contributions to the error budgets at the payload."""
+    from matplotlib.figure import Figure
+
+    from designcalc.checks.budget import budgets
+    from designcalc.checks.inputs import Reading
+
+    r = Reading(design, weighed, "error budget")
+    found = budgets(r)
+    heights = [len(one.rows) + 1 for one in found]
+    figure = Figure(figsize=(6.8, 0.28 * sum(heights) + 1.8), layout="constrained")
+    for axes, one in zip(figure.subplots(len(found), 1, height_ratios=heights), found, strict=True):
+        names = [cause.name for cause, _ in one.rows] + ["total"]
+        sizes = [1e9 * abs(float(e[one.axis])) for _, e in one.rows] + [1e9 * float(one.total[one.axis])]
+        colours = ["tab:blue" if cause.random else "tab:orange" for cause, _ in one.rows] + ["0.3"]
+        axes.barh(names, sizes, color=colours, height=0.65)
+        axes.axvline(1e9 * r(f"requirements.{one.key}"), color="tab:red", ls="--", lw=1)
+        axes.invert_yaxis()
+        axes.set_xscale("log")
+        axes.set_xlim(max(min(sizes) / 3, 1e-3))
+        axes.tick_params(labelsize=8)
+        axes.set_title(f"{one.name}, {one.direction}", fontsize=9, loc="left")
+    axes.set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: asked for)", fontsize=9)
+    _save(figure, path)
+    return True
+
+
+FIGURES: dict[str, tuple[str, Callable[..., bool]]] = {
+    "stiffness of the bearing way over bolt spacing": ("rail", rail_figure),
+    "map of the magnetic teeth": ("teeth", teeth_figure),
+    "speed over drive frequency": ("speed", speed_figure),
+    "acceleration over the travel": ("travel", travel_figure),
+    "profile of the way": ("profile", profile_figure),
+    "error budgets": ("budget", budget_figure),
+}
+"""Figure by title: name of its file, and what draws it (False where the design has none)."""
+
+
+def tolerance_figure(study: ToleranceStudy, path: Path) -> None:
+    """The dimensions whose tolerance uses up most of a margin."""
+    from matplotlib.figure import Figure
+
+    shown = [item for item in study.influences if item.share > 0][:12]
+    figure = Figure(figsize=(7.2, 0.34 * len(shown) + 1.2), layout="constrained")
+    axes = figure.subplots()
+    labels = [f"{item.key} ({item.tolerance})" for item in shown]
+    bars = axes.barh(labels, [100 * item.share for item in shown], color="tab:blue", height=0.6)
+    axes.bar_label(bars, [f" {item.check}" for item in shown], fontsize=7, color="0.35")
+    axes.invert_yaxis()
+    axes.set_xlim(0, 210 * shown[0].share if shown else 1)
+    axes.set_xlabel("part of a margin used up by the tolerance alone, %")
+    axes.tick_params(labelsize=8)
+    _save(figure, path)
+
+
+def _save(figure: Any, path: Path) -> None:
+    with atomic_path(path) as temporary:
+        figure.savefig(temporary, dpi=150)
+
+
+def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str], path: Path) -> None:
+    """Margins of some checks over a swept parameter; below the zero line a check fails."""
+    from matplotlib.figure import Figure
+
+    from stagecad.parameters.quantities import to_si
+
+    kept = [point for point in points if point.checks]
+    scale = 1 / to_si(1.0, swept.unit)
+    x = [point.value * scale for point in kept]
+    figure = Figure(figsize=(7.2, 4.4), layout="constrained")
+    axes = figure.subplots()
+    for name in names:
+        margins = [next((c.margin for c in p.checks if c.name == name), None) for p in kept]
+        axes.plot(x, [np.nan if m is None else 100 * m for m in margins], marker=".", label=name)
+    axes.axhline(0, color="0.3", lw=0.8)
+    axes.set_yscale("symlog", linthresh=10)
+    axes.set_xlabel(f"{swept.key}, {swept.unit}" if swept.unit else swept.key)
+    axes.set_ylabel("margin, % of the limit")
+    axes.legend(frameon=False, fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    _save(figure, path)

@@ -1,0 +1,331 @@
+"""Figures of the loop: measured over predicted, what is left, where it fails, and the ladder; as SVG text.
+
+A record of any length is drawn by the least and the largest value of each pixel column, so a figure stays small and no
+spike is lost.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import numpy as np
+
+from stagecad.parameters.atomic import atomic_path
+from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.model import Model, Prepared, predict
+from sysid.report import LEAST_P
+from workbench.console.rung_words import change_words
+from workbench.simulation.figures import STYLE
+
+MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#1b4f72", "#b03a2e", "#1e8449", "#c9d6df"
+COLUMNS = 900
+"""Pixel columns a line is drawn in."""
+
+LABEL_WIDTH, LINE = 18, 0.15
+"""Letters for which there is room below a bar of the ladder, and inches that another line of them takes."""
+
+BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
+"""Coordinates whose maps have bins of equal count."""
+
+_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_WITH_PREFIX = ("m", "N", "s", "V", "rad", "Hz")
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One channel of one record with the predictions to draw over it. Arrays (n,), SI; NaN where nothing is scored.
+
+    Args:
+        record, channel: names.
+        unit: SI unit of the channel.
+        time: s.
+        measured: as compared (filtered where the balance is).
+        predicted: by label, in drawing order.
+        noise: standard deviation that sensor noise leaves in the residual.
+    """
+
+    record: str
+    channel: str
+    unit: str
+    time: np.ndarray
+    measured: np.ndarray
+    predicted: Mapping[str, np.ndarray]
+    noise: float
+
+
+def curve_of(record: Prepared, channel: str, unit: str, models: Mapping[str, Model]) -> Curve:
+    """A record's channel with what each of `models` predicts for it."""
+    valid = record.valid[channel]
+
+    def scored(values: np.ndarray) -> np.ndarray:
+        return np.where(valid, values, np.nan)
+
+    predicted = {label: scored(predict(record, m.effects, m.values)[channel]) for label, m in models.items()}
+    time = record.axis.time if isinstance(record, Balance) else record.time
+    return Curve(
+        record.name, channel, unit, time - time[0], scored(record.measured[channel]), predicted, record.noise[channel]
+    )
+
+
+def worst_record(records: Sequence[Prepared], channel: str, model: Model) -> Prepared:
+    """The record whose residual in `channel` is largest over its noise, by its rms."""
+
+    def error(record: Prepared) -> float:
+        predicted = predict(record, model.effects, model.values)[channel]
+        valid = record.valid[channel]
+        return float(np.sqrt(np.mean((record.measured[channel] - predicted)[valid] ** 2))) / record.noise[channel]
+
+    return max(records, key=error)
+
+
+def axis_scale(values: np.ndarray, unit: str) -> tuple[float, str]:
+    """Factor that brings SI values into a readable range, and the unit they then have, for a label."""
+    finite = np.abs(values[np.isfinite(values)])
+    largest = float(finite.max()) if finite.size else 0.0
+    shown = unit.replace("*", "·").replace("degC", "°C").replace("^2", "²").replace("^3", "³")
+    head = shown.replace("/", "·").split("·")[0]
+    if head not in _WITH_PREFIX or largest == 0.0:
+        return 1.0, "" if unit == "1" else shown
+    size, prefix = next(((s, p) for s, p in _PREFIXES if largest >= s), _PREFIXES[-1])
+    return 1.0 / size, prefix + shown
+
+
+def decimate(time: np.ndarray, values: np.ndarray, columns: int = COLUMNS) -> tuple[np.ndarray, np.ndarray]:
+    """The least and the largest of `values` (n,) in each of `columns` equal stretches, in the order they occur.
+
+    A stretch without any number stays a gap. With two samples a column or fewer, the line itself.
+    """
+    n = values.size
+    if n <= 2 * columns:
+        return time, values
+    edges = np.linspace(0, n, columns + 1).astype(int)[:-1]
+    number = np.isfinite(values)
+    column = np.searchsorted(edges, np.arange(n), side="right") - 1
+    low = np.minimum.reduceat(np.where(number, values, np.inf), edges)
+    high = np.maximum.reduceat(np.where(number, values, -np.inf), edges)
+
+    def first_at(extreme: np.ndarray) -> np.ndarray:
+        hits = np.flatnonzero(number & (values == extreme[column]))
+        where = edges.copy()
+        # Written backwards, so the first hit of a column is the one that stays.
+        where[column[hits[::-1]]] = hits[::-1]
+        return where
+
+    pair = np.sort(np.stack([first_at(low), first_at(high)], axis=1), axis=1).ravel()
+    return time[pair], values[pair]
+
+
+def worst_stretch(residual: np.ndarray, least: int = 150) -> slice:
+    """The stretch of about a twenty-fifth of the record where the residual (n,) is worst, single spikes aside."""
+    n = residual.size
+    length = min(n, max(least, n // 25))
+    size = np.abs(np.nan_to_num(residual))
+    ceiling = 6.0 * (float(np.median(size)) or 1.0)
+    total = np.concatenate([[0.0], np.cumsum(np.minimum(size, ceiling) ** 2)])
+    start = int(np.argmax(total[length:] - total[:-length])) if n > length else 0
+    return slice(start, start + length)
+
+
+def _figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
+    """A figure of `width` by `height` inches, with room for labels in inches: a solved layout takes twice the time."""
+    # Figure and not pyplot: no window system, and nothing global that outlives the figure.
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    inside = (width - 0.8) / columns - 0.45
+    tall = (height - 0.95) / rows - 0.65 if rows > 1 else height - 0.95
+    grid = {"wspace": 0.45 / inside, "hspace": 0.65 / tall, **options}
+    frame = {"left": 0.7 / width, "right": 1 - 0.1 / width, "bottom": 0.45 / height, "top": 1 - 0.5 / height}
+    return figure, figure.subplots(rows, columns, squeeze=False, gridspec_kw={**frame, **grid})
+
+
+def _legend(figure: Any, panel: Any) -> None:
+    handles, labels = panel.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper right", ncols=4, borderaxespad=0.1)
+
+
+def _svg(figure: Any, name: str) -> str:
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    out = io.StringIO()
+    figure.patch.set_visible(False)
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": name}):
+        # `savefig` would draw everything once more to learn its size.
+        FigureCanvasSVG(figure).print_svg(out, metadata={"Date": None, "Creator": None})
+    text = out.getvalue()
+    # Verdana has the widths of DejaVu Sans, for readers without it.
+    return text[text.index("<svg") :].replace("'DejaVu Sans'", "'DejaVu Sans', Verdana")
+
+
+def _styled() -> Any:
+    from matplotlib import rc_context
+
+    return rc_context(
+        {
+            **STYLE,
+            "font.size": 8.5,
+            "axes.titlesize": 9,
+            "axes.titlelocation": "left",
+            "figure.constrained_layout.use": False,
+        }
+    )
+
+
+def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, factor: float) -> None:
+    time = curve.time[span]
+    panel.axhspan(-2 * curve.noise * factor, 2 * curve.noise * factor, color=FAINT, alpha=0.8, linewidth=0)
+    for (label, predicted), ink in zip(curve.predicted.items(), inks):
+        t, r = decimate(time, (curve.measured[span] - predicted[span]) * factor)
+        panel.plot(t, r, color=ink, linewidth=0.7, label=label)
+    first = np.abs(curve.measured - next(iter(curve.predicted.values())))[span]
+    if np.isfinite(first).any():
+        # A few samples beside reversals, far above the rest, would flatten all there is to see.
+        part = 0.985 if first.size == curve.time.size else 0.93
+        reach = max(1.5 * float(np.nanquantile(first, part)), 4.0 * curve.noise) * factor
+        panel.set_ylim(-reach, reach)
+
+
+def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
+    """Measured under predicted, whole and at the worst stretch, and the residual beside the noise; SVG text."""
+    factor, unit = axis_scale(curve.measured, curve.unit)
+    residual = curve.measured - next(iter(curve.predicted.values()))
+    usual = np.nanquantile(np.abs(residual), 0.985) if np.isfinite(residual).any() else 0.0
+    small, small_unit = axis_scale(np.array([2.0 * usual]), curve.unit)
+    zoom = worst_stretch(residual)
+    everything = slice(0, curve.time.size)
+    words = curve.channel.replace("_", " ")
+    with _styled():
+        figure, axes = _figure(2, 2, 9.6, 4.3, width_ratios=(1.7, 1.0), height_ratios=(1.25, 1.0))
+        for column, span in enumerate((everything, zoom)):
+            top, bottom = axes[0, column], axes[1, column]
+            time = curve.time[span]
+            top.plot(*decimate(time, curve.measured[span] * factor), color=MEASURED, linewidth=2.4, label="measured")
+            for (label, predicted), ink in zip(curve.predicted.items(), inks):
+                top.plot(*decimate(time, predicted[span] * factor), color=ink, linewidth=0.9, label=label)
+            _residual_panel(bottom, curve, inks, span, small)
+            bottom.set_xlabel("time (s)")
+            for panel in (top, bottom):
+                panel.set_xlim(time[0], time[-1])
+        for panel in axes[:, 0]:
+            panel.axvspan(curve.time[zoom][0], curve.time[zoom][-1], color="#f5e6c8", zorder=0, linewidth=0)
+        axes[0, 0].set(ylabel=f"{words} ({unit})", title=f"{words}, record {curve.record}")
+        axes[0, 1].set_title("where it is worst")
+        axes[1, 0].set(ylabel=f"left ({small_unit})", title="measured less predicted; band: two deviations of noise")
+        _legend(figure, axes[0, 0])
+        return _svg(figure, f"overlay {curve.record} {curve.channel}")
+
+
+def coordinate_unit(coordinate: str, rotary: bool, tip: bool) -> str:
+    """SI unit of a coordinate of the residual maps."""
+    length = "rad" if rotary else "m"
+    if tip:
+        length = {"velocity": "V", "acceleration": "V"}.get(coordinate, length)
+    return {
+        "time": "s", "frequency": "Hz", "position": length, "velocity": f"{length}/s", "direction": "1",
+        "acceleration": f"{length}/s^2", "distance_since_reversal": length, "distance_travelled": length,
+        "contact_age": "s", "normal_load": "N", "temperature": "degC", "input": "V",
+    }.get(coordinate, "1")  # fmt: skip
+
+
+def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
+    """Residual, in noise deviations, against each coordinate, apart for the two directions of motion; SVG text."""
+    columns = min(3, len(maps))
+    rows = -(-len(maps) // columns)
+    with _styled():
+        figure, axes = _figure(rows, columns, 9.6, 0.4 + 2.5 * rows)
+        flat = axes.ravel()
+        for panel, m in zip(flat, maps):
+            _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
+            chance = "p < 0.001" if m.p_value <= 1.5 * LEAST_P else f"p = {m.p_value:.2g}"
+            panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {chance}")
+        for panel in flat[len(maps) :]:
+            panel.set_visible(False)
+        for row in axes:
+            row[0].set_ylabel("residual / noise")
+        if not tip:
+            drawn = next((p for p, m in zip(flat, maps) if m.coordinate != "frequency"), None)
+            if drawn is not None:
+                _legend(figure, drawn)
+        return _svg(figure, "maps " + " ".join(m.coordinate for m in maps))
+
+
+def _draw_map(panel: Any, m: ResidualMap, unit: str) -> None:
+    factor, shown = axis_scale(m.centres, unit)
+    x = m.centres * factor
+    if m.coordinate == "frequency":
+        panel.fill_between(x, m.forward, color=MODEL, alpha=0.25, linewidth=0)
+        panel.plot(x, m.forward, color=MODEL, linewidth=0.9)
+        strong = np.flatnonzero(m.forward > 0.02 * float(np.max(m.forward, initial=0.0)))
+        last = x[min(strong[-1] + 2, x.size - 1)] if strong.size else 1.0
+        panel.set(xlabel=f"frequency ({shown})", xlim=(0, last), ylim=(0, None))
+        return
+    panel.axhspan(-1, 1, color=FAINT, alpha=0.8, linewidth=0)
+    if m.coordinate == "direction":
+        # Each direction of motion fills its own cell only.
+        panel.bar([0.0], [m.backward[0]], color=BEFORE, width=0.5, label="backward")
+        panel.bar([1.0], [m.forward[-1]], color=MODEL, width=0.5, label="forward")
+        panel.set_xticks([0, 1], ["backward", "forward"])
+        return
+    for values, ink, label in ((m.forward, MODEL, "forward"), (m.backward, BEFORE, "backward")):
+        # A cell that no sample fell into holds an exact zero.
+        filled = values != 0.0
+        panel.plot(x[filled], values[filled], "o-", color=ink, markersize=2.2, linewidth=1.0, label=label)
+    middle = float(np.median(np.abs(x))) if x.size else 0.0
+    if m.coordinate in BY_RANK and middle > 0.0 and float(np.max(np.abs(x))) > 8.0 * middle:
+        # Bins of equal count crowd where the axis spends its time.
+        panel.set_xscale("symlog", linthresh=middle)
+        panel.minorticks_off()
+        largest = float(np.max(np.abs(x)))
+        decades = np.unique([np.ceil(np.log10(middle)), np.floor(np.log10(largest))])
+        ticks = np.concatenate([-(10.0 ** decades[::-1]), [0.0], 10.0**decades])
+        panel.set_xticks(ticks[(ticks >= x.min()) & (ticks <= x.max()) | (ticks == 0.0)])
+        panel.xaxis.set_major_formatter("{x:g}")
+    panel.set_xlabel(f"{m.coordinate.replace('_', ' ')}" + (f" ({shown})" if shown else ""))
+
+
+def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> str:
+    """Error over noise after each effect added, log axis, the noise as a line at one; SVG text, and a PNG file."""
+    labels, fit, held = [], [], []
+    for rung in rungs:
+        words = change_words(rung, "as it began").replace("_", " ").replace(":", ": ").split(", ")
+        came = len(rung.get("added") or ())
+        signed = [f"+ {word}" if k < came else word for k, word in enumerate(words)]
+        labels.append("\n".join(fill(word, LABEL_WIDTH) for word in signed))
+        fit.append(_worst(rung["before"].get("fit", {})))
+        held.append(_worst(rung["before"].get("validate", {})))
+    x = np.arange(len(rungs))
+    with _styled():
+        more = LINE * max(label.count("\n") for label in labels)
+        height = 3.6 + more
+        figure, axes = _figure(1, 1, max(5.6, 1.6 + 1.5 * len(rungs)), height, bottom=(0.45 + more) / height)
+        panel = axes[0, 0]
+        panel.set_yscale("log")
+        panel.axhspan(0.5, 1.0, color=FAINT, alpha=0.8, linewidth=0)
+        panel.axhline(1.0, color="#5d6d7e", linewidth=1.0)
+        top = max(1.0, *(v for v in [*fit, *held] if np.isfinite(v)), 1.5)
+        for k, value in enumerate(held if np.isfinite(held).any() else fit):
+            panel.bar(k, value - 0.5, bottom=0.5, width=0.56, color=MODEL if k < len(x) - 1 else AFTER, alpha=0.85)
+            panel.annotate(f"{value:.3g} ×", (k, value), (0, 4), textcoords="offset points", ha="center", weight="bold")
+        panel.plot(x, fit, "o", color="#1c2833", markersize=4, markerfacecolor="white", label="records of the fit")
+        panel.text(len(x) - 0.45, 1.0, "noise", va="bottom", ha="right", color="#5d6d7e")
+        panel.set_xticks(x, labels)
+        panel.set(ylim=(0.5, 2.2 * top), xlim=(-0.6, len(x) - 0.4), ylabel="error over noise")
+        panel.set_title("Error over noise after each effect; bars: held-out records")
+        panel.grid(axis="x", visible=False)
+        panel.yaxis.set_major_formatter("{x:g}")
+        panel.legend(loc="upper right")
+        if png is not None:
+            with atomic_path(png) as temporary:
+                figure.savefig(temporary, dpi=150, format="png", metadata={"Software": None})
+        return _svg(figure, "ladder")
+
+
+def _worst(by_channel: Mapping[str, Mapping[str, Any]]) -> float:
+    return max((m["over_noise"] for m in by_channel.values() if m.get("over_noise") is not None), default=float("nan"))

@@ -1,0 +1,204 @@
+"""The report of `stagecad make`: the machine in pictures, its checks, parameters and files, as one HTML page."""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad import __version__
+from stagecad.parameters.atomic import atomic_write_text
+
+if TYPE_CHECKING:
+    from designcalc.checks.check import Check
+    from drawings.procedure.procedure import Procedure
+    from stagecad.solids.assembly.interference import Meeting
+    from workbench.options import Run
+
+REPORT = "report.html"
+SIMULATIONS = {
+    "tip": "Tip path of the actuator",
+    "presliding": "Presliding",
+    "hysteresis": "Hysteresis",
+    "stick_slip": "Stick-slip",
+}
+
+
+def write_report(
+    run: Run,
+    document: Mapping[str, Any],
+    pictures: Mapping[str, Path],
+    checks: Sequence[Check],
+    check_figures: Mapping[str, Path],
+    simulation_figures: Sequence[Path],
+    bill: Sequence[Mapping[str, Any]],
+    meetings: Sequence[Meeting],
+    procedure: Procedure,
+    drawings: Mapping[str, Any],
+) -> Path:
+    """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked.
+
+    Args:
+        run: of the command; the page goes to its folder.
+        document: of `write_parts`: parts, moving body, measures.
+        pictures: PNG by name (`stagecad.solids.artefacts.pictures`).
+        checks: every design check.
+        check_figures: figures of the checks by title.
+        simulation_figures: PNG of the simulations.
+        bill: rows of the bill of materials.
+        meetings: pairs of parts that touch, fit, or overlap.
+        procedure: steps of the assembly.
+        drawings: document of `write_drawings`.
+
+    Returns:
+        The page.
+    """
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    from designcalc.checks.report import counted, shown, shown_limit, shown_margin
+
+    environment = Environment(
+        loader=PackageLoader("workbench"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
+        lstrip_blocks=True,
+    )  # fmt: skip
+    target = run.out / REPORT
+    rows = [
+        {
+            "name": check.name, "value": shown(check.value, check.unit), "limit": shown_limit(check),
+            "margin": shown_margin(check), "verdict": check.verdict, "source": check.source,
+            "formula": check.formula, "substituted": check.substituted, "proposal": check.proposal,
+            "thesis": check.thesis, "note": check.note, "subject": check.subject,
+        }
+        for check in checks
+    ]  # fmt: skip
+    subjects = list(dict.fromkeys(row["subject"] for row in rows))
+    parts = [
+        {
+            "name": name, "title": name.replace("_", " "), "mass": _mass(part["mass"]["value"]),
+            "size": _size(part["bounding_box"]["value"]), "picture": _embedded(pictures[name]),
+            "below": _embedded(pictures[f"{name}_below"]) if f"{name}_below" in pictures else "",
+            "files": [_link(Path(file), target) for file in part["files"]],
+        }
+        for name, part in document["parts"].items()
+        if name in pictures and name != "assembly"
+    ]  # fmt: skip
+    page = environment.get_template("machine.html").render(
+        title=run.design.file,
+        assembly=_embedded(pictures["assembly"]),
+        exploded=_embedded(pictures["assembly_exploded"]),
+        meetings=_by_kind(meetings),
+        clashes=sum(meeting.clash for meeting in meetings),
+        assembly_files=[_link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
+        moving_mass=_mass(document["moving_body"]["mass"]["value"]),
+        whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
+        measures=[(k.replace("_", " "), _measure(q)) for k, q in document["measures"].items()],
+        parts=parts,
+        bill=bill,
+        procedure=procedure,
+        sheets=_sheets(drawings, target),
+        subjects=[(subject, [row for row in rows if row["subject"] == subject]) for subject in subjects],
+        counted=counted(checks),
+        failing=sum(check.verdict == "fails" for check in checks),
+        check_figures=[(name, _embedded(path)) for name, path in check_figures.items()],
+        simulation_figures=[(_caption(path), _embedded(path)) for path in simulation_figures],
+        entries=_by_table(run),
+        digest=run.design.digest,
+        versions=versions(),
+    )
+    atomic_write_text(target, page)
+    return target
+
+
+def versions() -> dict[str, str]:
+    """Versions of what made the page, read without importing it."""
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {"stagecad": __version__}
+    for name in ("cadquery", "cadquery-ocp", "ezdxf", "numpy", "scipy", "numba", "trimesh", "matplotlib"):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def _sheets(drawings: Mapping[str, Any], page: Path) -> list[dict[str, Any]]:
+    """The drawing sheets, each as a small picture that leads to the one that can be magnified."""
+    shown = []
+    for name, sheet in drawings["sheets"].items():
+        files = {Path(file).suffix: Path(file) for file in sheet["files"]}
+        shown.append(
+            {
+                "title": name.replace("_", " "), "paper": sheet["paper"], "scale": sheet["scale"],
+                "picture": _reduced(files[".png"]), "opens": _link(files[".svg"], page)["href"],
+                "files": [_link(Path(file), page) for file in sheet["files"]], "hits": sheet["hits"],
+            }
+        )  # fmt: skip
+    return shown
+
+
+def _reduced(path: Path, width: int = 900) -> str:
+    """A sheet's picture, small enough for an overview."""
+    import io
+
+    from PIL import Image
+
+    with Image.open(path) as picture:
+        small = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
+    stream = io.BytesIO()
+    small.quantize(16).save(stream, "png", optimize=True)
+    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
+
+
+def _embedded(path: Path) -> str:
+    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
+
+
+def _link(file: Path, page: Path) -> dict[str, str]:
+    return {"name": file.name, "href": Path(os.path.relpath(file, page.parent)).as_posix()}
+
+
+def _mass(kilograms: float) -> str:
+    return f"{kilograms:.3f} kg" if kilograms >= 1.0 else f"{1000.0 * kilograms:.1f} g"
+
+
+def _size(box: Sequence[Sequence[float]]) -> str:
+    return " × ".join(f"{1000.0 * (high - low):.1f}" for low, high in zip(*box, strict=True)) + " mm"
+
+
+def _measure(quantity: Mapping[str, Any]) -> str:
+    from stagecad.parameters.quantities import format_quantity
+
+    if quantity["unit"] == "m^2":
+        return f"{quantity['value'] * 1e6:.1f} mm²"
+    return format_quantity(quantity["value"], quantity["unit"])
+
+
+def _caption(path: Path) -> str:
+    stem = path.stem
+    return next((words for key, words in SIMULATIONS.items() if stem.startswith(key)), stem.replace("_", " "))
+
+
+def _by_kind(meetings: Sequence[Meeting]) -> list[dict[str, Any]]:
+    """Pairs of parts by kind of meeting, at mid-travel and mid-height, with least clearance and common volume."""
+    rows: dict[tuple[str, str, str], dict[str, Any]] = {}
+    for m in meetings:
+        first, second = (name.rstrip("0123456789").rstrip("_ ") for name in (m.first, m.second))
+        row = rows.setdefault(
+            (m.kind, first, second),
+            {"kind": m.kind, "first": first, "second": second, "count": 0, "clearance": None, "volume": 0.0},
+        )
+        row["count"] += m.travel == 0 and m.height == 0
+        row["volume"] = max(row["volume"], m.common_volume)
+        if m.clearance is not None:
+            row["clearance"] = m.clearance if row["clearance"] is None else min(row["clearance"], m.clearance)
+    return [rows[key] for key in sorted(rows)]
+
+
+def _by_table(run: Run) -> list[tuple[str, list[Any]]]:
+    tables: dict[str, list[Any]] = {}
+    for entry in run.design.entries:
+        tables.setdefault(entry.key.rpartition(".")[0], []).append(entry)
+    return list(tables.items())

@@ -1,0 +1,128 @@
+"""One HTML story per experiment, from what `compare`, `diagnose`, `suggest` and `ladder` have found so far.
+
+Every command keeps its own section as a file of JSON below `OUT/NAME/sections/` and puts the report together again from
+all that are there: one section for each command and model, in the order they were first made. Sections made on other
+records are left out. The page opens without a server or a network.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.atomic import atomic_write_text
+from sysid.compare import Comparison
+from sysid.diagnose import Diagnosis
+from workbench.options import Run, finite
+from workbench.report.sections import Section, comparison_section, diagnosis_section, ladder_section
+
+SCHEMA = 2
+
+
+def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> Path:
+    """Figures and report of a comparison below `run.out`; returns the file to open."""
+    folder = report_folder(run, comparison.case.experiment.folder.name)
+    section = comparison_section(comparison, document)
+    _figures(folder, "compare", section)
+    return _keep(folder, section)
+
+
+def write_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> Path:
+    """Figures and report of a diagnosis below `run.out`; returns the file to open."""
+    folder = report_folder(run, diagnosis.case.experiment.folder.name)
+    section = diagnosis_section(diagnosis, document)
+    _figures(folder, "diagnose", section)
+    return _keep(folder, section)
+
+
+def write_ladder(run: Run, name: str, rungs: Sequence[Mapping[str, Any]]) -> Path:
+    """Figure (`ladder.png`, `ladder.svg`) and report of a ladder below `run.out`; returns the file to open."""
+    folder = report_folder(run, name)
+    section = ladder_section(rungs, folder / "ladder.png")
+    atomic_write_text(folder / "ladder.svg", section["figure"])
+    return _keep(folder, section)
+
+
+def write_section(run: Run, name: str, section: Section) -> Path:
+    """Keep any other section (`kind`, `effects` and `records` tell where it belongs) and renew the report."""
+    return _keep(report_folder(run, name), section)
+
+
+def report_folder(run: Run, name: str) -> Path:
+    """Folder of the report of the experiment called `name`."""
+    return run.out / (re.sub(r"[^\w.-]", "_", name) or "experiment")
+
+
+def _figures(folder: Path, command: str, section: Section) -> None:
+    for k, overlay in enumerate(section["overlays"]):
+        name = "overlay" if k == 0 else f"overlay_{overlay['channel'].replace(' ', '_')}"
+        atomic_write_text(folder / f"{command}_{name}.svg", overlay["figure"])
+    if section["maps"]["figure"]:
+        atomic_write_text(folder / f"{command}_where.svg", section["maps"]["figure"])
+
+
+def _keep(folder: Path, section: Section) -> Path:
+    """Write a section beside the others, then the report of all."""
+    sections = _read(folder)
+    key = section_key(section)
+    numbers = {section_key(s): s["number_in_report"] for s in sections}
+    section["number_in_report"] = numbers.get(key, 1 + max(numbers.values(), default=0))
+    section["schema"] = SCHEMA
+    text = json.dumps(finite(section), indent=1, ensure_ascii=False, allow_nan=False)
+    atomic_write_text(folder / "sections" / f"{key}.json", text + "\n")
+    report = folder / "report.html"
+    atomic_write_text(
+        report, report_html(folder.name, story([*(s for s in sections if section_key(s) != key), section]))
+    )
+    return report
+
+
+def section_key(section: Section) -> str:
+    """Name of a section's file: the command, and a short hash of the model; there is one ladder only."""
+    if section["kind"] == "ladder":
+        return "ladder"
+    model = "+".join(section["effects"])
+    return f"{section['kind']}-{hashlib.sha256(model.encode()).hexdigest()[:10]}"
+
+
+def _read(folder: Path) -> list[Section]:
+    found = []
+    for path in sorted((folder / "sections").glob("*.json")):
+        try:
+            section = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            # A section that cannot be read is as good as none: the next run of its command writes it again.
+            continue
+        if isinstance(section, dict) and section.get("schema") == SCHEMA:
+            found.append(section)
+    return found
+
+
+def story(sections: Sequence[Section]) -> list[Section]:
+    """Sections that belong together, in the order they were made: those on the newest one's records, the ladder first.
+
+    The last of `sections` is the newest.
+    """
+    records = next((s["records"] for s in reversed(sections) if "records" in s), None)
+    kept = [s for s in sections if s.get("records", records) == records]
+    return sorted(kept, key=lambda s: (s["kind"] != "ladder", s["number_in_report"]))
+
+
+def report_html(name: str, sections: Sequence[Section]) -> str:
+    """The report as one self-contained page."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    environment = Environment(
+        loader=PackageLoader("workbench"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    about = next((s for s in reversed(sections) if "rig" in s), None)
+    newest = max((s["number_in_report"] for s in sections if s["kind"] != "ladder"), default=0)
+    return environment.get_template("loop.html").render(name=name, sections=sections, about=about, newest=newest)
