@@ -14,7 +14,7 @@ from drawings.views.view import Point2
 
 
 @dataclass(frozen=True)
-class Linear:
+class LinearDimension:
     """A linear dimension: DXF DIMENSION, rotated; extension lines from two points, text on the line.
 
     Args:
@@ -40,7 +40,7 @@ class Linear:
 
 
 @dataclass(frozen=True)
-class Round:
+class RadialDimension:
     """A diameter or radius dimension on a circle seen as one: DXF DIMENSION.
 
     Args:
@@ -61,7 +61,7 @@ class Round:
 
 
 @dataclass(frozen=True)
-class Angular:
+class AngularDimension:
     """An angle between two directions at a vertex: DXF DIMENSION."""
 
     view: str
@@ -98,7 +98,7 @@ class Callout:
 
 
 @dataclass(frozen=True)
-class ControlFrame:
+class FeatureControlFrame:
     """A feature control frame on a leader: characteristic, tolerance, datum letters (ISO 1101)."""
 
     view: str
@@ -110,7 +110,7 @@ class ControlFrame:
 
 
 @dataclass(frozen=True)
-class DatumMark:
+class DatumSymbol:
     """The filled triangle and framed letter of a datum (ISO 5459)."""
 
     view: str
@@ -120,7 +120,7 @@ class DatumMark:
 
 
 @dataclass(frozen=True)
-class SurfaceMark:
+class SurfaceTextureSymbol:
     """A surface texture symbol with its requirement (`Ra 1`), its point on a line of the view (ISO 21920-1)."""
 
     view: str
@@ -174,7 +174,16 @@ class DetailMark:
 
 
 Annotation = (
-    Linear | Round | Angular | Callout | ControlFrame | DatumMark | SurfaceMark | Balloon | SectionMark | DetailMark
+    LinearDimension
+    | RadialDimension
+    | AngularDimension
+    | Callout
+    | FeatureControlFrame
+    | DatumSymbol
+    | SurfaceTextureSymbol
+    | Balloon
+    | SectionMark
+    | DetailMark
 )
 
 

@@ -16,11 +16,11 @@ from typing import Any
 import numpy as np
 
 FONT = "DejaVuSans.ttf"
-STYLE = "LETTERING"
-NARROWED = 0.8
+TEXT_STYLE = "LETTERING"
+WIDTH_FACTOR = 0.8
 """Width factor of the text style."""
 
-SMALL, TEXT, LARGE = 2.5, 3.5, 5.0
+SMALL_HEIGHT, TEXT_HEIGHT, LARGE_HEIGHT = 2.5, 3.5, 5.0
 """Heights of capitals, mm (ISO 3098-1): captions of the title block; dimensions and notes; titles and view letters."""
 
 LINE_PITCH = 1.5
@@ -40,7 +40,7 @@ def _font() -> Any:
     # There is no public way to name a single file; ezdxf is pinned.
     fonts.font_manager.clear()
     fonts.font_manager._font_cache.add_entry(path, get_ttf_font_face(path))
-    return fonts.make_font(FONT, 1.0, NARROWED)
+    return fonts.make_font(FONT, 1.0, WIDTH_FACTOR)
 
 
 def prepare() -> None:
@@ -48,7 +48,7 @@ def prepare() -> None:
     _font()
 
 
-def text_width(text: str, height: float = TEXT) -> float:
+def text_width(text: str, height: float = TEXT_HEIGHT) -> float:
     """Width of a plain text on paper, mm."""
     return _width(text) * height if text else 0.0
 

@@ -12,8 +12,8 @@ from functools import cache
 from typing import get_args
 
 from drawings.annotations.annotation import Symbol
-from drawings.annotations.font import TEXT, text_width
-from drawings.annotations.ink import Circle, Fill, Ink, Stroke, Words
+from drawings.annotations.font import TEXT_HEIGHT, text_width
+from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.views.view import Arc, Point2
 
 _SPACE = 0.35
@@ -35,12 +35,12 @@ _WIDTHS: dict[Symbol, float] = {
 _NAMED = re.compile(r"\{(" + "|".join(get_args(Symbol)) + r")\}")
 
 
-def symbol_width(symbol: Symbol, height: float = TEXT) -> float:
+def symbol_width(symbol: Symbol, height: float = TEXT_HEIGHT) -> float:
     """Width of a symbol at a height of capitals, mm."""
     return _WIDTHS[symbol] * height
 
 
-def symbol_ink(symbol: Symbol, at: Point2, height: float = TEXT) -> Iterator[Ink]:
+def symbol_primitives(symbol: Symbol, at: Point2, height: float = TEXT_HEIGHT) -> Iterator[Primitive]:
     """A symbol with its lower left corner at a point of the paper."""
 
     def place(x: float, y: float) -> Point2:
@@ -49,8 +49,8 @@ def symbol_ink(symbol: Symbol, at: Point2, height: float = TEXT) -> Iterator[Ink
     def line(*points: Point2) -> Stroke:
         return Stroke(tuple(place(*point) for point in points))
 
-    def ring(x: float, y: float, radius: float) -> Circle:
-        return Circle(Arc(place(x, y), radius * height))
+    def ring(x: float, y: float, radius: float) -> ArcStroke:
+        return ArcStroke(Arc(place(x, y), radius * height))
 
     if symbol == "counterbore":
         yield line((0, 0.75), (0, 0.05), (1.3, 0.05), (1.3, 0.75))
@@ -59,7 +59,7 @@ def symbol_ink(symbol: Symbol, at: Point2, height: float = TEXT) -> Iterator[Ink
     elif symbol == "depth":
         yield line((0, 1), (0.9, 1))
         yield line((0.45, 1), (0.45, 0.3))
-        yield Fill((place(0.45, 0), place(0.2, 0.5), place(0.7, 0.5)))
+        yield FilledPolygon((place(0.45, 0), place(0.2, 0.5), place(0.7, 0.5)))
     elif symbol == "diameter":
         yield ring(0.5, 0.5, 0.36)
         yield line((0.15, 0), (0.85, 1))
@@ -92,7 +92,7 @@ def _pieces(text: str) -> Iterator[tuple[str, bool]]:
 
 
 @cache
-def line_width(text: str, height: float = TEXT) -> float:
+def symbol_text_width(text: str, height: float = TEXT_HEIGHT) -> float:
     """Width of a text in which `{depth}` and the like stand for symbols, mm."""
     return sum(
         (_WIDTHS[piece] + 2 * _SPACE) * height if is_symbol else text_width(piece, height)  # type: ignore[index]
@@ -100,13 +100,13 @@ def line_width(text: str, height: float = TEXT) -> float:
     )
 
 
-def line_ink(text: str, at: Point2, height: float = TEXT) -> Iterator[Ink]:
+def symbol_text_primitives(text: str, at: Point2, height: float = TEXT_HEIGHT) -> Iterator[Primitive]:
     """A text with symbols in it, from its left end on the base line."""
     x, y = at
     for piece, is_symbol in _pieces(text):
         if is_symbol:
-            yield from symbol_ink(piece, (x + _SPACE * height, y), height)  # type: ignore[arg-type]
+            yield from symbol_primitives(piece, (x + _SPACE * height, y), height)  # type: ignore[arg-type]
             x += (_WIDTHS[piece] + 2 * _SPACE) * height  # type: ignore[index]
         else:
-            yield Words(piece, (x, y), height)
+            yield Text(piece, (x, y), height)
             x += text_width(piece, height)

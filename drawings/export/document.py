@@ -2,9 +2,8 @@
 
 Model space holds the views side by side as they stand on the paper, at the part's true size: what stands at p on the
 paper is at p / scale there, and views of another scale stand off by a distance of their own. So a shop can measure the
-part in the file, and every DIMENSION measures what it says. A dimension's picture (its block) is drawn here, from
-`drawings.annotations.annotation_ink`, so that it is the same in every program and the texts stand where the layout put
-them.
+part in the file, and every DIMENSION measures what it says. A dimension's block is drawn here, from
+`drawings.annotations.annotation_geometry`, so that it is the same in every program.
 
 The document is the same, byte for byte, for the same sheet.
 """
@@ -20,16 +19,21 @@ from ezdxf._options import options
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 
-from drawings.annotations.annotation import Angular, Linear, Round
-from drawings.annotations.annotation_ink import annotation_ink, note_ink
-from drawings.annotations.extent import around, ink_box, label_ink, view_box
-from drawings.annotations.font import FONT, NARROWED, STYLE, prepare
+from drawings.annotations.annotation import AngularDimension, LinearDimension, RadialDimension
+from drawings.annotations.annotation_geometry import (
+    annotation_primitives,
+    label_primitives,
+    note_primitives,
+    primitive_box,
+)
+from drawings.annotations.font import FONT, TEXT_STYLE, WIDTH_FACTOR, prepare
 from drawings.export.dxf_dimensions import add_dimension
 from drawings.export.dxf_entities import ON_PAPER, Place, add_arc, add_line, add_polyline, put
 from drawings.export.dxf_writing import document_text
 from drawings.sheets.frame import PAPERS, frame
 from drawings.sheets.sheet import Sheet
-from drawings.sheets.title_block import title_ink
+from drawings.sheets.title_block import title_primitives
+from drawings.views.bounding_box import enclosing_box, view_box
 from drawings.views.view import Arc, Box2, Curve, Layer, Point2, Segment, View
 
 LAYERS: dict[str, tuple[int, int, str]] = {
@@ -73,10 +77,10 @@ def document_of(sheet: Sheet) -> Drawing:
     paper = doc.paperspace()
     width, height = PAPERS[sheet.paper]
     paper.page_setup(size=(width, height), margins=(0, 0, 0, 0), units="mm", name=sheet.name[:32])
-    for ink in (*frame(sheet.paper), *title_ink(sheet.title, sheet.paper), *sheet.tables):
+    for ink in (*frame(sheet.paper), *title_primitives(sheet.title, sheet.paper), *sheet.tables):
         put(paper, ink, ON_PAPER)
     for note in sheet.notes:
-        for ink in note_ink(note):
+        for ink in note_primitives(note):
             put(paper, ink, ON_PAPER)
     model = doc.modelspace()
     places = _places(sheet)
@@ -85,20 +89,20 @@ def document_of(sheet: Sheet) -> Drawing:
         place = places[view.scale]
         _curves(model, view, place)
         drawn[view.scale] += [box for box in [view_box(view)] if box]
-        for ink in label_ink(view):
+        for ink in label_primitives(view):
             put(model, ink, place)
-            drawn[view.scale].append(ink_box(ink))
+            drawn[view.scale].append(primitive_box(ink))
     for annotation in sheet.annotations:
         view = sheet.view(annotation.view)
-        inks = list(annotation_ink(annotation, view))
-        drawn[view.scale] += map(ink_box, inks)
-        if isinstance(annotation, Linear | Round | Angular):
+        inks = list(annotation_primitives(annotation, view))
+        drawn[view.scale] += map(primitive_box, inks)
+        if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension):
             add_dimension(doc, annotation, view, inks, places[view.scale])
         else:
             for ink in inks:
                 put(model, ink, places[view.scale])
     for scale, boxes in drawn.items():
-        _viewport(paper, around(boxes, MARGIN), places[scale])
+        _viewport(paper, enclosing_box(boxes, MARGIN), places[scale])
     return doc
 
 
@@ -123,7 +127,7 @@ def _tables(doc: Any) -> None:
     for name, (colour, weight, line_type) in LAYERS.items():
         layer = doc.layers.add(name, color=colour, lineweight=weight, linetype=line_type)
         layer.dxf.plot = int(name != "VIEWPORT")
-    doc.styles.add(STYLE, font=FONT).dxf.width = NARROWED
+    doc.styles.add(TEXT_STYLE, font=FONT).dxf.width = WIDTH_FACTOR
 
 
 def _curves(model: Any, view: View, place: Place) -> None:

@@ -10,15 +10,21 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from drawings.annotations.annotation import Angular, Linear, Round
-from drawings.annotations.font import STYLE, TEXT
-from drawings.annotations.ink import Ink, Words
+from drawings.annotations.annotation import AngularDimension, LinearDimension, RadialDimension
+from drawings.annotations.font import TEXT_HEIGHT, TEXT_STYLE
+from drawings.annotations.primitives import Primitive, Text
 from drawings.export.dxf_entities import Place, dxf_text, put
 from drawings.sheets.sheet import scale_text
 from drawings.views.view import Point2, View
 
 
-def add_dimension(doc: Any, d: Linear | Round | Angular, view: View, inks: Sequence[Ink], place: Place) -> None:
+def add_dimension(
+    doc: Any,
+    d: LinearDimension | RadialDimension | AngularDimension,
+    view: View,
+    inks: Sequence[Primitive],
+    place: Place,
+) -> None:
     """A DIMENSION with its picture, in the style of its scale and decimals."""
     block = doc.blocks.new_anonymous_block(type_char="D")
     for ink in inks:
@@ -35,10 +41,10 @@ def add_dimension(doc: Any, d: Linear | Round | Angular, view: View, inks: Seque
         "text": dxf_text(text),
         "attachment_point": 5,
     }
-    middles = [words for words in inks if isinstance(words, Words)]
+    middles = [words for words in inks if isinstance(words, Text)]
     if middles:
         attributes["text_midpoint"] = (*place(_middle(middles[0])), 0.0)
-    if isinstance(d, Linear):
+    if isinstance(d, LinearDimension):
         attributes |= {
             "dimtype": 0 | 32 | 128,
             "defpoint": (*place(_on_line(d, view)), 0.0),
@@ -46,7 +52,7 @@ def add_dimension(doc: Any, d: Linear | Round | Angular, view: View, inks: Seque
             "defpoint3": at(d.second),
             "angle": d.angle,
         }
-    elif isinstance(d, Angular):
+    elif isinstance(d, AngularDimension):
         attributes |= {
             "dimtype": 5 | 32 | 128,
             "defpoint": (*place(d.arc_at), 0.0),
@@ -65,10 +71,12 @@ def add_dimension(doc: Any, d: Linear | Round | Angular, view: View, inks: Seque
             "defpoint4": at(on),
         }
     entity = doc.modelspace().new_entity("DIMENSION", attributes)
-    entity.dxf.actual_measurement = entity.get_measurement() if not isinstance(d, Angular) else math.radians(d.measured)
+    entity.dxf.actual_measurement = (
+        entity.get_measurement() if not isinstance(d, AngularDimension) else math.radians(d.measured)
+    )
 
 
-def measured_text(d: Linear | Round | Angular) -> tuple[str, int]:
+def measured_text(d: LinearDimension | RadialDimension | AngularDimension) -> tuple[str, int]:
     """A dimension's text with `<>` for the measured number, and the decimals that number has.
 
     Raises:
@@ -85,12 +93,12 @@ def measured_text(d: Linear | Round | Angular) -> tuple[str, int]:
     raise ValueError(f"dimension {', '.join(d.names)} says '{d.text}', but measures {d.measured:.4f}")
 
 
-def _middle(words: Words) -> Point2:
+def _middle(words: Text) -> Point2:
     turn = math.radians(words.angle)
     return (words.at[0] - math.sin(turn) * words.height / 2, words.at[1] + math.cos(turn) * words.height / 2)
 
 
-def _on_line(d: Linear, view: View) -> Point2:
+def _on_line(d: LinearDimension, view: View) -> Point2:
     """Where the dimension line is met from the second point, as DXF wants it."""
     turn = math.radians(d.angle)
     u = (math.cos(turn), math.sin(turn))
@@ -104,12 +112,12 @@ def _style(doc: Any, scale: float, decimals: int) -> str:
     name = f"{scale_text(scale).replace(':', '-')} {decimals} decimals"
     if name not in doc.dimstyles:
         style = doc.dimstyles.new(name)
-        values = {
-            "dimscale": 1.0 / scale, "dimtxt": TEXT, "dimtxsty": STYLE, "dimasz": 3.0, "dimexe": 2.0, "dimexo": 1.0,
-            "dimgap": 1.0, "dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtofl": 1, "dimtmove": 2,
-            # Decimals are the tolerance class: none may be dropped.
-            "dimdec": decimals, "dimzin": 0, "dimadec": decimals, "dimazin": 0, "dimdsep": ord("."), "dimlunit": 2,
-        }  # fmt: skip
+        # All trailing zeros are kept, since decimals are the tolerance class.
+        decimals_kept = {"dimdec": decimals, "dimzin": 0, "dimadec": decimals, "dimazin": 0}
+        text = {"dimtxt": TEXT_HEIGHT, "dimtxsty": TEXT_STYLE, "dimgap": 1.0, "dimdsep": ord("."), "dimlunit": 2}
+        lines = {"dimscale": 1.0 / scale, "dimasz": 3.0, "dimexe": 2.0, "dimexo": 1.0}
+        placement = {"dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtofl": 1, "dimtmove": 2}
+        values = {**lines, **text, **placement, **decimals_kept}
         for key, value in values.items():
             style.dxf.set(key, value)
     return name

@@ -18,8 +18,8 @@ from ezdxf.entities.lwpolyline import LWPolyline as PolylineEntity
 from ezdxf.entities.text import Text as TextEntity
 from ezdxf.math import Vec3
 
-from drawings.annotations.font import NARROWED, STYLE
-from drawings.annotations.ink import Circle, Ink, Stroke, Words
+from drawings.annotations.font import TEXT_STYLE, WIDTH_FACTOR
+from drawings.annotations.primitives import ArcStroke, Primitive, Stroke, Text
 from drawings.views.view import Arc, Point2
 
 WIDE = 70
@@ -85,13 +85,13 @@ def add_arc(layout: Any, centre: Point2, radius: float, arc: Arc, attributes: di
         _add(layout, ArcEntity(), {**attributes, "start_angle": arc.start_angle, "end_angle": arc.end_angle})
 
 
-def add_words(layout: Any, words: Words, place: Place) -> None:
+def add_words(layout: Any, words: Text, place: Place) -> None:
     """A line of text."""
     at = Vec3(*place(words.at))
     attributes = {
-        "layer": "TEXT", "style": STYLE, "width": NARROWED, "text": dxf_text(words.text),
+        "layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR, "text": dxf_text(words.text),
         "height": float(place.length(words.height)), "rotation": float(words.angle),
-        "insert": at, "align_point": at, "halign": _ANCHORS[words.anchor], "valign": 0,
+        "insert": at, "align_point": at, "halign": _ANCHORS[words.alignment], "valign": 0,
     }  # fmt: skip
     _add(layout, TextEntity(), attributes)
 
@@ -105,15 +105,15 @@ def add_filled(layout: Any, points: list[Point2], attributes: dict[str, Any]) ->
         layout.add_hatch(dxfattribs=attributes).paths.add_polyline_path(points)
 
 
-def put(layout: Any, ink: Ink, place: Place, layer: str = "") -> None:
+def put(layout: Any, ink: Primitive, place: Place, layer: str = "") -> None:
     """Some ink, on a layer or, if none is named, on its own in paper space and on that of dimensions in model space."""
-    if isinstance(ink, Words):
+    if isinstance(ink, Text):
         add_words(layout, ink, place)
         return
     attributes: dict[str, Any] = {"layer": layer or (ink.layer if layout.is_any_paperspace else "DIMENSION")}
     if not layout.is_any_paperspace and ink.layer == "FRAME":
         attributes = {"layer": "SECTION", "linetype": "CONTINUOUS", "lineweight": WIDE}
-    if isinstance(ink, Circle):
+    if isinstance(ink, ArcStroke):
         add_arc(layout, place(ink.arc.centre), place.length(ink.arc.radius), ink.arc, attributes)
     elif isinstance(ink, Stroke):
         points = [place(point) for point in ink.points]

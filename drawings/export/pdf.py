@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from drawings.annotations.font import glyph
 from drawings.export.outline_words import written
 from drawings.export.strokes import Shown
-from drawings.export.texts import CUBIC, LINE, MOVE, Text, with_cubics
+from drawings.export.texts import CUBIC, LINE, MOVE, PaperText, with_cubics
 from drawings.sheets.frame import PAPERS, Paper
 
 INCH = 25.4
@@ -110,7 +110,7 @@ def _content(shown: Shown, groups: Sequence[Sequence[str]]) -> Iterator[str]:
     yield "ET\n"
 
 
-def _runs(text: Text, codes: dict[str, tuple[int, int]]) -> Iterator[tuple[int, str, tuple[float, float]]]:
+def _runs(text: PaperText, codes: dict[str, tuple[int, int]]) -> Iterator[tuple[int, str, tuple[float, float]]]:
     """Stretches of a text in one font each: its number, codes, and where it begins."""
     a, _, c, _ = text.matrix
     along = 0.0

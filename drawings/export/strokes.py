@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from ezdxf.document import Drawing
 
-from drawings.export.texts import CUBIC, LINE, MOVE, Text
+from drawings.export.texts import CUBIC, LINE, MOVE, PaperText
 from drawings.export.windows import Window, drawn, windows
 from drawings.views.view import Arc, Point2
 
@@ -55,7 +55,7 @@ class Shown:
     """
 
     lots: tuple[Outlines, ...]
-    texts: tuple[Text, ...]
+    texts: tuple[PaperText, ...]
 
 
 def shown(document: Drawing) -> Shown:
@@ -99,7 +99,7 @@ class _Pens:
     def __init__(self, document: Drawing) -> None:
         self._pens: dict[float, _Pen] = {}
         self._fills = _Pen()
-        self.texts: list[Text] = []
+        self.texts: list[PaperText] = []
         self._patterns = {line_type.dxf.name.upper(): _pattern(line_type) for line_type in document.linetypes}
         self._layers = {layer.dxf.name: layer.dxf for layer in document.layers}
 
@@ -165,7 +165,7 @@ class _Pens:
         d = entity.dxf
         align, first, second = entity.get_placement()
         at = first if align.name == "LEFT" else (second or first)
-        words = Text(entity.plain_text(), to((at.x, at.y)), d.height * scale, d.rotation, d.width)
+        words = PaperText(entity.plain_text(), to((at.x, at.y)), d.height * scale, d.rotation, d.width)
         self.texts.append(words.moved_back({"LEFT": 0.0, "CENTER": 0.5, "RIGHT": 1.0}[align.name]))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from drawings.annotations.font import glyph
 from drawings.export.outline_words import written
 from drawings.export.strokes import Shown
-from drawings.export.texts import CUBIC, LINE, MOVE, QUADRATIC, Matrix, Text, placed_sign
+from drawings.export.texts import CUBIC, LINE, MOVE, QUADRATIC, Matrix, PaperText, placed_sign
 from drawings.sheets.frame import PAPERS, Paper
 
 FINE = 1000.0
@@ -44,7 +44,7 @@ def svg(shown: Shown, paper: Paper) -> bytes:
     return "".join((*parts, "</svg>\n")).encode("ascii")
 
 
-def _path(text: Text, height: float) -> str:
+def _path(text: PaperText, height: float) -> str:
     """Outlines of a text."""
     matrix = text.matrix
     return "".join(f"M{x:.3f} {height - y:.3f}{_sign(sign, matrix)}" for sign, (x, y) in text.signs())

@@ -20,7 +20,7 @@ Matrix = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Text:
+class PaperText:
     """One line of text.
 
     Attributes:
@@ -44,7 +44,7 @@ class Text:
         c, s = self.height * math.cos(turn), self.height * math.sin(turn)
         return (c * self.narrowed, -s, s * self.narrowed, c)
 
-    def moved_back(self, share: float) -> Text:
+    def moved_back(self, share: float) -> PaperText:
         """The text moved back along its base line by a share of its length."""
         a, _, c, _ = self.matrix
         back = share * sum(glyph(sign).advance for sign in self.words)
@@ -62,7 +62,7 @@ class Text:
             along += own.advance
 
 
-def text_outlines(texts: Sequence[Text]) -> tuple[np.ndarray, np.ndarray]:
+def text_outlines(texts: Sequence[PaperText]) -> tuple[np.ndarray, np.ndarray]:
     """Points on paper, and their codes, of all signs of some texts."""
     points, codes = [np.empty((0, 2))], [np.empty(0, dtype=np.int64)]
     places: list[Point2] = []

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drawings.annotations.extent import box_of, outermost
+from drawings.views.bounding_box import bounding_box, extreme_points
 from drawings.views.view import Arc, Curve, Point2, Polyline, Projection, Segment
 
 FINE = 1.0
@@ -60,7 +60,7 @@ class CloseUp:
 
     def meets(self, curve: Curve) -> bool:
         """Whether a curve may come into the window."""
-        x0, y0, x1, y1 = box_of(outermost(curve))
+        x0, y0, x1, y1 = bounding_box(extreme_points(curve))
         height, width = self.own.shape
         left, top = self.low[0], -self.low[1]
         right, bottom = left + width * self.pixel, top - height * self.pixel

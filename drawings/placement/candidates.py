@@ -9,10 +9,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from drawings.annotations.annotation import Angular, Annotation, Callout, ControlFrame, DatumMark, Linear, Round
-from drawings.annotations.annotation_ink import ARROW, GAP, readable
-from drawings.annotations.font import TEXT
-from drawings.annotations.symbols import line_width
+from drawings.annotations.annotation import (
+    AngularDimension,
+    Annotation,
+    Callout,
+    DatumSymbol,
+    FeatureControlFrame,
+    LinearDimension,
+    RadialDimension,
+)
+from drawings.annotations.annotation_geometry import ARROW, GAP, readable
+from drawings.annotations.font import TEXT_HEIGHT
+from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.specification import AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
 from drawings.placement.field import Lines
 from drawings.views.view import Box2, Point2, View
@@ -85,14 +93,14 @@ def of_distance(
         for extra, middle in _text_places(asked.text, ends[0], ends[1], harder):
             at = (u[0] * ends[0] + n[0] * level, u[1] * ends[0] + n[1] * level)
             angle = math.radians(readable(asked.angle))
-            rise = TEXT / 2 + GAP
+            rise = TEXT_HEIGHT / 2 + GAP
             text_at = (
                 u[0] * middle + n[0] * level - math.sin(angle) * rise,
                 u[1] * middle + n[1] * level + math.cos(angle) * rise,
             )
             yield (
                 cost + extra,
-                Linear(
+                LinearDimension(
                     asked.view,
                     starts[0],
                     starts[1],
@@ -108,7 +116,7 @@ def of_distance(
 
 def _text_places(text: str, low: float, high: float, harder: bool) -> Iterator[tuple[float, float]]:
     """Middles of the text along the dimension line: between the arrows where it fits, else beside."""
-    width, span = line_width(text), high - low
+    width, span = symbol_text_width(text), high - low
     middle = (low + high) / 2
     if width + 2 * GAP < span:
         yield 0.0, middle
@@ -125,7 +133,7 @@ def _text_places(text: str, low: float, high: float, harder: bool) -> Iterator[t
 def of_round(asked: AskedRound, view: View, outline: Box2, *, harder: bool = False) -> Iterator[Candidate]:
     """A leader that runs about square to the arc, from outside or from the side of the centre."""
     leans = (0.0, 20.0, -20.0, 40.0, -40.0, *((10.0, -10.0, 30.0, -30.0, 60.0, -60.0) if harder else ()))
-    width, scale = line_width(asked.text), view.scale
+    width, scale = symbol_text_width(asked.text), view.scale
     centre, radius = view.to_paper(asked.centre), asked.radius * scale
     if asked.kind == "diameter":
         turns = [45.0, 135.0, -45.0, -135.0, 30.0, 60.0, 120.0, 150.0, -30.0, -60.0, -120.0, -150.0]
@@ -142,11 +150,11 @@ def of_round(asked: AskedRound, view: View, outline: Box2, *, harder: bool = Fal
                 for length in LEADERS:
                     elbow = (on[0] + length * math.cos(lean_turn), on[1] + length * math.sin(lean_turn))
                     side = 1.0 if math.cos(lean_turn) >= -1e-9 else -1.0
-                    text_at = (elbow[0] + side * (width / 2 + GAP), elbow[1] + TEXT / 2 + GAP)
+                    text_at = (elbow[0] + side * (width / 2 + GAP), elbow[1] + TEXT_HEIGHT / 2 + GAP)
                     cost = 0.4 * length + abs(lean) / 20 + _indoors(elbow, outline) + _level(lean_turn)
                     yield (
                         cost,
-                        Round(
+                        RadialDimension(
                             asked.view,
                             asked.kind,
                             asked.centre,
@@ -215,7 +223,7 @@ def of_angle(asked: AskedAngle, view: View, *, harder: bool = False) -> Iterator
             at = turns[0] + sweep * part
             yield (
                 cost + 4 * abs(part - 0.5),
-                Angular(
+                AngularDimension(
                     asked.view,
                     asked.vertex,
                     first,
@@ -242,18 +250,18 @@ def of_frame(asked: AskedFrame, view: View, *, harder: bool = False) -> Iterator
             cost = 0.5 * length + 2 * abs(share - 0.5)
             place = (at[0] + length * out[0], at[1] + length * out[1])
             if asked.letter:
-                yield cost, DatumMark(asked.view, on, place, asked.letter)
+                yield cost, DatumSymbol(asked.view, on, place, asked.letter)
                 continue
             assert asked.characteristic is not None
             for lean in leans:
                 elbow = (place[0] + lean * side[0], place[1] + lean * side[1])
                 yield (
                     cost + 0.3 * abs(lean),
-                    ControlFrame(asked.view, on, elbow, asked.characteristic, asked.tolerance, asked.datums),
+                    FeatureControlFrame(asked.view, on, elbow, asked.characteristic, asked.tolerance, asked.datums),
                 )
 
 
-def of_axis(asked: AskedFrame, view: View, across: Linear) -> Iterator[Candidate]:
+def of_axis(asked: AskedFrame, view: View, across: LinearDimension) -> Iterator[Candidate]:
     """A datum's mark in line with the dimension of a diameter: the datum is its axis (ISO 5459)."""
     turn = math.radians(across.angle)
     u = (math.cos(turn), math.sin(turn))
@@ -267,7 +275,7 @@ def of_axis(asked: AskedFrame, view: View, across: Linear) -> Iterator[Candidate
         on = ((foot[0] - view.place[0]) / view.scale, (foot[1] - view.place[1]) / view.scale)
         for length in (10.0, 14.0, 18.0, 24.0, 32.0, 44.0):
             frame_at = (foot[0] + out * length * u[0], foot[1] + out * length * u[1])
-            yield 0.5 * length, DatumMark(asked.view, on, frame_at, asked.letter)
+            yield 0.5 * length, DatumSymbol(asked.view, on, frame_at, asked.letter)
 
 
 def _between(first: Point2, second: Point2, share: float) -> Point2:

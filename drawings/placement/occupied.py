@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from drawings.annotations.annotation import (
-    Angular,
+    AngularDimension,
     Annotation,
     Callout,
-    ControlFrame,
-    DatumMark,
+    DatumSymbol,
     DetailMark,
-    Linear,
-    Round,
+    FeatureControlFrame,
+    LinearDimension,
+    RadialDimension,
     SectionMark,
 )
-from drawings.annotations.annotation_ink import annotation_ink, callout_box, text_box
-from drawings.annotations.ink import Circle, Fill, Ink, Stroke, Words
+from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_box
+from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
 from drawings.placement.field import Line, arc_points, around, curve_points, grown, pieces
 from drawings.views.view import Box2, Curve, Point2, View
 
@@ -47,16 +47,16 @@ def curve_lines(curve: Curve, view: View) -> list[Line]:
 
 def keeps_off_itself(annotation: Annotation) -> bool:
     """Whether an annotation's lines cannot touch its own text; the box of a slanting text says nothing about it."""
-    slanting = isinstance(annotation, Linear) and annotation.angle not in (0.0, 90.0)
-    return slanting or isinstance(annotation, ControlFrame | DatumMark | DetailMark | SectionMark)
+    slanting = isinstance(annotation, LinearDimension) and annotation.angle not in (0.0, 90.0)
+    return slanting or isinstance(annotation, FeatureControlFrame | DatumSymbol | DetailMark | SectionMark)
 
 
 def occupied(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line], list[Line]]:
     """Boxes of the texts, lines, and dimension lines among the ink of an annotation."""
-    ink = list(annotation_ink(annotation, view))
-    boxes = [text_box(item) for item in ink if isinstance(item, Words)]
+    ink = list(annotation_primitives(annotation, view))
+    boxes = [text_box(item) for item in ink if isinstance(item, Text)]
     lines = [line for item in ink for line in _lines(item)]
-    if isinstance(annotation, ControlFrame | DatumMark):
+    if isinstance(annotation, FeatureControlFrame | DatumSymbol):
         # The whole frame is as good as text.
         cells = [item.points for item in ink if isinstance(item, Stroke) and len(item.points) == 5]
         boxes = [around((*points[0], *points[2]) for points in cells)]
@@ -66,7 +66,7 @@ def occupied(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line]
         boxes = [callout_box(annotation, number) for number in range(len(annotation.lines))]
         lines = [line for line in lines if not any(_within(line, grown(box, 0.5)) for box in boxes)]
     lanes: list[Line] = []
-    if isinstance(annotation, Linear):
+    if isinstance(annotation, LinearDimension):
         lanes = [_lane(annotation, lines)]
         if boxes:
             boxes = [around(boxes)]
@@ -77,7 +77,7 @@ def occupied(annotation: Annotation, view: View) -> tuple[list[Box2], list[Line]
     return boxes, lines, lanes
 
 
-def _lane(annotation: Linear, lines: Sequence[Line]) -> Line:
+def _lane(annotation: LinearDimension, lines: Sequence[Line]) -> Line:
     """The dimension line among the lines of a dimension: the longest along it."""
     turn = math.radians(annotation.angle)
     u = (math.cos(turn), math.sin(turn))
@@ -87,11 +87,11 @@ def _lane(annotation: Linear, lines: Sequence[Line]) -> Line:
 def tip_of(annotation: Annotation, view: View) -> Point2 | None:
     """Where an arrow or a datum's triangle must meet a line of the part."""
     match annotation:
-        case Round():
+        case RadialDimension():
             turn = math.radians(annotation.towards)
             u, v = annotation.centre
             return view.to_paper((u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn)))
-        case ControlFrame() | DatumMark():
+        case FeatureControlFrame() | DatumSymbol():
             return view.to_paper(annotation.at)
         case _:
             return None
@@ -106,13 +106,13 @@ def _within(line: Line, box: Box2) -> bool:
     return all(box[0] <= x <= box[2] and box[1] <= y <= box[3] for x, y in (line[:2], line[2:]))
 
 
-def _lines(item: Ink) -> list[Line]:
+def _lines(item: Primitive) -> list[Line]:
     match item:
         case Stroke():
             return pieces(item.points)
-        case Circle():
+        case ArcStroke():
             return pieces(arc_points(item.arc))
-        case Fill():
+        case FilledPolygon():
             return pieces((*item.points, item.points[0]))
         case _:
             return []
@@ -125,16 +125,16 @@ def moved(annotation: Annotation, by: Point2) -> Annotation:
         return (point[0] + by[0], point[1] + by[1])
 
     match annotation:
-        case Linear():
+        case LinearDimension():
             text_at = to(annotation.text_at) if annotation.text_at else None
             return replace(annotation, line_at=to(annotation.line_at), text_at=text_at)
-        case Round():
+        case RadialDimension():
             return replace(annotation, text_at=to(annotation.text_at))
-        case Angular():
+        case AngularDimension():
             return replace(annotation, arc_at=to(annotation.arc_at))
-        case Callout() | ControlFrame():
+        case Callout() | FeatureControlFrame():
             return replace(annotation, elbow=to(annotation.elbow))
-        case DatumMark():
+        case DatumSymbol():
             return replace(annotation, frame_at=to(annotation.frame_at))
         case SectionMark():
             return replace(annotation, start=to(annotation.start), end=to(annotation.end))

@@ -11,9 +11,9 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation import Annotation, Callout, Linear, SectionMark
-from drawings.annotations.font import LARGE
-from drawings.annotations.symbols import line_width
+from drawings.annotations.annotation import Annotation, Callout, LinearDimension, SectionMark
+from drawings.annotations.font import LARGE_HEIGHT
+from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.specification import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
 from drawings.dimensions.text import DIAMETER
 from drawings.placement.candidates import Candidate, of_angle, of_axis, of_callout, of_distance, of_frame, of_round
@@ -164,11 +164,11 @@ class _Placer:
         """A free place for the view's name, below the part and what is close below it."""
         if not self.view.label:
             return None
-        half, middle = line_width(self.view.label, LARGE) / 2, (self.outline[0] + self.outline[2]) / 2
+        half, middle = symbol_text_width(self.view.label, LARGE_HEIGHT) / 2, (self.outline[0] + self.outline[2]) / 2
         step = 0.0
         while True:
-            low = self.outline[1] - 4.0 - LARGE - step
-            box = (middle - half, low, middle + half, low + LARGE)
+            low = self.outline[1] - 4.0 - LARGE_HEIGHT - step
+            box = (middle - half, low, middle + half, low + LARGE_HEIGHT)
             if not self.field.text_hits(box, 1.5):
                 break
             step += 1.0
@@ -242,9 +242,9 @@ class _Placer:
                 columns = (room[0] - 3.0, room[2] + 3.0)
                 return of_callout(asked, self.view, self.outline, columns, harder=harder)
 
-    def _across(self, asked: AskedFrame) -> Linear | None:
+    def _across(self, asked: AskedFrame) -> LinearDimension | None:
         """The dimension of the diameter whose axis a datum is, where it stands in this view."""
-        lines = (one for one in self.kept if isinstance(one, Linear) and one.text.startswith(DIAMETER))
+        lines = (one for one in self.kept if isinstance(one, LinearDimension) and one.text.startswith(DIAMETER))
         return next((one for one in lines if abs(one.measured - asked.diameter) < 1e-6), None)
 
     def _extra(self, annotation: Annotation, most: float) -> tuple[float, int]:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation_ink import BALLOON
-from drawings.annotations.extent import view_box
-from drawings.annotations.font import LINE_PITCH, SMALL, TEXT, text_width
-from drawings.annotations.ink import Ink, Stroke, Words, rectangle
+from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.font import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
+from drawings.annotations.primitives import Primitive, Stroke, Text, rectangle
 from drawings.pictures.picture import Picture
 from drawings.procedure.procedure import PartUse, Procedure, Step
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, PAPERS, Paper, drawing_space
 from drawings.sheets.sheet import Sheet, scale_text
 from drawings.sheets.title_block import HEIGHT, TitleBlock
+from drawings.views.bounding_box import view_box
 from drawings.views.view import Box2
 from stagecad.solids.assembly.bill_of_materials import Row
 
@@ -37,7 +37,7 @@ class _Line:
     """One line of a cell."""
 
     text: str
-    height: float = SMALL
+    height: float = SMALL_HEIGHT
 
     @property
     def pitch(self) -> float:
@@ -92,7 +92,7 @@ class _Table:
         middle, top = PAPERS[paper][0] / 2, y1 - MARGIN
         second, width = middle + GUTTER / 2, middle - GUTTER / 2 - x0 - SIDE
         left = list(steps)
-        self.inks: list[Ink] = []
+        self.inks: list[Primitive] = []
         self.free: Box2 | None = (second, y0 + HEIGHT + MARGIN, x1 - SIDE, y1 - SIDE)
         for start, floor in ((x0 + SIDE, y0 + MARGIN), (second, y0 + HEIGHT + MARGIN)):
             if not left:
@@ -131,12 +131,12 @@ def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
     return []
 
 
-def _headings(box: Box2) -> Iterator[Ink]:
+def _headings(box: Box2) -> Iterator[Primitive]:
     x0, y0, x1, y1 = box
     yield rectangle(box, "FRAME")
-    base = y0 + (y1 - y0 - TEXT) / 2
+    base = y0 + (y1 - y0 - TEXT_HEIGHT) / 2
     for text, left in (("No.", x0), ("Step", x0 + NUMBER), ("Parts, tools, torque", x1 - NEEDS)):
-        yield Words(text, (left + PAD, base), TEXT)
+        yield Text(text, (left + PAD, base), TEXT_HEIGHT)
 
 
 class _Row:
@@ -144,29 +144,29 @@ class _Row:
 
     def __init__(self, step: Step, width: float) -> None:
         self._step, self._width = step, width
-        self._words = [_Line(step.title, TEXT)]
+        self._words = [_Line(step.title, TEXT_HEIGHT)]
         for sentence in step.sentences:
-            self._words += [_Line(text) for text in broken(sentence, width - NUMBER - NEEDS - 2 * PAD, SMALL)]
+            self._words += [_Line(text) for text in broken(sentence, width - NUMBER - NEEDS - 2 * PAD, SMALL_HEIGHT)]
         self._needs: list[_Line] = [_Line(_part(use)) for use in step.parts]
         for text in ("; ".join(step.tools), f"Torque {step.torque.text}" if step.torque else ""):
-            self._needs += [_Line(line) for line in broken(text, NEEDS - 2 * PAD, SMALL)] if text else []
+            self._needs += [_Line(line) for line in broken(text, NEEDS - 2 * PAD, SMALL_HEIGHT)] if text else []
 
     @property
     def height(self) -> float:
         """Of the row, mm."""
         return 2 * PAD + max(sum(line.pitch for line in cell) for cell in (self._words, self._needs))
 
-    def ink(self, left: float, top: float) -> Iterator[Ink]:
+    def ink(self, left: float, top: float) -> Iterator[Primitive]:
         """The row with its upper left corner there."""
         right, bottom = left + self._width, top - self.height
         yield rectangle((left, bottom, right, top))
         for x in (left + NUMBER, right - NEEDS):
             yield Stroke(((x, bottom), (x, top)))
-        yield Words(str(self._step.number), (left + NUMBER / 2, top - PAD - TEXT), TEXT, "middle")
+        yield Text(str(self._step.number), (left + NUMBER / 2, top - PAD - TEXT_HEIGHT), TEXT_HEIGHT, "middle")
         for cell, x in ((self._words, left + NUMBER), (self._needs, right - NEEDS)):
             base = top - PAD
             for line in cell:
-                yield Words(line.text, (x + PAD, base - line.height), line.height)
+                yield Text(line.text, (x + PAD, base - line.height), line.height)
                 base -= line.pitch
 
 

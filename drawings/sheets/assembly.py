@@ -8,15 +8,15 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from drawings.annotations.annotation import Annotation, Balloon, Note, SectionMark
-from drawings.annotations.annotation_ink import BALLOON
-from drawings.annotations.extent import view_box
-from drawings.annotations.font import LARGE, LINE_PITCH, SMALL, TEXT, text_width
-from drawings.annotations.ink import Ink, Stroke, Words
+from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
+from drawings.annotations.primitives import Primitive, Stroke, Text
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
 from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, Extent, overall, reach_of
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
+from drawings.views.bounding_box import view_box
 from drawings.views.view import Box2, Curve, Point2, Segment, View
 
 if TYPE_CHECKING:
@@ -105,7 +105,7 @@ def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
     low_x, high_x = min(upper[0] - SIDE, lower[0]), max(upper[2], lower[2] + FIRST)
     column = high_x - low_x + 2 * room
     left = x0 + room - low_x
-    floor = y0 + (notes + 2) * LINE_PITCH * TEXT
+    floor = y0 + (notes + 2) * LINE_PITCH * TEXT_HEIGHT
     height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + room + 2 * DIMENSIONED
     gap = max(room, (y1 - floor - height) / 3)
     top_at = (left, y1 - gap - DIMENSIONED - upper[3])
@@ -128,7 +128,7 @@ def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
 
 def _stacked(upper: Box2, lower: Box2, area: Box2) -> tuple[Point2, Point2] | None:
     """Places of two views one above the other in an area, the lower with a label; none where they do not fit."""
-    label = 2 * LARGE
+    label = 2 * LARGE_HEIGHT
     gap = (area[3] - area[1] - (upper[3] - upper[1]) - (lower[3] - lower[1]) - label) / 3
     wide = max(box[2] - box[0] for box in (upper, lower)) + 8 * BALLOON
     if gap < 2 * BALLOON or wide > area[2] - area[0]:
@@ -177,14 +177,14 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
     """Middles of the straight lines of a piece that are long enough to be seen, else points amid all its curves."""
-    from drawings.annotations.extent import outermost
+    from drawings.views.bounding_box import extreme_points
 
     straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
     if straight:
         yield from (((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2) for c in straight)
     else:
         # A curve's ends may be where something else begins to hide it.
-        yield from (points[len(points) // 2] for points in map(outermost, piece))
+        yield from (points[len(points) // 2] for points in map(extreme_points, piece))
 
 
 def spread(wished: Sequence[float], apart: float, low: float, high: float) -> list[float]:
@@ -200,7 +200,7 @@ def spread(wished: Sequence[float], apart: float, low: float, high: float) -> li
     return [place + shift for place in places]
 
 
-def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Ink]:
+def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Primitive]:
     """The parts list on top of the title block, counted from below (ISO 7573)."""
     x0, _, x1, y0 = title_box(paper)
     cells = [["Item", "Qty", "Part", "Number", "Material", "Mass each"]]
@@ -213,9 +213,9 @@ def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Ink]:
         yield Stroke(((x0, y + ROW), (x1, y + ROW)), "FRAME" if index in (0, len(cells) - 1) else "BORDER")
         left = x0
         for (width, _), text in zip(COLUMNS, texts):
-            height = SMALL if index == 0 else TEXT * 0.8
+            height = SMALL_HEIGHT if index == 0 else TEXT_HEIGHT * 0.8
             fitting = min(1.0, (width - 3.0) / max(1e-9, text_width(text, height)))
-            yield Words(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
+            yield Text(text, (left + 1.5, y + (ROW - height) / 2), height * fitting)
             left += width
     top = y0 + len(cells) * ROW
     left = x0

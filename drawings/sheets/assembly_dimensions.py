@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from drawings.annotations.annotation import Linear
-from drawings.annotations.annotation_ink import ARROW
-from drawings.annotations.extent import outermost, view_box
+from drawings.annotations.annotation import LinearDimension
+from drawings.annotations.annotation_geometry import ARROW
 from drawings.annotations.font import text_width
+from drawings.views.bounding_box import extreme_points, view_box
 from drawings.views.view import Curve, Point2, Segment, View
 from stagecad.parameters.dimension import Point
 
@@ -61,12 +61,12 @@ def reach_of(stage: Sequence[Curve], travel: float) -> Reach:
     lines: list[Curve] = []
     corners: list[Point2] = []
     for side in (-1.0, 1.0):
-        ends = {number: max(side * u for u, _ in outermost(curve)) for number, curve in enumerate(stage)}
+        ends = {number: max(side * u for u, _ in extreme_points(curve)) for number, curve in enumerate(stage)}
         face = [stage[number] for number, end in ends.items() if end > max(ends.values()) - _NEAR]
         upright = [c for c in face if isinstance(c, Segment) and abs(c.start[0] - c.end[0]) < _NEAR]
         shift = side * travel / 2
         low, high = (
-            pick((point for curve in upright or face for point in outermost(curve)), key=lambda point: point[1])
+            pick((point for curve in upright or face for point in extreme_points(curve)), key=lambda point: point[1])
             for pick in (min, max)
         )
         corners.append(high)
@@ -76,7 +76,7 @@ def reach_of(stage: Sequence[Curve], travel: float) -> Reach:
     return Reach(tuple(lines), (corners[0], corners[1]))
 
 
-def overall(extent: Extent, top: View, front: View, reach: Reach) -> Iterator[Linear]:
+def overall(extent: Extent, top: View, front: View, reach: Reach) -> Iterator[LinearDimension]:
     """Length and width at the view from above, height and travel at the section.
 
     Args:
@@ -102,7 +102,7 @@ def overall(extent: Extent, top: View, front: View, reach: Reach) -> Iterator[Li
     yield _reference(front, (u0 - half, v0), (u1 + half, v1), 0.0, over, "length over the ends of travel")
 
 
-def _reference(view: View, first: Point2, second: Point2, angle: float, line_at: Point2, name: str) -> Linear:
+def _reference(view: View, first: Point2, second: Point2, angle: float, line_at: Point2, name: str) -> LinearDimension:
     """A dimension in brackets, level or upright, between two points of a view."""
     measured = abs(second[0] - first[0]) if angle == 0.0 else abs(second[1] - first[1])
-    return Linear(view.name, first, second, angle, line_at, f"({measured:.1f})", measured, (name,))
+    return LinearDimension(view.name, first, second, angle, line_at, f"({measured:.1f})", measured, (name,))

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 from typing import Literal
 
-from drawings.annotations.font import TEXT
-from drawings.annotations.ink import Fill, Ink, Stroke, Words, rectangle
+from drawings.annotations.font import TEXT_HEIGHT
+from drawings.annotations.primitives import FilledPolygon, Primitive, Stroke, Text, rectangle
 from drawings.views.view import Box2, Point2
 
 Paper = Literal["A4", "A3", "A2", "A1"]
@@ -39,7 +39,7 @@ def drawing_space(paper: Paper) -> Box2:
     return (FILING_MARGIN, MARGIN, width - MARGIN, height - MARGIN)
 
 
-def frame(paper: Paper) -> Iterator[Ink]:
+def frame(paper: Paper) -> Iterator[Primitive]:
     """Frame, border, zones and marks of a sheet."""
     width, height = PAPERS[paper]
     x0, y0, x1, y1 = drawing_space(paper)
@@ -61,7 +61,7 @@ def frame(paper: Paper) -> Iterator[Ink]:
 
 def _zones(
     middle: float, low: float, high: float, names: list[str], borders: tuple[float, float], *, upright: bool
-) -> Iterator[Ink]:
+) -> Iterator[Primitive]:
     """Division marks and names along two opposite borders; letters run from the top down."""
     reach = int((high - low) / 2 // ZONE)
     inner = [middle + i * ZONE for i in range(-reach, reach + 1)]
@@ -81,12 +81,14 @@ def _zones(
                 yield Stroke((point(at, border), point(at, border + BORDER)))
         for name, at in zip(names, centres):
             x, y = point(at, border + BORDER / 2)
-            yield Words(name, (x, y - TEXT / 2), TEXT, "middle")
+            yield Text(name, (x, y - TEXT_HEIGHT / 2), TEXT_HEIGHT, "middle")
 
 
-def _trimming(width: float, height: float) -> Iterator[Ink]:
+def _trimming(width: float, height: float) -> Iterator[Primitive]:
     long, short = 10.0, 5.0
     for x, toward_x in ((0.0, 1), (width, -1)):
         for y, toward_y in ((0.0, 1), (height, -1)):
             for a, b in ((long, short), (short, long)):
-                yield Fill(((x, y), (x + toward_x * a, y), (x + toward_x * a, y + toward_y * b), (x, y + toward_y * b)))
+                yield FilledPolygon(
+                    ((x, y), (x + toward_x * a, y), (x + toward_x * a, y + toward_y * b), (x, y + toward_y * b))
+                )

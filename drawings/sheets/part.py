@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from drawings.annotations.annotation import Note
-from drawings.annotations.font import LINE_PITCH, TEXT
-from drawings.annotations.symbols import line_width
+from drawings.annotations.font import LINE_PITCH, TEXT_HEIGHT
+from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.dimensioning import request
 from drawings.dimensions.specification import Asked
 from drawings.placement.views import Arrangement, arrange, detached, dressed
@@ -170,9 +170,17 @@ def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
     x0, y0, _, _ = sheet_area(paper).space
     title = title_box(paper)
     found = []
-    for left, low, width in ((x0, y0, title[0] - x0 - 2 * TEXT), (title[0], title[3] + 2 * TEXT, title[2] - title[0])):
+    for left, low, width in (
+        (x0, y0, title[0] - x0 - 2 * TEXT_HEIGHT),
+        (title[0], title[3] + 2 * TEXT_HEIGHT, title[2] - title[0]),
+    ):
         lines = [line for text in texts for line in wrapped(text, width)]
-        room = (left, low, left + max(map(line_width, lines)) + TEXT, low + (len(lines) + 1) * LINE_PITCH * TEXT)
+        room = (
+            left,
+            low,
+            left + max(map(symbol_text_width, lines)) + TEXT_HEIGHT,
+            low + (len(lines) + 1) * LINE_PITCH * TEXT_HEIGHT,
+        )
         found.append((Note((left, low), tuple(lines)), room))
     return found
 
@@ -181,7 +189,7 @@ def wrapped(text: str, width: float) -> list[str]:
     """A text in lines no wider than `width`, mm; those after the first stand in by two spaces."""
     lines: list[str] = []
     for word in text.split(" "):
-        if lines and line_width(f"{lines[-1]} {word}") <= width:
+        if lines and symbol_text_width(f"{lines[-1]} {word}") <= width:
             lines[-1] += f" {word}"
         else:
             lines.append(f"  {word}" if lines else word)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drawings.annotations.annotation import Annotation, Note
-from drawings.annotations.ink import Ink
+from drawings.annotations.primitives import Primitive
 from drawings.sheets.frame import CENTRING, MARGIN, PAPERS, Paper, drawing_space
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.view import Box2, View
@@ -35,7 +35,7 @@ class Sheet:
     views: tuple[View, ...]
     annotations: tuple[Annotation, ...]
     notes: tuple[Note, ...] = ()
-    tables: tuple[Ink, ...] = ()
+    tables: tuple[Primitive, ...] = ()
 
     def view(self, name: str) -> View:
         """The view of that name."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from drawings.annotations.font import LARGE, SMALL, TEXT, text_width
-from drawings.annotations.ink import Circle, Ink, Stroke, Words, rectangle
+from drawings.annotations.font import LARGE_HEIGHT, SMALL_HEIGHT, TEXT_HEIGHT, text_width
+from drawings.annotations.primitives import ArcStroke, Primitive, Stroke, Text, rectangle
 from drawings.sheets.frame import Paper, drawing_space
 from drawings.views.view import Arc, Box2, Point2
 
@@ -54,7 +54,7 @@ def title_box(paper: Paper) -> Box2:
     return (x1 - WIDTH, y0, x1, y0 + HEIGHT)
 
 
-def title_ink(block: TitleBlock, paper: Paper) -> Iterator[Ink]:
+def title_primitives(block: TitleBlock, paper: Paper) -> Iterator[Primitive]:
     """Lines and lettering of the title block."""
     x0, y0, x1, y1 = title_box(paper)
     yield rectangle((x0, y0, x1, y1), "FRAME")
@@ -62,7 +62,7 @@ def title_ink(block: TitleBlock, paper: Paper) -> Iterator[Ink]:
     for y in rows[1:-1]:
         yield Stroke(((x0, y), (x1, y)))
 
-    def cells(row: int, *fields: tuple[str, str, float, float]) -> Iterator[Ink]:
+    def cells(row: int, *fields: tuple[str, str, float, float]) -> Iterator[Primitive]:
         """One row of cells from left to right: caption, text, width, height of text."""
         left = x0
         for number, (caption, text, width, height) in enumerate(fields):
@@ -74,68 +74,68 @@ def title_ink(block: TitleBlock, paper: Paper) -> Iterator[Ink]:
     # From the bottom up: the lowest row is read first.
     yield from cells(
         0,
-        ("File name", block.number, 66, LARGE),
-        ("Scale", block.scale, 30, LARGE),
-        ("Units", "MM", 18, LARGE),
-        ("Revision", block.revision, 24, TEXT),
-        ("Sheet", f"{block.sheet} of {block.sheets}", 42, LARGE),
+        ("File name", block.number, 66, LARGE_HEIGHT),
+        ("Scale", block.scale, 30, LARGE_HEIGHT),
+        ("Units", "MM", 18, LARGE_HEIGHT),
+        ("Revision", block.revision, 24, TEXT_HEIGHT),
+        ("Sheet", f"{block.sheet} of {block.sheets}", 42, LARGE_HEIGHT),
     )
-    yield from cells(1, ("", "", 66, TEXT), ("", "", 114, TEXT))
-    yield from _cell((x0 + 66, rows[1], x1, rows[2]), "Title", block.title.upper(), LARGE)
+    yield from cells(1, ("", "", 66, TEXT_HEIGHT), ("", "", 114, TEXT_HEIGHT))
+    yield from _cell((x0 + 66, rows[1], x1, rows[2]), "Title", block.title.upper(), LARGE_HEIGHT)
     yield from cells(
         2,
-        ("", "", 66, TEXT),
-        ("Belongs to", block.supplement, 74, TEXT),
-        ("Projection, third angle", "", 40, TEXT),
+        ("", "", 66, TEXT_HEIGHT),
+        ("Belongs to", block.supplement, 74, TEXT_HEIGHT),
+        ("Projection, third angle", "", 40, TEXT_HEIGHT),
     )
     yield from _third_angle((x0 + 161, rows[2] + 1.8))
     yield from cells(
         3,
-        ("Material", block.material, 66, TEXT),
-        ("Mass", block.mass, 30, TEXT),
-        ("Document type", block.kind, 44, TEXT),
-        ("Parameters", block.parameters, 40, TEXT),
+        ("Material", block.material, 66, TEXT_HEIGHT),
+        ("Mass", block.mass, 30, TEXT_HEIGHT),
+        ("Document type", block.kind, 44, TEXT_HEIGHT),
+        ("Parameters", block.parameters, 40, TEXT_HEIGHT),
     )
     yield from cells(
         4,
-        ("Drawn by", block.creator, 66, TEXT),
-        ("Approved by", "", 74, TEXT),
-        ("Unless otherwise stated", block.finish, 40, SMALL),
+        ("Drawn by", block.creator, 66, TEXT_HEIGHT),
+        ("Approved by", "", 74, TEXT_HEIGHT),
+        ("Unless otherwise stated", block.finish, 40, SMALL_HEIGHT),
     )
     yield from _tolerances(block.tolerances, (x0, rows[1], x0 + 66, rows[3]))
 
 
-def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Ink]:
+def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primitive]:
     x0, y0, x1, y1 = box
     if caption:
-        yield Words(caption, (x0 + 1.2, y1 - 1.0 - SMALL * 0.72), SMALL * 0.72)
+        yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     if text:
         room = x1 - x0 - 3.0
         fitting = min(1.0, room / text_width(text, height))
-        yield Words(text, (x0 + 1.8, y0 + 1.9), height * fitting)
+        yield Text(text, (x0 + 1.8, y0 + 1.9), height * fitting)
 
 
-def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Ink]:
+def _tolerances(classes: tuple[tuple[str, str], ...], box: Box2) -> Iterator[Primitive]:
     """The table of what the decimals of a dimension allow, and angles."""
     x0, y0, x1, y1 = box
     caption = "General tolerances, lengths by decimals"
-    yield Words(caption, (x0 + 1.2, y1 - 1.0 - SMALL * 0.72), SMALL * 0.72)
+    yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     width = (x1 - x0) / max(1, len(classes))
     for number, (name, allowed) in enumerate(classes):
         left = x0 + number * width
-        yield Words(name, (left + width / 2, y0 + 12.6), TEXT, "middle")
-        yield Words(allowed, (left + width / 2, y0 + 2.4), TEXT, "middle")
+        yield Text(name, (left + width / 2, y0 + 12.6), TEXT_HEIGHT, "middle")
+        yield Text(allowed, (left + width / 2, y0 + 2.4), TEXT_HEIGHT, "middle")
         if number:
             yield Stroke(((left, y0), (left, y0 + 11)))
 
 
-def _third_angle(at: Point2, size: float = 5.0) -> Iterator[Ink]:
+def _third_angle(at: Point2, size: float = 5.0) -> Iterator[Primitive]:
     """The symbol of third-angle projection (ISO 5456-2): two circles, and the cone they belong to at their right."""
     x, y = at
     y += size / 2
     circles = (x - size * 1.1, y)
     for diameter in (size, size / 2):
-        yield Circle(Arc(circles, diameter / 2))
+        yield ArcStroke(Arc(circles, diameter / 2))
     left, right = x + size * 0.35, x + size * 1.55
     small, wide = size / 4, size / 2
     cone = ((left, y - small), (right, y - wide), (right, y + wide), (left, y + small), (left, y - small))

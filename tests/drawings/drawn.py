@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from drawings.annotations.annotation import Angular, Annotation, Callout, Linear, Round
+from drawings.annotations.annotation import AngularDimension, Annotation, Callout, LinearDimension, RadialDimension
 from drawings.sheets.part import Described, sheets_of
 from drawings.sheets.sheet import Sheet
 from stagecad.parameters.design import Design, load_design
@@ -42,7 +42,7 @@ def sheets(name: str) -> tuple[Sheet, ...]:
 def words(annotation: Annotation) -> str:
     """All that an annotation says."""
     match annotation:
-        case Linear() | Round() | Angular():
+        case LinearDimension() | RadialDimension() | AngularDimension():
             return annotation.text
         case Callout():
             return " ".join(annotation.lines)

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from drawings.annotations.annotation import (
-    Angular,
+    AngularDimension,
     Annotation,
     Balloon,
     Callout,
-    ControlFrame,
-    DatumMark,
+    DatumSymbol,
     DetailMark,
-    Linear,
+    FeatureControlFrame,
+    LinearDimension,
     Note,
-    Round,
+    RadialDimension,
     SectionMark,
-    SurfaceMark,
+    SurfaceTextureSymbol,
 )
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock
@@ -45,16 +45,16 @@ def plate(scale: float, place: tuple[float, float], name: str = "top") -> View:
 
 def sheet() -> Sheet:
     annotations: tuple[Annotation, ...] = (
-        Linear("top", (-40, -20), (40, -20), 0.0, (100, 160), "80.00", 80.0, ("length",)),
-        Linear("top", (40, -20), (40, 20), 90.0, (140, 180), "2x 40.0", 40.0, ("width",)),
-        Linear("top", (10, -8), (10, 8), 90.0, (90, 180), "⌀16", 16.0, ("hole",), (86, 200)),
-        Round("top", "diameter", (10, 0), 8.0, 45.0, "⌀16.0", (130, 230), 16.0, ("hole",)),
-        Round("detail", "radius", (10, 0), 8.0, 135.0, "R8.0", (230, 240), 8.0, ("round",)),
-        Angular("top", (-40, -20), (-20, -20), (-20, 0), (72, 172), "45°", 45.0, ("angle",)),
+        LinearDimension("top", (-40, -20), (40, -20), 0.0, (100, 160), "80.00", 80.0, ("length",)),
+        LinearDimension("top", (40, -20), (40, 20), 90.0, (140, 180), "2x 40.0", 40.0, ("width",)),
+        LinearDimension("top", (10, -8), (10, 8), 90.0, (90, 180), "⌀16", 16.0, ("hole",), (86, 200)),
+        RadialDimension("top", "diameter", (10, 0), 8.0, 45.0, "⌀16.0", (130, 230), 16.0, ("hole",)),
+        RadialDimension("detail", "radius", (10, 0), 8.0, 135.0, "R8.0", (230, 240), 8.0, ("round",)),
+        AngularDimension("top", (-40, -20), (-20, -20), (-20, 0), (72, 172), "45°", 45.0, ("angle",)),
         Callout("top", (10, 0), (150, 210), ("4x ⌀6.6 {depth} 12.0", "{counterbore} ⌀11.0"), ("screw hole",)),
-        ControlFrame("top", (0, 20), (110, 215), "parallelism", "0.01", ("A",)),
-        DatumMark("top", (-40, 0), (60, 180), "A"),
-        SurfaceMark("top", (20, 20), "Ra 1"),
+        FeatureControlFrame("top", (0, 20), (110, 215), "parallelism", "0.01", ("A",)),
+        DatumSymbol("top", (-40, 0), (60, 180), "A"),
+        SurfaceTextureSymbol("top", (20, 20), "Ra 1"),
         Balloon("detail", (0, 0), (330, 250), 12),
         SectionMark("top", (70, 180), (135, 180), (0, 1), "B"),
         DetailMark("top", (30, 10), 6.0, (125, 195), "X"),

@@ -19,12 +19,12 @@ from ezdxf.filemanagement import readfile
 from PIL import Image
 
 from drawings.annotations.annotation import (
-    Linear,
+    LinearDimension,
     Note,
     Symbol,
 )
-from drawings.annotations.font import NARROWED, STYLE, glyph
-from drawings.annotations.ink import Anchor, Words
+from drawings.annotations.font import TEXT_STYLE, WIDTH_FACTOR, glyph
+from drawings.annotations.primitives import Alignment, Text
 from drawings.export.document import LAYERS, document_of, dxf_bytes
 from drawings.export.dxf_dimensions import measured_text
 from drawings.export.dxf_entities import Place, add_arc, add_line, add_polyline, add_words
@@ -35,7 +35,7 @@ from drawings.export.render import Renderings, render
 from drawings.export.strokes import shown
 from drawings.sheets.frame import PAPERS, drawing_space, frame
 from drawings.sheets.sheet import scale_text, sheet_area
-from drawings.sheets.title_block import title_box, title_ink
+from drawings.sheets.title_block import title_box, title_primitives
 from drawings.views.view import Arc
 from tests.drawings.plate_sheet import TITLE, plate, sheet
 
@@ -93,13 +93,13 @@ def test_entities_are_those_that_the_dxf_library_makes(monkeypatch: pytest.Monke
             other.add_circle((5.0, 6.0), 7.0, dxfattribs=attributes)
             add_arc(own, (5.0, 6.0), 7.0, Arc((0.0, 0.0), 7.0, 10.0, 20.0), attributes)
             other.add_arc((5.0, 6.0), 7.0, 10.0, 20.0, dxfattribs=attributes)
-        for anchor, align in _ALIGNED.items():
-            add_words(own, Words("⌀8 ±0.1", (1.0, 2.0), 3.5, anchor, 30.0), Place(0.5, (1.0, 0.0)))
+        for alignment, align in _ALIGNED.items():
+            add_words(own, Text("⌀8 ±0.1", (1.0, 2.0), 3.5, alignment, 30.0), Place(0.5, (1.0, 0.0)))
             text = other.add_text(
                 "%%c8 %%p0.1",
                 height=7.0,
                 rotation=30.0,
-                dxfattribs={"layer": "TEXT", "style": STYLE, "width": NARROWED},
+                dxfattribs={"layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR},
             )
             text.set_placement((4.0, 4.0), align=align)
         for space in (own, other):
@@ -107,7 +107,7 @@ def test_entities_are_those_that_the_dxf_library_makes(monkeypatch: pytest.Monke
     written = []
     for doc in (ours, theirs):
         doc.classes.classes = dict(sorted(doc.classes.classes.items(), key=str))
-        doc.styles.add(STYLE, font="DejaVuSans.ttf")
+        doc.styles.add(TEXT_STYLE, font="DejaVuSans.ttf")
         stream = io.StringIO()
         doc.write(stream)
         written.append(stream.getvalue())
@@ -115,7 +115,7 @@ def test_entities_are_those_that_the_dxf_library_makes(monkeypatch: pytest.Monke
     assert written[0] == written[1]
 
 
-_ALIGNED: dict[Anchor, TextEntityAlignment] = {
+_ALIGNED: dict[Alignment, TextEntityAlignment] = {
     "left": TextEntityAlignment.LEFT,
     "middle": TextEntityAlignment.CENTER,
     "right": TextEntityAlignment.RIGHT,
@@ -135,7 +135,7 @@ def test_decimals_are_kept(document) -> None:
 
 
 def test_a_text_that_says_something_else_is_refused() -> None:
-    wrong = Linear("top", (0, 0), (40, 0), 0.0, (0, 0), "2x 41.0", 40.0, ("width",))
+    wrong = LinearDimension("top", (0, 0), (40, 0), 0.0, (0, 0), "2x 41.0", 40.0, ("width",))
     with pytest.raises(ValueError, match=r"width says '2x 41\.0', but measures 40"):
         measured_text(wrong)
     assert measured_text(replace(wrong, text="4x 40.00 [1]")) == ("4x <> [1]", 2)
@@ -332,7 +332,7 @@ def test_every_sign_and_symbol_is_drawn_and_none_as_an_empty_box() -> None:
 @pytest.mark.parametrize("paper", list(PAPERS))
 def test_the_frame_stands_within_the_paper_and_its_zones_are_named(paper) -> None:
     width, height = PAPERS[paper]
-    names = [ink.text for ink in frame(paper) if isinstance(ink, Words)]
+    names = [ink.text for ink in frame(paper) if isinstance(ink, Text)]
     x0, y0, x1, y1 = drawing_space(paper)
     assert (x0, y0, width - x1, height - y1) == (20.0, 10.0, 10.0, 10.0)
     assert sorted(set(names)) == sorted(name for name in set(names) if names.count(name) == 2)
@@ -343,7 +343,7 @@ def test_the_frame_stands_within_the_paper_and_its_zones_are_named(paper) -> Non
 
 def test_the_title_block_says_everything_within_its_cells() -> None:
     x0, y0, x1, y1 = title_box("A3")
-    words = [ink for ink in title_ink(TITLE, "A3") if isinstance(ink, Words)]
+    words = [ink for ink in title_primitives(TITLE, "A3") if isinstance(ink, Text)]
     text = " ".join(word.text for word in words)
     for field in (
         "FILE_NAME",
@@ -360,7 +360,7 @@ def test_the_title_block_says_everything_within_its_cells() -> None:
         "±0.5°",
     ):
         assert field in text
-    from drawings.annotations.annotation_ink import text_box
+    from drawings.annotations.annotation_geometry import text_box
 
     boxes = [text_box(word) for word in words]
     assert all(x0 <= box[0] and y0 <= box[1] and box[2] <= x1 and box[3] <= y1 for box in boxes)
@@ -372,8 +372,8 @@ def test_the_title_block_says_everything_within_its_cells() -> None:
 def test_long_fields_shrink_rather_than_leave_their_cell() -> None:
     long = replace(TITLE, material="Pure iron, magnetically soft, annealed in hydrogen, twice, and slowly cooled")
     x0, *_ = title_box("A3")
-    word = next(ink for ink in title_ink(long, "A3") if isinstance(ink, Words) and ink.text == long.material)
-    from drawings.annotations.annotation_ink import text_box
+    word = next(ink for ink in title_primitives(long, "A3") if isinstance(ink, Text) and ink.text == long.material)
+    from drawings.annotations.annotation_geometry import text_box
 
     assert text_box(word)[2] <= x0 + 66.0
 

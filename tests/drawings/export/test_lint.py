@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 from ezdxf.document import Drawing
 
-from drawings.annotations.annotation import Callout, ControlFrame, Linear, Note
+from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension, Note
 from drawings.export.document import document_of
 from drawings.export.lint import Hit, lint
 from drawings.sheets.sheet import Sheet
@@ -21,8 +21,8 @@ TITLE = TitleBlock(
 CORNERS = [(0.0, 0.0), (200.0, 0.0), (200.0, 100.0), (0.0, 100.0), (0.0, 0.0)]
 EDGES = tuple(Segment(a, b) for a, b in pairwise(CORNERS))
 VIEW = View("front", PROJECTIONS["front"], {"VISIBLE": EDGES}, scale=0.5, place=(100.0, 150.0))
-LENGTH = Linear("front", (0.0, 100.0), (200.0, 100.0), 0.0, (0.0, 210.0), "200", 200.0, ("length",))
-HEIGHT = Linear("front", (0.0, 0.0), (0.0, 100.0), 90.0, (90.0, 0.0), "100.0", 100.0, ("height",))
+LENGTH = LinearDimension("front", (0.0, 100.0), (200.0, 100.0), 0.0, (0.0, 210.0), "200", 200.0, ("length",))
+HEIGHT = LinearDimension("front", (0.0, 0.0), (0.0, 100.0), 90.0, (90.0, 0.0), "100.0", 100.0, ("height",))
 HOLE = Callout("front", (150.0, 50.0), (215.0, 190.0), ("4x ⌀5.0 {depth}12.0",), ("hole",))
 CLEAN = Sheet("block", "block", "A3", 0.5, TITLE, (VIEW,), (LENGTH, HEIGHT, HOLE))
 
@@ -51,7 +51,9 @@ def test_a_text_over_a_line_of_the_part_or_of_another_view_is_found() -> None:
 
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
     """A line through the upright box about a slanting text, but past the text itself, is no hit; one through it is."""
-    slanting = Linear("front", (40.0, 20.0), (120.0, 100.0), 45.0, (140.0, 160.0), "113.1", 113.137085, ("slope",))
+    slanting = LinearDimension(
+        "front", (40.0, 20.0), (120.0, 100.0), 45.0, (140.0, 160.0), "113.1", 113.137085, ("slope",)
+    )
     clear, through = Segment((102.0, 38.0), (104.0, 36.0)), Segment((96.0, 30.0), (96.0, 60.0))
 
     def with_line(line: Segment) -> Sheet:
@@ -64,7 +66,7 @@ def test_a_slanting_text_is_judged_by_its_own_shape() -> None:
 
 
 def test_the_frame_of_a_tolerance_on_the_part_is_found() -> None:
-    over = ControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
+    over = FeatureControlFrame("front", (100.0, 100.0), (140.0, 200.5), "flatness", "0.01")
     assert hits(replace(CLEAN, annotations=(over,)), "line")
     off = replace(over, elbow=(140.0, 212.0))
     assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
@@ -84,7 +86,9 @@ def test_what_leaves_the_frame_or_stands_on_the_title_block_is_found() -> None:
 
 
 def test_two_dimensions_on_one_line_are_found() -> None:
-    part = Linear("front", (50.0, 100.0), (80.0, 100.0), 0.0, (0.0, 210.0), "30.0", 30.0, ("part",), (100.0, 218.0))
+    part = LinearDimension(
+        "front", (50.0, 100.0), (80.0, 100.0), 0.0, (0.0, 210.0), "30.0", 30.0, ("part",), (100.0, 218.0)
+    )
     assert hits(replace(CLEAN, annotations=(LENGTH, part)), "dimensions")
     chain = [
         replace(LENGTH, second=(100.0, 100.0), text="100", measured=100.0),

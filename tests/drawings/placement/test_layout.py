@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import pytest
 
-from drawings.annotations.annotation import Callout, ControlFrame, Linear
-from drawings.annotations.annotation_ink import annotation_ink, callout_box, text_boxes
+from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension
+from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_boxes
 from drawings.dimensions.specification import Asked, AskedCallout, AskedDistance, AskedFrame
 from drawings.placement.field import Lines, arc_points, overlap, reaches
 from drawings.placement.place import Dressed, dress
@@ -33,8 +33,8 @@ def distance(first: Point2, second: Point2, name: str, view: str = "front") -> A
     return AskedDistance(view, first, second, angle, f"{value:.1f}", value, (name,))
 
 
-def lines_of(result: Dressed) -> dict[str, Linear]:
-    return {a.names[0]: a for a in result.annotations if isinstance(a, Linear)}
+def lines_of(result: Dressed) -> dict[str, LinearDimension]:
+    return {a.names[0]: a for a in result.annotations if isinstance(a, LinearDimension)}
 
 
 def test_short_dimensions_stand_inside_long_ones_and_all_outside_the_part() -> None:
@@ -72,7 +72,7 @@ def test_no_text_touches_anything_in_a_crowd() -> None:
     asked += [AskedCallout("front", (20.0 * i + 10.0, 20.0), 2.0, (f"⌀{i}.0",), (f"hole {i}",)) for i in range(10)]
     result = dress(block(), asked)
     assert result.hits == 0
-    ink = [(a, list(annotation_ink(a, result.view))) for a in result.annotations]
+    ink = [(a, list(annotation_primitives(a, result.view))) for a in result.annotations]
     boxes = [(a, box) for a, items in ink for box in text_boxes(items)]
     for i, (one, box) in enumerate(boxes):
         for other, another in boxes[i + 1 :]:
@@ -92,7 +92,7 @@ def test_dimension_lines_in_each_others_way_are_placed_anew() -> None:
 def test_a_control_frame_stands_off_the_part_with_its_arrow_on_the_face() -> None:
     asked = [AskedFrame("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
     (frame,) = dress(block(), asked).annotations
-    assert isinstance(frame, ControlFrame)
+    assert isinstance(frame, FeatureControlFrame)
     assert frame.at[1] == pytest.approx(100.0)
     assert frame.elbow[1] > 50.0 + 3.5
 
@@ -124,7 +124,7 @@ def test_a_view_moves_with_its_annotations() -> None:
     (before,) = every[1].annotations
     result = arrange(every, sheet_area("A3"))
     (after,) = result.annotations
-    assert isinstance(before, Linear) and isinstance(after, Linear)
+    assert isinstance(before, LinearDimension) and isinstance(after, LinearDimension)
     front = result.views[1]
     moved = (after.line_at[0] - before.line_at[0], after.line_at[1] - before.line_at[1])
     assert moved == pytest.approx(front.place)

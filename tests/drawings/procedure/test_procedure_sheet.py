@@ -9,9 +9,8 @@ import pytest
 from test_procedure import made, rows, thesis
 
 from drawings.annotations.annotation import Balloon
-from drawings.annotations.extent import view_box
-from drawings.annotations.font import SMALL, text_width
-from drawings.annotations.ink import Stroke, Words
+from drawings.annotations.font import SMALL_HEIGHT, text_width
+from drawings.annotations.primitives import Stroke, Text
 from drawings.export.document import document_of
 from drawings.pictures.picture import Picture
 from drawings.procedure.procedure import Procedure, Step
@@ -19,6 +18,7 @@ from drawings.procedure.sheet import broken, procedure_sheet
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock, title_box
+from drawings.views.bounding_box import view_box
 from drawings.views.view import PROJECTIONS, Segment, View
 
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())
@@ -28,8 +28,8 @@ def sheet_of(procedure: Procedure) -> Sheet:
     return procedure_sheet(procedure, TITLE)
 
 
-def texts(sheet: Sheet) -> list[Words]:
-    return [ink for ink in sheet.tables if isinstance(ink, Words)]
+def texts(sheet: Sheet) -> list[Text]:
+    return [ink for ink in sheet.tables if isinstance(ink, Text)]
 
 
 def test_every_word_of_every_step_is_on_the_sheet_in_order() -> None:
@@ -54,7 +54,7 @@ def test_texts_stay_within_their_cells() -> None:
     uprights = sorted({ink.points[0][0] for ink in sheet.tables if isinstance(ink, Stroke) and len(ink.points) == 2})
     for words in texts(sheet):
         width = text_width(words.text, words.height)
-        left = words.at[0] - (width / 2 if words.anchor == "middle" else 0.0)
+        left = words.at[0] - (width / 2 if words.alignment == "middle" else 0.0)
         row = [b for b in boxes if b[0] <= left and b[1] <= words.at[1] and words.at[1] + words.height <= b[3]]
         assert row, words
         edges = [row[0][0], *(x for x in uprights if row[0][0] < x < row[0][2]), row[0][2]]
@@ -91,11 +91,11 @@ def test_the_document_is_sound() -> None:
 
 def test_lines_break_at_spaces_and_keep_every_word() -> None:
     text = "the quick brown fox jumps over the lazy dog " * 3
-    lines = broken(text.strip(), 40.0, SMALL)
+    lines = broken(text.strip(), 40.0, SMALL_HEIGHT)
     assert " ".join(lines) == text.strip()
-    assert all(text_width(line, SMALL) <= 40.0 for line in lines)
-    assert len(lines) == pytest.approx(text_width(text, SMALL) / 40.0, rel=0.4)
-    assert broken("Unbreakable", 1.0, SMALL) == ["Unbreakable"]
+    assert all(text_width(line, SMALL_HEIGHT) <= 40.0 for line in lines)
+    assert len(lines) == pytest.approx(text_width(text, SMALL_HEIGHT) / 40.0, rel=0.4)
+    assert broken("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
 
 
 def test_a_step_without_needs_is_a_row_all_the_same() -> None:

@@ -15,10 +15,9 @@ from pathlib import Path
 
 import pytest
 
-from drawings.annotations.annotation import Balloon, Linear
-from drawings.annotations.annotation_ink import BALLOON
-from drawings.annotations.extent import view_box
-from drawings.annotations.ink import Words
+from drawings.annotations.annotation import Balloon, LinearDimension
+from drawings.annotations.annotation_geometry import BALLOON
+from drawings.annotations.primitives import Text
 from drawings.artefacts.pictures import PICTURES
 from drawings.artefacts.sheets import extent_of
 from drawings.export.document import document_of
@@ -30,6 +29,7 @@ from drawings.placement.field import curve_points
 from drawings.sheets.assembly import Assembled, assembly_sheet, spread
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
+from drawings.views.bounding_box import view_box
 from drawings.views.view import Segment
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.assembly import shapes_of
@@ -96,7 +96,7 @@ def test_balloons_stand_apart_and_within_the_frame(sheet: Sheet) -> None:
 
 
 def test_the_list_says_what_the_bill_of_materials_says(sheet: Sheet, machine: Machine) -> None:
-    words = [ink.text for ink in sheet.tables if isinstance(ink, Words)]
+    words = [ink.text for ink in sheet.tables if isinstance(ink, Text)]
     for row in machine.bill_of_materials:
         assert row.part.replace("_", " ") in words
         assert row.part_number in words
@@ -115,8 +115,10 @@ def test_the_cut_is_hatched_and_the_cutting_line_shown(sheet: Sheet) -> None:
 
 def test_size_and_travel_are_those_of_the_machine(sheet: Sheet, pictures: dict[str, Picture], design: Design) -> None:
     """The numbers against parameters, and against what the hidden-line algorithm gives of the machine."""
-    said = {a.names[0]: (a.measured, a.text) for a in sheet.annotations if isinstance(a, Linear)}
-    assert len(said) == sum(isinstance(a, Linear) for a in sheet.annotations) - 1  # half of the travel, on both sides
+    said = {a.names[0]: (a.measured, a.text) for a in sheet.annotations if isinstance(a, LinearDimension)}
+    assert (
+        len(said) == sum(isinstance(a, LinearDimension) for a in sheet.annotations) - 1
+    )  # half of the travel, on both sides
     base, stage = design.base, design.stage
     assert said["overall length"] == (pytest.approx(base.length, abs=1e-6), f"({base.length:.1f})")
     assert said["overall width"] == (pytest.approx(base.width, abs=1e-6), f"({base.width:.1f})")

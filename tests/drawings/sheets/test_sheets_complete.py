@@ -9,7 +9,14 @@ from typing import Any
 
 import pytest
 
-from drawings.annotations.annotation import Angular, Callout, ControlFrame, DatumMark, Linear, Round
+from drawings.annotations.annotation import (
+    AngularDimension,
+    Callout,
+    DatumSymbol,
+    FeatureControlFrame,
+    LinearDimension,
+    RadialDimension,
+)
 from drawings.dimensions.text import number
 from drawings.export.document import document_of
 from drawings.export.lint import lint
@@ -36,7 +43,7 @@ def named(part: str) -> Counter[str]:
         name
         for sheet in sheets(part)
         for annotation in sheet.annotations
-        if isinstance(annotation, Linear | Round | Angular | Callout)
+        if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
         for name in annotation.names
     )
 
@@ -70,7 +77,7 @@ def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> No
         name: words(annotation)
         for sheet in sheets(part)
         for annotation in sheet.annotations
-        if isinstance(annotation, Linear | Round | Angular | Callout)
+        if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
         for name in annotation.names
     }
     for dimension in module_of(part).dimensions(thesis()):
@@ -91,11 +98,11 @@ def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: st
     for sheet in sheets(part):
         measured: list[float] = []
         for annotation in sheet.annotations:
-            if isinstance(annotation, Linear):
+            if isinstance(annotation, LinearDimension):
                 turn = math.radians(annotation.angle)
                 (u0, v0), (u1, v1) = annotation.first, annotation.second
                 span = abs((u1 - u0) * math.cos(turn) + (v1 - v0) * math.sin(turn))
-            elif isinstance(annotation, Round):
+            elif isinstance(annotation, RadialDimension):
                 span = annotation.radius * (2 if annotation.kind == "diameter" else 1)
             else:
                 continue
@@ -111,12 +118,12 @@ def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: st
 def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
     required = getattr(module_of(part), "requirements", lambda _: ())(thesis())
     every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
-    letters = [annotation.letter for annotation in every if isinstance(annotation, DatumMark)]
+    letters = [annotation.letter for annotation in every if isinstance(annotation, DatumSymbol)]
     assert letters == [r.letter for r in required if isinstance(r, DatumFeature)]
-    frames = sorted((a.characteristic, a.datums) for a in every if isinstance(a, ControlFrame))
+    frames = sorted((a.characteristic, a.datums) for a in every if isinstance(a, FeatureControlFrame))
     assert frames == sorted((r.characteristic, r.datums) for r in required if isinstance(r, GeometricTolerance))
     for frame in every:
-        if isinstance(frame, ControlFrame):
+        if isinstance(frame, FeatureControlFrame):
             values = {r.value for r in required if isinstance(r, GeometricTolerance)}
             assert float(frame.tolerance.strip("⌀").split()[0]) in values
 
@@ -129,7 +136,7 @@ def test_the_sheets_of_the_thesis_are_free_of_hits(part: str) -> None:
 
 def test_a_datum_that_is_an_axis_stands_in_line_with_its_diameter() -> None:
     (sheet,) = sheets("holder")
-    (mark,) = (a for a in sheet.annotations if isinstance(a, DatumMark))
-    diameter = next(a for a in sheet.annotations if isinstance(a, Linear) and a.names == ("diameter",))
+    (mark,) = (a for a in sheet.annotations if isinstance(a, DatumSymbol))
+    diameter = next(a for a in sheet.annotations if isinstance(a, LinearDimension) and a.names == ("diameter",))
     assert mark.frame_at[1] == pytest.approx(diameter.line_at[1])
     assert sheet.view(mark.view).to_paper(mark.at)[1] == pytest.approx(diameter.line_at[1])

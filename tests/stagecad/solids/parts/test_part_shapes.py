@@ -25,7 +25,7 @@ def solid_of(name: str) -> cq.Solid:
     return module_of(name).build(thesis())  # type: ignore[return-value]
 
 
-def box_of(name: str) -> tuple[float, ...]:
+def bounding_box(name: str) -> tuple[float, ...]:
     b = solid_of(name).BoundingBox()
     return (b.xmin, b.xmax, b.ymin, b.ymax, b.zmin, b.zmax)
 
@@ -70,7 +70,7 @@ BOXES = {
 
 @pytest.mark.parametrize("name", BOXES)
 def test_bounding_box_of_the_thesis_design(name: str) -> None:
-    assert box_of(name) == pytest.approx(BOXES[name], abs=1e-6)
+    assert bounding_box(name) == pytest.approx(BOXES[name], abs=1e-6)
 
 
 def stage_volume() -> float:

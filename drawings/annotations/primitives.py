@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from drawings.annotations.font import TEXT
+from drawings.annotations.font import TEXT_HEIGHT
 from drawings.views.view import Arc, Box2, Point2
 
-Weight = Literal["FRAME", "BORDER", "TEXT"]
+SheetLayer = Literal["FRAME", "BORDER", "TEXT"]
 """Layers of the sheet itself: the frame's heavy line, thin lines of borders and tables, lettering."""
 
-Anchor = Literal["left", "middle", "right"]
+Alignment = Literal["left", "middle", "right"]
 
 
 @dataclass(frozen=True)
@@ -19,27 +19,27 @@ class Stroke:
     """A line through points, mm."""
 
     points: tuple[Point2, ...]
-    layer: Weight = "BORDER"
+    layer: SheetLayer = "BORDER"
 
 
 @dataclass(frozen=True)
-class Circle:
+class ArcStroke:
     """An arc or a circle."""
 
     arc: Arc
-    layer: Weight = "BORDER"
+    layer: SheetLayer = "BORDER"
 
 
 @dataclass(frozen=True)
-class Fill:
+class FilledPolygon:
     """A filled polygon."""
 
     points: tuple[Point2, ...]
-    layer: Weight = "BORDER"
+    layer: SheetLayer = "BORDER"
 
 
 @dataclass(frozen=True)
-class Words:
+class Text:
     """A text on one line.
 
     Args:
@@ -49,15 +49,15 @@ class Words:
 
     text: str
     at: Point2
-    height: float = TEXT
-    anchor: Anchor = "left"
+    height: float = TEXT_HEIGHT
+    alignment: Alignment = "left"
     angle: float = 0.0
 
 
-Ink = Stroke | Circle | Fill | Words
+Primitive = Stroke | ArcStroke | FilledPolygon | Text
 
 
-def rectangle(box: Box2, layer: Weight = "BORDER") -> Stroke:
+def rectangle(box: Box2, layer: SheetLayer = "BORDER") -> Stroke:
     """The outline of a box."""
     x0, y0, x1, y1 = box
     return Stroke(((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)), layer)

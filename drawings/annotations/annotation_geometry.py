@@ -9,22 +9,23 @@ import math
 from collections.abc import Iterable, Iterator
 
 from drawings.annotations.annotation import (
-    Angular,
+    AngularDimension,
     Annotation,
     Balloon,
     Callout,
-    ControlFrame,
-    DatumMark,
+    DatumSymbol,
     DetailMark,
-    Linear,
+    FeatureControlFrame,
+    LinearDimension,
     Note,
-    Round,
+    RadialDimension,
     SectionMark,
-    SurfaceMark,
+    SurfaceTextureSymbol,
 )
-from drawings.annotations.font import LARGE, LINE_PITCH, TEXT
-from drawings.annotations.ink import Circle, Fill, Ink, Stroke, Words, rectangle
-from drawings.annotations.symbols import line_ink, line_width, symbol_ink, symbol_width
+from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, TEXT_HEIGHT
+from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
+from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
+from drawings.views.bounding_box import bounding_box, extreme_points, view_box
 from drawings.views.view import Arc, Box2, Point2, View
 
 ARROW = 3.0
@@ -37,7 +38,7 @@ TAIL = 5.0
 """Length of a dimension line outside its extension lines, where the arrows do not fit between, mm."""
 LANDING = 3.0
 """Level end of a leader before the text, mm."""
-BOX = 2 * TEXT
+BOX = 2 * TEXT_HEIGHT
 """Height of a control frame and of a datum letter's frame, mm."""
 BALLOON = 5.0
 """Radius of a balloon, mm."""
@@ -45,22 +46,22 @@ DOT = 0.6
 """Radius of the dot in which a balloon's leader ends, mm."""
 
 
-def annotation_ink(annotation: Annotation, view: View) -> Iterator[Ink]:
+def annotation_primitives(annotation: Annotation, view: View) -> Iterator[Primitive]:
     """Everything an annotation puts on the paper, in paper coordinates."""
     match annotation:
-        case Linear():
+        case LinearDimension():
             yield from _linear(annotation, view)
-        case Round():
+        case RadialDimension():
             yield from _round(annotation, view)
-        case Angular():
+        case AngularDimension():
             yield from _angular(annotation, view)
         case Callout():
             yield from _callout(annotation, view)
-        case ControlFrame():
+        case FeatureControlFrame():
             yield from _control_frame(annotation, view)
-        case DatumMark():
+        case DatumSymbol():
             yield from _datum(annotation, view)
-        case SurfaceMark():
+        case SurfaceTextureSymbol():
             yield from _surface(annotation, view)
         case Balloon():
             yield from _balloon(annotation, view)
@@ -68,21 +69,21 @@ def annotation_ink(annotation: Annotation, view: View) -> Iterator[Ink]:
             yield from _section(annotation)
         case DetailMark():
             centre = view.to_paper(annotation.centre)
-            yield Circle(Arc(centre, annotation.radius * view.scale))
-            yield _centred(annotation.letter, annotation.letter_at, LARGE)
+            yield ArcStroke(Arc(centre, annotation.radius * view.scale))
+            yield _centred(annotation.letter, annotation.letter_at, LARGE_HEIGHT)
 
 
-def note_ink(note: Note) -> Iterator[Ink]:
+def note_primitives(note: Note) -> Iterator[Primitive]:
     """The lines of a note, from the top down to its lower left corner."""
     x, y = note.at
     for number, line in enumerate(reversed(note.lines)):
-        yield from line_ink(line, (x, y + number * LINE_PITCH * note.height), note.height)
+        yield from symbol_text_primitives(line, (x, y + number * LINE_PITCH * note.height), note.height)
 
 
-def text_box(words: Words) -> Box2:
+def text_box(words: Text) -> Box2:
     """Room of a text at a multiple of 90 degrees: from the base line to the height of capitals, paper."""
-    width = line_width(words.text, words.height)
-    start = {"left": 0.0, "middle": -width / 2, "right": -width}[words.anchor]
+    width = symbol_text_width(words.text, words.height)
+    start = {"left": 0.0, "middle": -width / 2, "right": -width}[words.alignment]
     turn = math.radians(words.angle)
     c, s = math.cos(turn), math.sin(turn)
     corners = [
@@ -94,33 +95,48 @@ def text_box(words: Words) -> Box2:
     return (min(xs), min(ys), max(xs), max(ys))
 
 
-def text_boxes(ink: Iterable[Ink]) -> list[Box2]:
+def primitive_box(primitive: Primitive) -> Box2:
+    """Bounding box of a primitive, paper."""
+    if isinstance(primitive, Text):
+        return text_box(primitive)
+    return bounding_box(extreme_points(primitive.arc) if isinstance(primitive, ArcStroke) else primitive.points)
+
+
+def label_primitives(view: View) -> Iterator[Primitive]:
+    """The name of a section or detail view, below the view."""
+    box = view_box(view)
+    if view.label and box:
+        at = view.label_at or ((box[0] + box[2]) / 2, box[1] - 3.0 - LARGE_HEIGHT)
+        yield Text(view.label, at, LARGE_HEIGHT, "middle")
+
+
+def text_boxes(ink: Iterable[Primitive]) -> list[Box2]:
     """Room of all texts among some ink."""
-    return [text_box(item) for item in ink if isinstance(item, Words)]
+    return [text_box(item) for item in ink if isinstance(item, Text)]
 
 
-def arrow(tip: Point2, direction: Point2, length: float = ARROW) -> Fill:
+def arrow(tip: Point2, direction: Point2, length: float = ARROW) -> FilledPolygon:
     """A closed, filled arrow head whose tip points along a unit vector."""
     (x, y), (u, v) = tip, direction
     back = (x - u * length, y - v * length)
     half = length / 6
-    return Fill((tip, (back[0] - v * half, back[1] + u * half), (back[0] + v * half, back[1] - u * half)))
+    return FilledPolygon((tip, (back[0] - v * half, back[1] + u * half), (back[0] + v * half, back[1] - u * half)))
 
 
-def _centred(text: str, at: Point2, height: float = TEXT, angle: float = 0.0) -> Words:
+def _centred(text: str, at: Point2, height: float = TEXT_HEIGHT, angle: float = 0.0) -> Text:
     """A text whose middle is at a point."""
     turn = math.radians(angle)
-    return Words(
+    return Text(
         text, (at[0] + math.sin(turn) * height / 2, at[1] - math.cos(turn) * height / 2), height, "middle", angle
     )
 
 
-def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Ink]:
+def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primitive]:
     """A text that may have symbols in it, its middle at a point; symbols stand level only."""
     if "{" in text and abs(angle) < 1e-9:
-        yield from line_ink(text, (at[0] - line_width(text) / 2, at[1] - TEXT / 2))
+        yield from symbol_text_primitives(text, (at[0] - symbol_text_width(text) / 2, at[1] - TEXT_HEIGHT / 2))
     else:
-        yield _centred(text, at, TEXT, angle)
+        yield _centred(text, at, TEXT_HEIGHT, angle)
 
 
 def _unit(start: Point2, end: Point2) -> Point2:
@@ -134,7 +150,7 @@ def readable(angle: float) -> float:
     return 90.0 if abs(angle + 90.0) < 1e-6 else angle
 
 
-def _linear(d: Linear, view: View) -> Iterator[Ink]:
+def _linear(d: LinearDimension, view: View) -> Iterator[Primitive]:
     turn = math.radians(d.angle)
     u = (math.cos(turn), math.sin(turn))
     first, second = view.to_paper(d.first), view.to_paper(d.second)
@@ -156,9 +172,9 @@ def _linear(d: Linear, view: View) -> Iterator[Ink]:
     back = (-along[0], -along[1])
     angle = readable(d.angle)
     up = (-math.sin(math.radians(angle)), math.cos(math.radians(angle)))
-    width = line_width(d.text)
+    width = symbol_text_width(d.text)
     middle = ((ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2)
-    rise = TEXT / 2 + GAP
+    rise = TEXT_HEIGHT / 2 + GAP
     text_at = d.text_at or (middle[0] + up[0] * rise, middle[1] + up[1] * rise)
     # Along the line from its first end: 0 to span is between the arrows.
     reach = [0.0, span]
@@ -179,7 +195,7 @@ def _linear(d: Linear, view: View) -> Iterator[Ink]:
     yield from _centred_line(d.text, text_at, angle)
 
 
-def _round(d: Round, view: View) -> Iterator[Ink]:
+def _round(d: RadialDimension, view: View) -> Iterator[Primitive]:
     turn = math.radians(d.towards)
     out = (math.cos(turn), math.sin(turn))
     centre = view.to_paper(d.centre)
@@ -193,12 +209,12 @@ def _round(d: Round, view: View) -> Iterator[Ink]:
 
 def _shelf(text: str, text_at: Point2, from_point: Point2) -> tuple[Point2, Point2]:
     """The level line under a text: its end towards a point, and the other."""
-    half, y = line_width(text) / 2 + GAP, text_at[1] - TEXT / 2 - GAP
+    half, y = symbol_text_width(text) / 2 + GAP, text_at[1] - TEXT_HEIGHT / 2 - GAP
     ends = ((text_at[0] - half, y), (text_at[0] + half, y))
     return ends if from_point[0] <= text_at[0] else (ends[1], ends[0])
 
 
-def _angular(d: Angular, view: View) -> Iterator[Ink]:
+def _angular(d: AngularDimension, view: View) -> Iterator[Primitive]:
     vertex = view.to_paper(d.vertex)
     radius = math.dist(vertex, d.arc_at)
     start, end = (
@@ -206,7 +222,7 @@ def _angular(d: Angular, view: View) -> Iterator[Ink]:
         for p in (view.to_paper(d.first), view.to_paper(d.second))
     )
     end = end if end > start else end + 360.0
-    yield Circle(Arc(vertex, radius, start, end))
+    yield ArcStroke(Arc(vertex, radius, start, end))
     for point, at, sign in ((d.first, start, -1.0), (d.second, end, 1.0)):
         turn = math.radians(at)
         out = (math.cos(turn), math.sin(turn))
@@ -220,31 +236,31 @@ def _angular(d: Angular, view: View) -> Iterator[Ink]:
             beyond = (vertex[0] + out[0] * (radius + BEYOND), vertex[1] + out[1] * (radius + BEYOND))
             yield Stroke(((near[0] + out[0] * GAP, near[1] + out[1] * GAP), beyond))
     out = _unit(vertex, d.arc_at)
-    away = GAP + abs(out[0]) * line_width(d.text) / 2 + abs(out[1]) * TEXT / 2
+    away = GAP + abs(out[0]) * symbol_text_width(d.text) / 2 + abs(out[1]) * TEXT_HEIGHT / 2
     yield _centred(d.text, (d.arc_at[0] + out[0] * away, d.arc_at[1] + out[1] * away))
 
 
 def callout_box(c: Callout, number: int) -> Box2:
     """Room of one of a callout's lines, symbols included, paper."""
-    width, away = line_width(c.lines[number]), LANDING + GAP
+    width, away = symbol_text_width(c.lines[number]), LANDING + GAP
     x = c.elbow[0] - away - width if c.leftward else c.elbow[0] + away
-    y = c.elbow[1] - TEXT / 2 - number * LINE_PITCH * TEXT
-    return (x, y, x + width, y + TEXT)
+    y = c.elbow[1] - TEXT_HEIGHT / 2 - number * LINE_PITCH * TEXT_HEIGHT
+    return (x, y, x + width, y + TEXT_HEIGHT)
 
 
-def _callout(c: Callout, view: View) -> Iterator[Ink]:
+def _callout(c: Callout, view: View) -> Iterator[Primitive]:
     at = view.to_paper(c.at)
     end = (c.elbow[0] + (-LANDING if c.leftward else LANDING), c.elbow[1])
     yield arrow(at, _unit(c.elbow, at))
     yield Stroke((at, c.elbow, end))
     for number, line in enumerate(c.lines):
-        yield from line_ink(line, callout_box(c, number)[:2])
+        yield from symbol_text_primitives(line, callout_box(c, number)[:2])
 
 
-def _control_frame(f: ControlFrame, view: View) -> Iterator[Ink]:
+def _control_frame(f: FeatureControlFrame, view: View) -> Iterator[Primitive]:
     at = view.to_paper(f.at)
-    widths = [symbol_width(f.characteristic) + TEXT, line_width(f.tolerance) + TEXT]
-    widths += [max(BOX, line_width(letter) + TEXT) for letter in f.datums]
+    widths = [symbol_width(f.characteristic) + TEXT_HEIGHT, symbol_text_width(f.tolerance) + TEXT_HEIGHT]
+    widths += [max(BOX, symbol_text_width(letter) + TEXT_HEIGHT) for letter in f.datums]
     left = f.elbow[0] if f.elbow[0] >= at[0] - 1e-6 else f.elbow[0] - sum(widths)
     low = f.elbow[1] - BOX / 2
     if math.dist(at, f.elbow) > ARROW:
@@ -254,20 +270,22 @@ def _control_frame(f: ControlFrame, view: View) -> Iterator[Ink]:
     for number, width in enumerate(widths):
         yield rectangle((x, low, x + width, low + BOX))
         if number == 0:
-            yield from symbol_ink(f.characteristic, (x + TEXT / 2, low + TEXT / 2))
+            yield from symbol_primitives(f.characteristic, (x + TEXT_HEIGHT / 2, low + TEXT_HEIGHT / 2))
         else:
             text = f.tolerance if number == 1 else f.datums[number - 2]
             yield from _centred_line(text, (x + width / 2, low + BOX / 2))
         x += width
 
 
-def _datum(m: DatumMark, view: View) -> Iterator[Ink]:
+def _datum(m: DatumSymbol, view: View) -> Iterator[Primitive]:
     at = view.to_paper(m.at)
     out = _unit(at, m.frame_at)
     half = BOX / 2
-    apex = (at[0] + out[0] * TEXT, at[1] + out[1] * TEXT)
-    wide = TEXT * 0.6
-    yield Fill((apex, (at[0] - out[1] * wide, at[1] + out[0] * wide), (at[0] + out[1] * wide, at[1] - out[0] * wide)))
+    apex = (at[0] + out[0] * TEXT_HEIGHT, at[1] + out[1] * TEXT_HEIGHT)
+    wide = TEXT_HEIGHT * 0.6
+    yield FilledPolygon(
+        (apex, (at[0] - out[1] * wide, at[1] + out[0] * wide), (at[0] + out[1] * wide, at[1] - out[0] * wide))
+    )
     x, y = m.frame_at
     # The leader ends where it meets the frame.
     reach = half / max(abs(out[0]), abs(out[1]))
@@ -276,7 +294,7 @@ def _datum(m: DatumMark, view: View) -> Iterator[Ink]:
     yield _centred(m.letter, m.frame_at)
 
 
-def _surface(m: SurfaceMark, view: View) -> Iterator[Ink]:
+def _surface(m: SurfaceTextureSymbol, view: View) -> Iterator[Primitive]:
     x, y = view.to_paper(m.at)
     turn = math.radians(m.angle)
     c, s = math.cos(turn), math.sin(turn)
@@ -284,26 +302,26 @@ def _surface(m: SurfaceMark, view: View) -> Iterator[Ink]:
     def place(a: float, b: float) -> Point2:
         return (x + a * c - b * s, y + a * s + b * c)
 
-    low, high = 1.4 * TEXT, 3.0 * TEXT
+    low, high = 1.4 * TEXT_HEIGHT, 3.0 * TEXT_HEIGHT
     run = 1 / math.tan(math.radians(60))
-    shelf = line_width(m.text) + 2 * GAP
+    shelf = symbol_text_width(m.text) + 2 * GAP
     yield Stroke((place(-low * run, low), (x, y), place(high * run, high), place(high * run + shelf, high)))
     yield Stroke((place(-low * run, low), place(low * run, low)))
-    at = place(high * run + GAP, high - GAP - TEXT)
-    yield Words(m.text, at, TEXT, "left", m.angle)
+    at = place(high * run + GAP, high - GAP - TEXT_HEIGHT)
+    yield Text(m.text, at, TEXT_HEIGHT, "left", m.angle)
 
 
-def _balloon(b: Balloon, view: View) -> Iterator[Ink]:
+def _balloon(b: Balloon, view: View) -> Iterator[Primitive]:
     at = view.to_paper(b.at)
     out = _unit(b.centre, at)
-    yield Circle(Arc(b.centre, BALLOON))
+    yield ArcStroke(Arc(b.centre, BALLOON))
     yield Stroke(((b.centre[0] + out[0] * BALLOON, b.centre[1] + out[1] * BALLOON), at))
     turns = [t * math.pi / 6 for t in range(12)]
-    yield Fill(tuple((at[0] + DOT * math.cos(t), at[1] + DOT * math.sin(t)) for t in turns))
+    yield FilledPolygon(tuple((at[0] + DOT * math.cos(t), at[1] + DOT * math.sin(t)) for t in turns))
     yield _centred(str(b.number), b.centre)
 
 
-def _section(m: SectionMark) -> Iterator[Ink]:
+def _section(m: SectionMark) -> Iterator[Primitive]:
     along = _unit(m.start, m.end)
     thick, stem = 6.0, 9.0
     for point, inward in ((m.start, along), (m.end, (-along[0], -along[1]))):
@@ -314,4 +332,4 @@ def _section(m: SectionMark) -> Iterator[Ink]:
         out = (-inward[0] * 4.5, -inward[1] * 4.5)
         beside = stem / 2
         at = (point[0] + m.sight[0] * beside + out[0], point[1] + m.sight[1] * beside + out[1])
-        yield _centred(m.letter, at, LARGE)
+        yield _centred(m.letter, at, LARGE_HEIGHT)
