@@ -62,7 +62,7 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     """
     from drawings.artefacts.pictures import PICTURES, make_picture
     from drawings.artefacts.sheets import draw_part, draw_whole
-    from stagecad.parameters.design import load_design
+    from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import make_part
     from stagecad.solids.artefacts.store import Store
     from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
@@ -107,7 +107,7 @@ def clocked(runs: int) -> dict[str, float]:
     """
     from drawings.artefacts.pictures import PICTURES
     from drawings.artefacts.workers import run_tasks
-    from stagecad.parameters.design import load_design
+    from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import make_part
     from stagecad.solids.artefacts.store import Store
     from stagecad.solids.modelling.registry import part_names
@@ -143,7 +143,7 @@ def one_of(folder: str, name: str, late: bool) -> None:
     """A picture of the machine, or its sheet, as `clocked` names it."""
     from drawings.artefacts.pictures import make_picture
     from drawings.artefacts.sheets import draw_whole
-    from stagecad.parameters.design import load_design
+    from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import make_part
     from stagecad.solids.artefacts.store import Store
     from stagecad.solids.modelling.registry import part_names
@@ -168,7 +168,7 @@ def rendering_seconds(runs: int) -> tuple[float, float]:
     from drawings.export.document import document_of
     from drawings.export.render import render
     from drawings.sheets.part import sheets_of
-    from stagecad.parameters.design import load_design
+    from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import make_part
     from stagecad.solids.artefacts.store import Store
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import rotary_unit
-from stagecad.parameters.quantities import as_json
+from stagecad.parameters.units import as_json
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.diagnosis.trials import Trial

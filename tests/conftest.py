@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
 
 
 @pytest.fixture(scope="session")

@@ -40,7 +40,7 @@ class Run:
     @functools.cached_property
     def design(self) -> Design:
         """The design of `--params` (default: stage.toml here, else the packaged thesis design) with `--set` applied."""
-        from stagecad.parameters.design import load_design
+        from stagecad.parameters.load import load_design
 
         path = self.params
         if path is None and Path("stage.toml").is_file():

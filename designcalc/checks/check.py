@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from stagecad.parameters.quantities import as_json, format_quantity
+from stagecad.parameters.units import as_json, format_quantity
 
 Verdict = Literal["passes", "fails", "out_of_range", "undecidable"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, SupportsFloat
 
 from designcalc.checks.check import Check, Input
-from stagecad.parameters.quantities import format_quantity
+from stagecad.parameters.units import format_quantity
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from designcalc.checks.alternatives import Candidate
 from designcalc.checks.budget import Budget
 from designcalc.checks.check import Check
-from stagecad.parameters.quantities import format_quantity
+from stagecad.parameters.units import format_quantity
 
 VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
 """Worst first."""

@@ -11,7 +11,7 @@ import numpy as np
 from designcalc.checks import Weighed, run_checks
 from designcalc.checks.check import Check
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.quantities import from_si, parse_quantity, to_si
+from stagecad.parameters.units import from_si, parse_quantity, to_si
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design

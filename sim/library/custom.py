@@ -133,7 +133,7 @@ def _checked(path: Path, effect: Effect) -> Effect:
 
 
 def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
-    from stagecad.parameters.quantities import unit_dimension
+    from stagecad.parameters.units import unit_dimension
 
     if not isinstance(parameter, Parameter):
         raise InputError(f"{where}: parameters must hold Parameter(...), not {type(parameter).__name__}")

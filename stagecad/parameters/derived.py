@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stagecad.parameters.design import Design
+    from stagecad.parameters.tables.machine import Tables
 
 MM = 1e-3
 Place = tuple[float, float]
@@ -102,7 +102,7 @@ COMPUTED: dict[str, Formula] = {
 class Derived:
     """Places, heights and envelopes that follow from a design. mm unless a name says otherwise."""
 
-    design: Design
+    design: Tables
 
     @property
     def sea_height(self) -> float:

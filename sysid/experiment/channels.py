@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import parse_quantity, unit_dimension
+from stagecad.parameters.units import parse_quantity, unit_dimension
 from sysid.experiment.rigs import CHANNELS, RigKind
 
 _LABEL = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]\s*)?")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import parse_uncertain
+from stagecad.parameters.units import parse_uncertain
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_quantity import check_value, quantity_text
 from sysid.experiment.toml_table import TomlTable

@@ -12,7 +12,7 @@ from sim.library.catalogue import find
 from sim.library.custom import load_all_custom
 from sim.library.effect import Effect, Parameter, rotary_unit
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import parse_quantity, parse_uncertain
+from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
 from sysid.experiment.known import DesignValues, design_value
 from sysid.experiment.rigs import CHANNELS, RigKind

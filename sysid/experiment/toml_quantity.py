@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.quantities import parse_quantity
+from stagecad.parameters.units import parse_quantity
 from sysid.experiment.toml_table import TomlTable, kind_of, shown
 
 

@@ -22,7 +22,7 @@ from typing import Any, Literal
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.quantities import as_json
+from stagecad.parameters.units import as_json
 from sysid.experiment.record import Record
 from sysid.experiment.rigs import RIGS
 from sysid.noise.autocorrelation import Colour, colour_of, difference_scale, segments

@@ -7,8 +7,8 @@ from functools import partial
 
 import pytest
 
-from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
 from workbench.cli import run
 from workbench.cluster import run_all
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters.design import load_design
+from stagecad.parameters.load import load_design
 from workbench.cli import run
 
 

@@ -8,7 +8,7 @@ import json
 import pytest
 
 from sim.experiments.stage import STUDIES
-from stagecad.parameters.design import load_design
+from stagecad.parameters.load import load_design
 from workbench.cli import run
 from workbench.commands.simulate import STUDIES as NAMED
 from workbench.simulation.stage import stage_drive

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters.design import load_design
+from stagecad.parameters.load import load_design
 from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose
 from sysid.experiment.experiment import load_experiment

@@ -8,7 +8,8 @@ from typing import Any
 from drawings.annotations.annotation import AngularDimension, Annotation, Callout, LinearDimension, RadialDimension
 from drawings.sheets.part import Described, sheets_of
 from drawings.sheets.sheet import Sheet
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.registry import module_of
 
 

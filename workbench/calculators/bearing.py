@@ -88,7 +88,7 @@ def _levitation(run: Run, v: Values) -> dict[str, Any]:
 def _suspensions(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.checks.alternatives import ranking
     from designcalc.checks.inputs import Reading
-    from stagecad.parameters.quantities import as_json
+    from stagecad.parameters.units import as_json
 
     rows = [
         {

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.quantities import as_json
+from stagecad.parameters.units import as_json
 from workbench.options import Run
 
 if TYPE_CHECKING:

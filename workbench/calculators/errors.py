@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.quantities import as_json
+from stagecad.parameters.units import as_json
 from workbench.calculators.catalogue import Calculator, Option, Values, from_key, from_material, quantities
 from workbench.options import Run
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import parse_quantity
+from stagecad.parameters.units import parse_quantity
 
 COLUMNS = ("position", "height")
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import as_json, format_quantity, parse_quantity
+from stagecad.parameters.units import as_json, format_quantity, parse_quantity
 from workbench.calculators.bearing import BEARING_CALCULATORS
 from workbench.calculators.catalogue import CALCULATORS, Calculator, Values
 from workbench.calculators.drive import DRIVE_CALCULATORS

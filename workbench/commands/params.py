@@ -11,8 +11,8 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
-    from stagecad.parameters.difference import Difference
-    from stagecad.parameters.entry import Entry
+    from stagecad.parameters.file import Entry
+    from stagecad.parameters.load import Difference
 
 
 @click.command("params")
@@ -34,8 +34,7 @@ if TYPE_CHECKING:
 @common_options
 def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path | None) -> None:
     """The parameters with unit, tolerance and origin; all of them, or those of the tables and keys named."""
-    from stagecad.parameters.design import load_design
-    from stagecad.parameters.difference import diff
+    from stagecad.parameters.load import diff, load_design
 
     design = run.design
     if target is not None:
@@ -73,7 +72,8 @@ def _named(key: str, names: tuple[str, ...], design: Design) -> bool:
 def _write(run: Run, target: Path) -> None:
     from stagecad.parameters.atomic import atomic_write_text
     from stagecad.parameters.errors import InputError
-    from stagecad.parameters.parameter_file import changed_text, packaged_text
+    from stagecad.parameters.file import packaged_text
+    from stagecad.parameters.load import changed_text
 
     if target.exists():
         raise InputError(f"{target}: is there already; name a new file")
@@ -91,7 +91,7 @@ def _write(run: Run, target: Path) -> None:
 
 def _si(entry: Entry) -> dict[str, Any]:
     """The entry's value as JSON: a quantity in SI, or what it is when it has no unit to speak of."""
-    from stagecad.parameters.quantities import as_json, to_si
+    from stagecad.parameters.units import as_json, to_si
 
     if isinstance(entry.value, bool | str):
         return {"value": entry.value}

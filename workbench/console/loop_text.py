@@ -8,7 +8,7 @@ from typing import Any
 
 from rich.table import Table
 
-from stagecad.parameters.quantities import format_quantity
+from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from math import hypot
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import format_quantity
+from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue
 from workbench.options import Run
 from workbench.simulation.inputs import design_mass

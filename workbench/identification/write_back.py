@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.quantities import from_si, si_unit, unit_dimension
+from stagecad.parameters.units import from_si, si_unit, unit_dimension
 from sysid.estimation.base_fit import Fitted
 from sysid.estimation.covariance import intervals
 from sysid.estimation.identifiability import public_key
@@ -103,7 +103,7 @@ def write_back(run: Run, case: Case, fitted: Fitted, wanted: Sequence[str], orig
         InputError: a key that the file or the fit does not have, units that do not match, a value the records do not
             tell, or no file of the user's own.
     """
-    from stagecad.parameters.parameter_file import write_values
+    from stagecad.parameters.load import write_values
 
     path = parameter_file(run)
     with file_lock(_lock_of(path), LOCK_SECONDS, str(path)):

@@ -28,7 +28,7 @@ class Source:
 
     def design(self, *more: str, rules: bool = True) -> Design:
         """The design with `more` overrides `KEY=VALUE`."""
-        from stagecad.parameters.design import design_from_text, load_design
+        from stagecad.parameters.load import design_from_text, load_design
 
         overrides = (*self.overrides, *more)
         if self.text is None:

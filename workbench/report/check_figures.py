@@ -238,7 +238,7 @@ def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str], pa
     """Margins of some checks over a swept parameter; below the zero line a check fails."""
     from matplotlib.figure import Figure
 
-    from stagecad.parameters.quantities import to_si
+    from stagecad.parameters.units import to_si
 
     kept = [point for point in points if point.checks]
     scale = 1 / to_si(1.0, swept.unit)

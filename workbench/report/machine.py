@@ -169,7 +169,7 @@ def _size(box: Sequence[Sequence[float]]) -> str:
 
 
 def _measure(quantity: Mapping[str, Any]) -> str:
-    from stagecad.parameters.quantities import format_quantity
+    from stagecad.parameters.units import format_quantity
 
     if quantity["unit"] == "m^2":
         return f"{quantity['value'] * 1e6:.1f} mm²"

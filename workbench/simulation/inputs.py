@@ -39,7 +39,7 @@ def mass_given(text: str) -> float:
     Raises:
         InputError: no mass, or none above zero.
     """
-    from stagecad.parameters.quantities import parse_quantity
+    from stagecad.parameters.units import parse_quantity
 
     mass = parse_quantity(text, "kg", "--mass")
     if not 0.0 < mass < float("inf"):

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stagecad.parameters.quantities import to_si
+from stagecad.parameters.units import to_si
 from workbench.simulation.monte_carlo import Study
 from workbench.simulation.uncertain_parameters import Open
 

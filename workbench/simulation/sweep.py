@@ -83,7 +83,7 @@ def sweep(run: Run, swept: Range, wanted: Wanted, scheduler: str | None) -> list
 
 def sweep_document(swept: Range, points: Sequence[dict[str, Any] | str]) -> dict[str, Any]:
     """The sweep as a JSON document: its values, and at each what `simulate` gives there (null where it was refused)."""
-    from stagecad.parameters.quantities import to_si
+    from stagecad.parameters.units import to_si
 
     unit = {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit) or "1"
     return {
@@ -98,7 +98,7 @@ def sweep_columns(swept: Range, points: Sequence[dict[str, Any] | str]) -> dict[
     """The sweep as a table: the parameter in SI, and a column for every feature."""
     import numpy as np
 
-    from stagecad.parameters.quantities import to_si
+    from stagecad.parameters.units import to_si
 
     unit = {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit) or "1"
     rows = [{} if isinstance(point, str) else dict(_flat(point)) for point in points]

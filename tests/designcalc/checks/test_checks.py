@@ -18,8 +18,8 @@ from designcalc.checks.inputs import Reading
 from designcalc.checks.report import corrections, markdown, requirements
 from designcalc.checks.sweep import moved, read_range, run_point, table
 from designcalc.checks.tolerance import tolerance_study, weighed_of
-from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import MassProperties
 from workbench.options import finite
 

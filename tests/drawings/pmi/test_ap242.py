@@ -21,7 +21,7 @@ from drawings.pmi.ap242 import ap242_bytes, information_of, write_ap242
 from drawings.pmi.step_text import with_properties
 from drawings.sheets.part import Views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement, sheet_plans
-from stagecad.parameters.design import Design, load_design, schema
+from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import (
     DatumFeature,
     Dimension,
@@ -30,6 +30,8 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
+from stagecad.parameters.load import load_design
+from stagecad.parameters.tables.machine import schema
 from stagecad.solids.artefacts.tracked_design import Reading
 from stagecad.solids.assembly.verification import Gauge
 from stagecad.solids.modelling.registry import MADE, module_of

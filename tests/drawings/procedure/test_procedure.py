@@ -11,7 +11,9 @@ import pytest
 from drawings.procedure.figures import CALCULATED, ProcedureValues
 from drawings.procedure.procedure import Procedure, procedure
 from drawings.procedure.steps import drafts
-from stagecad.parameters.design import Design, load_design, schema
+from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
+from stagecad.parameters.tables.machine import schema
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.modelling.registry import MADE, part_names
 

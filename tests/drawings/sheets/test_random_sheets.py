@@ -19,8 +19,9 @@ from drawings.placement.field import curve_points
 from drawings.sheets.part import sheets_of
 from drawings.views.view import Curve
 from stagecad.parameters.derived import COMPUTED
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import Store
 from stagecad.solids.artefacts.tracked_design import Reading, walk
 from stagecad.solids.modelling.registry import MADE, module_of

@@ -10,7 +10,7 @@ import pytest
 from sim.library.catalogue import ORDER, find, library
 from sim.library.model import compose
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.quantities import unit_dimension
+from stagecad.parameters.units import unit_dimension
 
 
 def test_the_library_is_listed_in_the_order_everyone_uses():

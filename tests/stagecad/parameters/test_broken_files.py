@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.parameter_file import packaged_text
+from stagecad.parameters.file import packaged_text
+from stagecad.parameters.load import load_design
 
 LENGTH = 'length = {value = "230 mm", tolerance = "X", origin = "assumed: sea longer'
 
@@ -55,15 +55,15 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
     ("negative size", length('length = "-230 mm"'), r"stage.length: '-230 mm' must be positive, and finite"),
     ("zero size", length('length = "0 mm"'), r"stage.length: '0 mm' must be positive"),
     ("infinite size", length('length = "inf"'), r"stage.length: 'inf' must be positive, and finite"),
-    ("list", length('length = ["230 mm"]'), r"stage.length = a list is no value"),
-    ("date", length("length = 2020-01-01"), r"stage.length = a date is no value"),
+    ("list", length('length = ["230 mm"]'), r"stage.length = a list is not a value"),
+    ("date", length("length = 2020-01-01"), r"stage.length = a date is not a value"),
     ("truth for a length", length("length = true"), r"stage.length: true is not a quantity"),
     ("empty table", length("length = {}"), r"stage.length is missing"),
     ("table without value", length('length = {origin = "thesis 2"}'), r"stage.length: has no value"),
     (
         "unknown pedigree",
         length('length = {value = "230 mm", orgin = "thesis 2"}'),
-        r"'orgin' is not known beside value; did you mean 'origin'\?",
+        r"unknown field 'orgin'; did you mean 'origin'\?",
     ),
     (
         "unknown tolerance",
@@ -80,7 +80,7 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
         length('length = {value = "230 mm", origin = "assumed"}'),
         r"origin = 'assumed'; write one of",
     ),
-    ("value a list", length("length = {value = [1]}"), r"value = a list is no value"),
+    ("value a list", length("length = {value = [1]}"), r"value = a list is not a value"),
     (
         "key twice",
         length('length = "230 mm"\nlength = "240 mm"'),
@@ -93,9 +93,9 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
     (
         "value outside tables",
         head('length = "230 mm"'),
-        r"length = '230 mm' stands in no table; write it below one like \[stage\]",
+        r"length = '230 mm' is outside a table; write it in a table like \[stage\]",
     ),
-    ("table of tables", swap("[stage]", "[[stage]]"), r"stage = a list stands in no table"),
+    ("table of tables", swap("[stage]", "[[stage]]"), r"stage = a list is outside a table"),
     ("unknown extends", head('extends = "other"'), r"extends = 'other': only 'thesis'"),
     (
         "fraction of a count",
@@ -122,8 +122,8 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
         swap('value = "square"', 'value = "squared"'),
         r"teeth.profile: no choice 'squared'; did you mean 'square'\?",
     ),
-    ("number for text", swap('value = "Precision Stage"', "value = 3"), r"drawing.title: '3' is no line of text"),
-    ("empty text", swap('value = "Precision Stage"', 'value = "  "'), r"drawing.title: '  ' is no line of text"),
+    ("number for text", swap('value = "Precision Stage"', "value = 3"), r"drawing.title: '3' is not a line of text"),
+    ("empty text", swap('value = "Precision Stage"', 'value = "  "'), r"drawing.title: '  ' is not a line of text"),
     (
         "ratio out of bounds",
         swap("poisson_ratio = {value = 0.33", "poisson_ratio = {value = 0.7"),
@@ -142,7 +142,7 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
     (
         "unit for a bare number",
         swap("slope = {value = 0.05", 'slope = {value = "0.05 mm"'),
-        r"height_pin_1.slope: '0.05 mm' has a unit where a bare number belongs",
+        r"height_pin_1.slope: '0.05 mm' has a unit, but a bare number is needed",
     ),
     (
         "what does not go together",
@@ -152,7 +152,7 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
     (
         "a computed value that cannot be",
         swap('thickness = {value = "12 mm"', 'thickness = {value = "2 mm"'),
-        r"stage.payload_drill_depth comes out as -1 mm, from stage.thickness - stage.payload_floor; it must be",
+        r"stage.payload_drill_depth becomes -1 mm, from stage.thickness - stage.payload_floor; it must be",
     ),
 ]
 

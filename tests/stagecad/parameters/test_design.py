@@ -9,10 +9,11 @@ from pathlib import Path
 import pytest
 
 from stagecad.parameters.derived import COMPUTED
-from stagecad.parameters.design import Design, design_from_text, load_design, schema
-from stagecad.parameters.difference import diff
+from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.parameter_file import packaged_text, write_value, write_values
+from stagecad.parameters.file import packaged_text
+from stagecad.parameters.load import design_from_text, diff, load_design, write_values
+from stagecad.parameters.tables.machine import schema
 
 
 @pytest.fixture(scope="module")
@@ -94,7 +95,7 @@ def test_si_is_si_for_every_kind_of_key(thesis: Design) -> None:
     assert thesis.si("pads.count") == 3.0
     assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(85.0))
     assert thesis.si("bearing.film_thickness") == thesis.bearing.film_thickness == 2e-6
-    with pytest.raises(InputError, match="is no number"):
+    with pytest.raises(InputError, match="is not a number"):
         thesis.si("stage.material")
     with pytest.raises(InputError, match=r"did you mean 'stage.length'\?"):
         thesis.si("stage.lenght")
@@ -178,7 +179,7 @@ def test_a_measured_value_is_written_back_with_comments_kept(tmp_path: Path) -> 
     file = tmp_path / "stage.toml"
     text = packaged_text().replace("[bearing]\n", "[bearing]\n# the film was run in for 4000 cycles\n")
     file.write_text(text, "utf-8")
-    write_value(file, "bearing.dynamic_friction", 0.043, "measured: run_7")
+    write_values(file, {"bearing.dynamic_friction": (0.043, "measured: run_7")})
     written = file.read_text("utf-8")
     old, new = text.splitlines(), written.splitlines()
     assert [line for line in new if line not in old] == [
@@ -217,6 +218,6 @@ def test_a_bad_value_leaves_the_file_as_it_was(tmp_path: Path, key: str, value: 
     file = tmp_path / "stage.toml"
     file.write_text(packaged_text(), "utf-8")
     with pytest.raises(InputError):
-        write_value(file, key, value, origin)
+        write_values(file, {key: (value, origin)})
     assert file.read_text("utf-8") == packaged_text()
     assert list(tmp_path.iterdir()) == [file]

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import workbench.identification.design_values
-from stagecad.parameters.design import load_design
+from stagecad.parameters.load import load_design
 from sysid.experiment.known import DesignValue
 from workbench.identification.design_values import design_values
 from workbench.machine.design_contact import tip_contact

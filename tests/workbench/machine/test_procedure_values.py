@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from designcalc.checks import Weighed, run_checks
-from stagecad.parameters.design import load_design
+from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import MassProperties
 from stagecad.solids.artefacts.store import Store
 from workbench.machine.procedure_values import procedure_values, stored_values

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from stagecad.parameters.design import load_design
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
 from stagecad.parameters.rules.registry import all_rules, violations
 
 BREAKS = [

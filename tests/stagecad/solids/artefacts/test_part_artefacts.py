@@ -11,9 +11,11 @@ import cadquery as cq
 import pytest
 
 from stagecad.parameters.derived import COMPUTED
-from stagecad.parameters.design import Design, load_design, schema
+from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design
+from stagecad.parameters.tables.machine import schema
 from stagecad.solids.artefacts.tracked_design import Reading
 from stagecad.solids.assembly.verification import Gauge
 from stagecad.solids.modelling.registry import MADE, module_of

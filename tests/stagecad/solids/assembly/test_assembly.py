@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
+from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import Store
 from stagecad.solids.assembly.assemble import Instance, assemble, count
 from stagecad.solids.assembly.machine import Machine, find_machine, make_machine

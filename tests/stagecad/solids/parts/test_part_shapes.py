@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportMissingImports, reportAttributeAccessIssue]
 
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
 from stagecad.solids.modelling.registry import module_of
 from stagecad.solids.parts.base_clamp import clamps
 

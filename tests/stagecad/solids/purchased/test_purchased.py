@@ -8,7 +8,8 @@ import math
 import pytest
 import trimesh
 
-from stagecad.parameters.design import Design, load_design
+from stagecad.parameters.design import Design
+from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.part import make_part
 from stagecad.solids.artefacts.store import Store
 from stagecad.solids.modelling.registry import PURCHASED

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.quantities import (
+from stagecad.parameters.units import (
     SYMBOLS,
     Quantity,
     as_json,
@@ -89,7 +89,7 @@ REFUSED = [
     ("3 N*m/rad", "N*m", "wrong dimension"),
     ("3 rad", "m", "wrong dimension"),
     ("3", "rad", "has no unit"),
-    ("3 rad", "", "a bare number belongs"),
+    ("3 rad", "", "a bare number is needed"),
     ("3 1/s", "rad/s", "wrong dimension"),
     ("12 mmm", "m", "did you mean 'mm'"),
     ("12 MM", "m", "did you mean 'mm'"),
@@ -115,12 +115,12 @@ REFUSED = [
     ("", "m", "is not a quantity"),
     ("nan m", "m", "is not a quantity"),
     (math.nan, "", "is not a number"),
-    ("1e999 m", "m", "larger than any number"),
+    ("1e999 m", "m", "too large for a floating-point number"),
     (True, "", "is not a quantity"),
     (None, "m", "is not a quantity"),
     ([1], "m", "is not a quantity"),
-    ("1.79 +- 0.01 kg", "kg", "carries an uncertainty"),
-    ("1 km^9999999", "m", "out of all measure"),
+    ("1.79 +- 0.01 kg", "kg", "has an uncertainty"),
+    ("1 km^9999999", "m", "its powers overflow"),
 ]
 
 

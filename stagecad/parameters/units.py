@@ -1,13 +1,13 @@
 """Quantities as text: a number, an optional space, a unit made of known symbols with ``*``, ``/`` and ``^``.
 
-Inside the program a number is a plain float in SI; text with a unit stands in files, on the command line and in
-reports, and is read and written here only. The table of units is small and closed on purpose: an unknown symbol is a
-mistake to be named, never guessed at.
+Inside the program a number is a plain float in SI; text with a unit occurs in files, on the command line and in
+reports, and is read and written only here. The table of units is small and closed on purpose: an unknown symbol is an
+error, never guessed.
 
 Rules
-- Radians are a dimension of their own, so that `N*m` is no `N*m/rad` and `rad` is no bare number.
-- A bare number is a quantity only where none has a dimension; ``inf`` is bare for any.
-- An absolute temperature is asked for in `degC` and kept in `degC`; a difference is asked for in `K`, and there `degC`
+- Radians are a separate dimension: `N*m` differs from `N*m/rad`, and `rad` is not a bare number.
+- A bare number is accepted only for a dimensionless quantity; ``inf`` is bare for any dimension.
+- An absolute temperature has the unit `degC` and is kept in `degC`; a difference has the unit `K`, and there `degC`
   counts as a kelvin. In products (`um/m/degC`) a temperature is always a difference.
 - `%`, `ppm`, `count` and `bit` are dimensionless.
 """
@@ -17,12 +17,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from fractions import Fraction
 from functools import cache
 from typing import Any
 
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.unit_names import nearest_symbol
 
 BASES = ("m", "kg", "s", "A", "K", "rad")
 Dimension = tuple[Fraction, ...]
@@ -95,10 +95,40 @@ for _symbol, _size, _dimension, _prefixes in _PREFIXED:
     for _prefix in _prefixes.split():
         SYMBOLS[_prefix + _symbol] = (1.0 if _prefix + _symbol == "kg" else _size * _PREFIX[_prefix], _dimension)
 
+_WRITTEN_OUT = {
+    "s": ("sec", "secs", "second", "seconds", "sek"),
+    "ms": ("msec", "msecs", "millisecond", "milliseconds"),
+    "us": ("usec", "microsecond", "microseconds"),
+    "min": ("minute", "minutes"),
+    "h": ("hr", "hrs", "hour", "hours"),
+    "day": ("d", "days"),
+    "m": ("meter", "meters", "metre", "metres"),
+    "mm": ("millimeter", "millimeters", "millimetre", "millimetres"),
+    "um": ("micron", "microns", "micrometer", "micrometers", "micrometre", "micrometres"),
+    "in": ("inch", "inches"),
+    "g": ("gram", "grams", "gr", "gm"),
+    "kg": ("kilo", "kilos", "kilogram", "kilograms", "kgs"),
+    "N": ("newton", "newtons"),
+    "Pa": ("pascal", "pascals"),
+    "V": ("volt", "volts"),
+    "A": ("amp", "amps", "ampere", "amperes"),
+    "T": ("tesla",),
+    "Hz": ("hertz", "cps"),
+    "rad": ("radian", "radians"),
+    "deg": ("degree", "degrees"),
+    "degC": ("celsius", "centigrade"),
+    "K": ("kelvin", "kelvins"),
+    "%": ("percent", "pct"),
+}
+"""Other spellings of a unit; many resemble a wrong symbol more than the right one."""
+
+_INTENDED = {other: symbol for symbol, others in _WRITTEN_OUT.items() for other in others}
+_FORCE_TIMES = re.compile(r"([numkM])?N([num]?[ms])")
+
 _NUMBER = re.compile(r"[+-]?(?:inf(?![A-Za-z])|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)")
 _DEVIATION = re.compile(r"\s*(?:\+-|\+/-|±)\s*")
 _FACTOR = re.compile(r"(?P<symbol>[A-Za-z%]+|1)(?:\^(?P<power>-?\d+(?:\.\d+)?))?")
-_LOOKALIKES = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3"})
+_TYPOGRAPHIC = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3"})
 
 
 @dataclass(frozen=True)
@@ -121,22 +151,23 @@ class Quantity:
 
 def si_unit(dimension: Dimension) -> str:
     """The SI unit of a dimension, spelt in base units; empty for a dimensionless one."""
-    up = [_raised(base, power) for base, power in zip(BASES, dimension) if power > 0]
-    down = [_raised(base, -power) for base, power in zip(BASES, dimension) if power < 0]
+
+    def power_text(base: str, power: Fraction) -> str:
+        exponent = str(power) if power.denominator == 1 else f"{float(power):g}"
+        return base if power == 1 else f"{base}^{exponent}"
+
+    up = [power_text(base, power) for base, power in zip(BASES, dimension) if power > 0]
+    down = [power_text(base, -power) for base, power in zip(BASES, dimension) if power < 0]
     if not up and not down:
         return ""
     return "/".join(["*".join(up) or "1", *down])
 
 
-def _raised(base: str, power: Fraction) -> str:
-    if power == 1:
-        return base
-    return f"{base}^{power.numerator if power.denominator == 1 else float(power):g}"
-
-
 def _plain(text: str) -> str:
-    """Typographic signs as the plain ones they stand for."""
-    return text.replace("°C", "degC").replace("°", "deg").replace("Ω", "ohm").replace("Ω", "ohm").translate(_LOOKALIKES)
+    """Text with typographic signs replaced by ASCII."""
+    return (
+        text.replace("°C", "degC").replace("°", "deg").replace("Ω", "ohm").replace("Ω", "ohm").translate(_TYPOGRAPHIC)
+    )
 
 
 @cache
@@ -156,7 +187,7 @@ def _unit(unit: str) -> tuple[float, Dimension]:
         symbol = match["symbol"]
         if symbol != "1":
             if symbol not in SYMBOLS:
-                raise InputError(f"unknown unit symbol '{symbol}'; did you mean '{nearest_symbol(symbol, SYMBOLS)}'?")
+                raise InputError(f"unknown unit symbol '{symbol}'; did you mean '{nearest_symbol(symbol)}'?")
             try:
                 power = sign * Fraction(match["power"] or "1")
                 factor, exponents = SYMBOLS[symbol]
@@ -164,7 +195,7 @@ def _unit(unit: str) -> tuple[float, Dimension]:
             except OverflowError:
                 size = math.inf
             if not 0.0 < size < math.inf:
-                raise InputError(f"{quoted(unit)} is not a unit; its powers are out of all measure")
+                raise InputError(f"{quoted(unit)} is not a unit; its powers overflow")
             dimension = [total + power * exponent for total, exponent in zip(dimension, exponents)]
         position = match.end()
         if position == len(text):
@@ -174,6 +205,23 @@ def _unit(unit: str) -> tuple[float, Dimension]:
             raise InputError(f"{quoted(unit)} is not a unit; write symbols joined by *, / and ^, like kg*m^2 or N*s/m")
         position += 1
     return size, tuple(dimension)
+
+
+def nearest_symbol(symbol: str) -> str:
+    """The unit symbol, or product of two, most likely intended by an unknown symbol."""
+    intended = _INTENDED.get(symbol.lower())
+    if intended is not None:
+        return intended
+    product = _FORCE_TIMES.fullmatch(symbol)
+    if product is not None:
+        # `Nm` is not a nanometre.
+        return f"{product[1] or ''}N*{product[2]}"
+
+    def likeness(other: str) -> tuple[float, float, str]:
+        folded = SequenceMatcher(None, symbol.lower(), other.lower()).ratio()
+        return folded, SequenceMatcher(None, symbol, other).ratio(), other
+
+    return max(SYMBOLS, key=likeness)
 
 
 def unit_dimension(unit: str) -> Dimension:
@@ -187,7 +235,9 @@ def unit_dimension(unit: str) -> Dimension:
 
 def to_si(value: float, unit: str) -> float:
     """`value` in `unit` as SI. A temperature in degC stays in degC."""
-    return _times(value, _unit(unit)[0])
+    size = _unit(unit)[0]
+    # A division rounds once: 13 mm is 0.013 m, not 0.013000000000000001 m.
+    return value / round(1 / size) if _is_fraction(size) else value * size
 
 
 def from_si(value: float, unit: str) -> float:
@@ -197,13 +247,8 @@ def from_si(value: float, unit: str) -> float:
 
 
 def _is_fraction(size: float) -> bool:
-    """Whether a unit is one part in a whole number of its SI unit, like a millimetre."""
+    """Whether a whole number of the unit makes one SI unit, as with a millimetre."""
     return size < 1.0 and 1 / size < 2**53 and 1 / round(1 / size) == size
-
-
-def _times(value: float, size: float) -> float:
-    """value * size; as a division where that rounds once (13 mm is 0.013 m, not 0.013000000000000001 m)."""
-    return value / round(1 / size) if _is_fraction(size) else value * size
 
 
 def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
@@ -211,50 +256,50 @@ def parse_quantity(text: Any, unit: str = "m", where: str = "") -> float:
 
     Args:
         text: as written by the user, or a number straight from a file (then only where `unit` is dimensionless).
-        unit: any unit of the dimension wanted; empty for a dimensionless one, `degC` for an absolute temperature.
+        unit: any unit of the required dimension; empty for a dimensionless one, `degC` for an absolute temperature.
         where: file and key (or row), put before the message.
 
     Returns:
         The value in SI.
 
     Raises:
-        InputError: no number, unknown symbol, or another dimension than that of `unit`.
+        InputError: no number, unknown symbol, or a dimension other than that of `unit`.
     """
     value, std = parse_uncertain(text, unit, where)
     if std is not None:
-        raise InputError(f"{_place(where)}{quoted(text)} carries an uncertainty, which has no place here")
+        raise InputError(f"{_place(where)}{quoted(text)} has an uncertainty, which is not allowed here")
     return value
 
 
 def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float, float | None]:
-    """Read a quantity that may carry its standard deviation: ``1.79 +- 0.01 kg``.
+    """Read a quantity with an optional standard deviation: ``1.79 +- 0.01 kg``.
 
     Arguments and errors as `parse_quantity`.
 
     Returns:
-        The value and its standard deviation, both in SI; no deviation where none is given.
+        The value and its standard deviation (or None), both in SI.
     """
     place = _place(where)
     shown = quoted(text)
     number, std, written = _split(text, shown, place)
     if not written:
         if unit_dimension(unit) != DIMENSIONLESS and not math.isinf(number):
-            raise InputError(f"{place}{shown} has no unit; write it with one, like '{_example(number, unit)}'")
+            raise InputError(f"{place}{shown} has no unit; write it with one, like '{number:g} {unit}'")
         return number, std
     try:
-        size, dimension = _unit(written)
+        dimension = unit_dimension(written)
     except InputError as error:
         raise InputError(f"{place}{shown}: {error}") from None
     if dimension != unit_dimension(unit):
         if unit_dimension(unit) == DIMENSIONLESS:
-            raise InputError(f"{place}{shown} has a unit where a bare number belongs, like '{number:g}'")
+            raise InputError(f"{place}{shown} has a unit, but a bare number is needed, like '{number:g}'")
         raise InputError(f"{place}{shown} has the wrong dimension; wanted '{unit}' or a multiple of it")
     offset = ABSOLUTE_ZERO if unit == "degC" and _plain(written).strip() in ("K", "mK") else 0.0
-    return _times(number, size) + offset, None if std is None else _times(std, size)
+    return to_si(number, written) + offset, None if std is None else to_si(std, written)
 
 
 def quoted(text: Any) -> str:
-    """What the user wrote, fit for one line of a message."""
+    """The user's text as shown in a one-line message."""
     if not isinstance(text, str):
         return str(text).lower()
     short = text if len(text) <= 60 else f"{text[:57]}..."
@@ -297,12 +342,8 @@ def _split(text: Any, shown: str, place: str) -> tuple[float, float | None, str]
 def _number(digits: str, shown: str, place: str) -> float:
     value = float(digits)
     if math.isinf(value) and "inf" not in digits:
-        raise InputError(f"{place}{shown} is larger than any number the program can hold")
+        raise InputError(f"{place}{shown} is too large for a floating-point number")
     return value
-
-
-def _example(number: float, unit: str) -> str:
-    return f"{number:g} {unit}"
 
 
 _LADDERS: dict[str, tuple[str, ...]] = {
@@ -331,11 +372,11 @@ _LADDERS: dict[str, tuple[str, ...]] = {
 
 
 def format_quantity(value_si: float, unit: str = "", digits: int = 4) -> str:
-    """A quantity for people: a sensible prefix, `digits` significant digits.
+    """A quantity as text with a suitable prefix and `digits` significant digits.
 
     Args:
         value_si: in SI (an absolute temperature in degC).
-        unit: the SI unit (`N/m`), or any unit to be kept as it is (`mm`).
+        unit: the SI unit (`N/m`), or another unit, which is then kept (`mm`).
         digits: significant digits.
     """
     if math.isnan(value_si):
@@ -355,9 +396,9 @@ def format_quantity(value_si: float, unit: str = "", digits: int = 4) -> str:
 def as_json(
     value: float, unit: str, std: float | None = None, low: float | None = None, high: float | None = None
 ) -> dict[str, Any]:
-    """A quantity as it stands in a JSON document: `{"value": 1.79, "unit": "kg"}`, `unit` being SI.
+    """A quantity in a JSON document: `{"value": 1.79, "unit": "kg"}`, in SI.
 
-    A fitted quantity has besides its standard deviation, and the bounds of its 95 % interval.
+    A fitted quantity also has its standard deviation and the bounds of its 95 % interval.
     """
     document: dict[str, Any] = {"value": value, "unit": unit}
     document.update({name: item for name, item in (("std", std), ("low", low), ("high", high)) if item is not None})

@@ -1,0 +1,277 @@
+"""The parameter file: text parsed into entries by key, and each entry checked against the declaration of its key."""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
+from stagecad.parameters.units import from_si, parse_uncertain, quoted
+
+PACKAGED = "thesis"
+"""Name of the packaged design, as in `extends = "thesis"`."""
+
+ORIGINS = "thesis SECTION, catalogue PART, assumed: REASON, measured: EXPERIMENT"
+_ORIGIN = re.compile(r"(thesis|catalogue) \S.*|(assumed|measured): \S.*")
+_FIELDS = ("value", "tolerance", "origin")
+_LARGEST = 4_000_000
+"""Largest accepted size of a parameter file, bytes."""
+
+
+@dataclass(frozen=True)
+class FileEntry:
+    """One key of a parameter file.
+
+    Args:
+        value: as written: text, number or truth value.
+        place: file and key, for messages.
+        tolerance, origin: as written; None for a bare value.
+    """
+
+    value: Any
+    place: str
+    tolerance: str | None = None
+    origin: str | None = None
+
+
+@dataclass(frozen=True)
+class ParameterFile:
+    """The entries of a file by dotted key, and the file's name in messages."""
+
+    name: str
+    entries: Mapping[str, FileEntry]
+    extends: str | None = None
+
+
+def packaged_text() -> str:
+    """Text of the packaged thesis design."""
+    return files("stagecad.parameters").joinpath("thesis.toml").read_text("utf-8")
+
+
+def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
+    """Read a parameter file, or the packaged design where `path` is left out.
+
+    Raises:
+        InputError: the file is missing, not text, or not TOML; an entry is neither a value nor a table with value,
+            tolerance and origin.
+    """
+    if path is None:
+        return _packaged()
+    name = str(path)
+    try:
+        if Path(path).stat().st_size > _LARGEST:
+            raise InputError(f"{name}: is too large for a parameter file")
+        data = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{name}: no such parameter file") from None
+    except IsADirectoryError:
+        raise InputError(f"{name}: is a folder, not a parameter file") from None
+    except OSError as error:
+        raise InputError(f"{name}: cannot be read ({error.strerror})") from None
+    try:
+        return parse_parameter_text(data.decode("utf-8-sig"), name)
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(f"{name}: line {line}: not UTF-8 text; save the file as UTF-8") from None
+
+
+@cache
+def _packaged() -> ParameterFile:
+    return parse_parameter_text(packaged_text(), f"{PACKAGED}.toml")
+
+
+def parse_parameter_text(text: str, name: str) -> ParameterFile:
+    """As `read_parameter_file`, from text; `name` is the file's name in messages."""
+    try:
+        document = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{name}: {_toml_error(text, str(error))}") from None
+    except RecursionError:
+        raise InputError(f"{name}: has tables nested too deeply") from None
+    extends = document.pop("extends", None)
+    if extends not in (None, PACKAGED):
+        raise InputError(f"{name}: extends = {extends!r}: only '{PACKAGED}', the packaged design, can be extended")
+    entries: dict[str, FileEntry] = {}
+    for table, content in document.items():
+        if not isinstance(content, dict):
+            raise InputError(
+                f"{name}: {table} = {_value_text(content)} is outside a table; write it in a table like [stage]"
+            )
+        _collect(name, table, content, entries)
+    return ParameterFile(name, entries, extends)
+
+
+def _collect(name: str, prefix: str, content: dict[str, Any], entries: dict[str, FileEntry]) -> None:
+    for key, value in content.items():
+        path = f"{prefix}.{key}"
+        if not path.isprintable():
+            raise InputError(f"{name}: the key {path!r} contains characters that cannot be printed")
+        if not isinstance(value, dict):
+            entries[path] = FileEntry(_scalar(value, f"{name}: {path}"), f"{name}: {path}")
+        elif "value" in value or (value and set(value) <= {"tolerance", "origin"}):
+            entries[path] = _entry(name, path, value)
+        else:
+            _collect(name, path, value, entries)
+
+
+def _entry(name: str, path: str, table: dict[str, Any]) -> FileEntry:
+    place = f"{name}: {path}"
+    for word in table:
+        if word not in _FIELDS:
+            raise InputError(f"{place}: unknown field '{word}'{nearest(word, _FIELDS)}")
+    if "value" not in table:
+        raise InputError(f'{place}: has no value; write {{value = "12 mm", origin = "assumed: why"}}')
+    value = _scalar(table["value"], f"{place}: value")
+    tolerance, origin = table.get("tolerance"), table.get("origin")
+    if tolerance is not None and tolerance not in TOLERANCE_CLASSES:
+        raise InputError(f"{place}: tolerance = {_value_text(tolerance)}; allowed: {', '.join(TOLERANCE_CLASSES)}")
+    if origin is not None:
+        require_origin(origin, place)
+    return FileEntry(value, place, tolerance, origin)
+
+
+def _scalar(value: Any, place: str) -> str | float | bool:
+    if not isinstance(value, str | int | float | bool):
+        raise InputError(f"{place} = {_value_text(value)} is not a value; write text like '12 mm', or a number")
+    return value
+
+
+def require_origin(origin: Any, place: str) -> None:
+    """Raise an InputError unless `origin` has one of the accepted forms."""
+    if not isinstance(origin, str) or not _ORIGIN.fullmatch(origin):
+        raise InputError(f"{place}: origin = {_value_text(origin)}; write one of: {ORIGINS}")
+
+
+def _value_text(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    text = repr(value) if isinstance(value, str | int | float) else f"a {type(value).__name__}"
+    return {"a dict": "a table", "a list": "a list"}.get(text, text)
+
+
+def _toml_error(text: str, message: str) -> str:
+    """The message of the TOML parser, beginning with the line number; names a key that is repeated."""
+    match = re.fullmatch(r"(?P<what>.*) \(at line (?P<line>\d+), column \d+\)", message)
+    if match is None:
+        ends = text.count("\n") + 1
+        return f"line {ends}: not TOML: {message.removesuffix(' (at end of document)')}"
+    lines, number = text.splitlines(), int(match["line"])
+    what, line = match["what"], lines[number - 1].strip() if number <= len(lines) else ""
+    if "overwrite" in what or "twice" in what or "already" in what:
+        key = line.split("=")[0].strip() if "=" in line else line
+        # The parser reports a repeated key where its value ends, possibly at the start of the next line.
+        if not key and number > 1:
+            key = lines[number - 2].split("=")[0].strip()
+        return f"line {number}: '{key}' is given twice; keep one of them"
+    return f"line {number}: not TOML: {what[0].lower()}{what[1:]}: {line[:60]}"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One key of a design with its value.
+
+    Args:
+        key: `stage.length`.
+        text: value with its unit, as written (or as computed).
+        value: number in the unit of the attribute, or text, or truth value.
+        unit: of `value`; empty for a dimensionless one.
+        tolerance: class, or None.
+        origin: source of the value.
+        meaning: one line for people.
+        std: standard deviation in `unit`, where the file gives one.
+    """
+
+    key: str
+    text: str
+    value: Any
+    unit: str
+    tolerance: str | None
+    origin: str
+    meaning: str
+    std: float | None = None
+
+
+def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: Sequence[str]) -> Entry:
+    """The entry of a design from an entry of the file, checked against the declaration of its key."""
+    value, std, tolerance = entry.value, None, entry.tolerance
+    shown = str(value).lower() if isinstance(value, bool) else str(value)
+    place = entry.place
+    if declaration.kind == "number":
+        value, std = _number(entry, declaration)
+        if tolerance is None and entry.origin is None and declaration.unit == "mm":
+            tolerance = _class_by_decimals(shown)
+    elif declaration.kind == "count":
+        value = _count(entry, declaration)
+    elif declaration.kind == "switch":
+        if shown not in ("true", "false"):
+            raise InputError(f"{place}: {quoted(shown)} is neither true nor false")
+        value, shown = shown == "true", shown.strip()
+    else:
+        if not isinstance(value, str) or not value.strip() or not value.isprintable():
+            raise InputError(f"{place}: {shown!r} is not a line of text")
+        allowed = materials if declaration.kind == "material" else declaration.allowed
+        if allowed and value not in allowed:
+            what = "material" if declaration.kind == "material" else "choice"
+            raise InputError(f"{place}: no {what} {quoted(value)}{nearest(value, allowed)}")
+    if std is not None:
+        std = from_si(std, declaration.unit)
+    origin = entry.origin or "assumed: the file gives no origin"
+    return Entry(key, shown, value, declaration.unit, tolerance, origin, declaration.meaning, std)
+
+
+def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | None]:
+    si, std = parse_uncertain(entry.value, declaration.unit, entry.place)
+    value = attribute_value(si, declaration.unit)
+    if not in_bounds(value, declaration):
+        raise InputError(f"{entry.place}: {quoted(str(entry.value))} {bounds_text(declaration)}")
+    return value, std
+
+
+def in_bounds(value: float, declaration: Declaration) -> bool:
+    """Whether a number lies within the bounds declared for its key."""
+    above = value > declaration.low or (value == declaration.low and declaration.closed)
+    return above and value <= declaration.high and not math.isinf(value)
+
+
+def attribute_value(si: float, unit: str) -> float:
+    """A number in SI in the unit of its attribute; a length in mm without the rounding error of the conversion."""
+    value = from_si(si, unit)
+    return round(value, 9) if unit == "mm" and math.isfinite(value) else value
+
+
+def bounds_text(declaration: Declaration) -> str:
+    """The permitted range of a number, as the end of a message."""
+    unit = f" {declaration.unit}" if declaration.unit else ""
+    low, high = declaration.low, declaration.high
+    if math.isinf(high):
+        if low == 0.0:
+            return f"must be {'zero or more' if declaration.closed else 'positive'}, and finite"
+        if math.isinf(low):
+            return "must be finite"
+        return f"must be {'at least' if declaration.closed else 'more than'} {low:g}{unit}, and finite"
+    return f"must lie between {low:g} and {high:g}{unit}"
+
+
+def _count(entry: FileEntry, declaration: Declaration) -> int:
+    si, _ = parse_uncertain(entry.value, "", entry.place)
+    low, high = declaration.low, declaration.high
+    if not low <= si <= high or si != round(si):
+        shown = quoted(str(entry.value))
+        raise InputError(f"{entry.place}: {shown} must be a whole number from {low:g} to {high:g}")
+    return int(si)
+
+
+def _class_by_decimals(text: str) -> str:
+    """The tolerance class implied by the decimals of a bare value."""
+    if not text.rstrip().endswith("mm"):
+        return "X.X"
+    decimals = len(text.partition(".")[2].rstrip(" m"))
+    return ("X", "X.X", "X.XX")[min(decimals, 2)]
