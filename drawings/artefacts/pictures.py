@@ -6,13 +6,10 @@ process of its own.
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from drawings.artefacts.uncollected import uncollected
 from stagecad.solids.artefacts.part import MadePart
@@ -30,8 +27,7 @@ PICTURES = {
     PROCEDURE: ("exploded", "from below"),
 }
 """What each sheet of the whole machine shows, the slowest first."""
-_HEAD, _NUMBERS = "picture.json", "picture.npy"
-"""Files of a picture: what it is, and the numbers of its curves."""
+_FILE = "picture.json"
 _MODULES = ("drawings.pictures.machine", "stagecad.solids.assembly.assemble", __name__)
 
 
@@ -50,25 +46,23 @@ def make_picture(
         parts: all of the machine's.
         exact: how lines are hidden (`drawings.views.projection.project`).
     """
-    from drawings.pictures.picture import packed, unpacked
+    from drawings.pictures.picture import picture_document, picture_of
 
     def make(reading: Any, folder: Path) -> None:
         from drawings.pictures.machine import machine_picture
-        from drawings.pictures.visibility import Scene
+        from drawings.pictures.scene import scene_of
         from stagecad.solids.artefacts.assembly import shapes_of
 
         instances = assemble(dict(parts), reading)
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(instances, parts, reading).items()}
-        scene = Scene(shapes, {part: made.mesh for part, made in parts.items()})
+        scene = scene_of(shapes, {part: made.mesh for part, made in parts.items()})
         picture = machine_picture(name, instances, scene, exact=exact)
-        head, numbers = packed(picture) if picture else (None, np.empty(0))
-        (folder / _HEAD).write_text(json.dumps(head), "utf-8")
-        np.save(folder / _NUMBERS, numbers, allow_pickle=False)
+        (folder / _FILE).write_text(json.dumps(picture_document(picture) if picture else None), "utf-8")
 
     with uncollected():
         entry = store.make(_named(name), design, _MODULES, make, _keys(parts))
-        head = entry.document(_HEAD)
-        return unpacked(head, np.load(io.BytesIO(entry.data(_NUMBERS)), allow_pickle=False)) if head else None
+        document = entry.document(_FILE)
+        return picture_of(document) if document else None
 
 
 def _named(picture: str) -> str:

@@ -1,4 +1,4 @@
-"""The pictures of the whole machine that its sheets show: from above, cut through actuator 1, and taken apart."""
+"""The pictures of the whole machine: from above, cut through actuator 1, exploded, and from below."""
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
@@ -6,23 +6,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from drawings.pictures.mesh_section import cut_piece
-from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, picture
-from drawings.pictures.visibility import DEFLECTION, MeshedFaces, Scene
-from drawings.views.section import hatch
+from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture, Piece, picture
+from drawings.pictures.scene import DEFLECTION, MeshedShape, meshed, moved
+from drawings.views.section import cut_faces, cut_shape, hatch, in_plane
 from drawings.views.view import PROJECTIONS, Cut, Projection
 from stagecad.solids.assembly.machine import MOVING
-from stagecad.solids.modelling.frame import UNMOVED, Frame
+from stagecad.solids.modelling.frame import UNMOVED
 
 if TYPE_CHECKING:
-    from OCP.TopoDS import TopoDS_Shape
-
     from stagecad.solids.assembly.assemble import Instance
 
 EYE_BELOW = Projection(
@@ -30,71 +27,67 @@ EYE_BELOW = Projection(
     (1 / math.sqrt(2), 1 / math.sqrt(2), 0.0),
     (1 / math.sqrt(6), -1 / math.sqrt(6), 2 / math.sqrt(6)),
 )
-"""The isometric direction from below, for what hangs under the stage."""
+"""The isometric direction from below, for the parts under the stage."""
 
-WHOLE = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "height_pin_1", "height_pin_2",
-         "piezo", "spring")  # fmt: skip
-"""What a section leaves whole: fasteners, pins and springs (ISO 128-3)."""
+_FASTENERS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw")
+NOT_CUT = (*_FASTENERS, "height_pin_1", "height_pin_2", "piezo", "spring")
+"""Parts that a section shows whole: fasteners, pins and springs (ISO 128-3)."""
 
 
 def machine_picture(
-    name: str,
-    instances: Sequence[Instance],
-    scene: Scene,
-    *,
-    exact: bool = True,
+    name: str, instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool = True
 ) -> Picture | None:
-    """One picture of the machine; none of it from below where no irons and magnets hang under the stage.
+    """One picture of the machine; None for the picture from below where no irons and magnets are under the stage.
 
     Args:
         name: of the picture.
-        instances: everything that stands in the machine.
-        scene: of the solids, by `Instance.shape`.
-        exact: how lines are hidden (`drawings.views.projection.project`).
+        instances: all parts in place.
+        scene: shapes by `Instance.shape` (`drawings.pictures.scene.scene_of`).
+        exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
     match name:
         case "top":
-            standing = [(i.part, i.shape, i.frame) for i in instances]
-            return picture(TOP, PROJECTIONS["top"], scene, standing, exact=exact)
+            pieces = [Piece(i.part, scene[i.shape], i.frame) for i in instances]
+            return picture(TOP, PROJECTIONS["top"], pieces, exact=exact)
         case "section A-A":
             return _section(instances, scene, exact=exact)
         case "exploded":
-            apart = [(i.part, i.shape, i.exploded) for i in instances]
-            return picture(EXPLODED, PROJECTIONS["iso"], scene, apart, exact=exact)
+            pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances]
+            return picture(EXPLODED, PROJECTIONS["iso"], pieces, exact=exact)
         case "from below":
-            hanging = [(i.part, i.shape, i.exploded) for i in instances if i.part in MOVING]
-            if len(hanging) < 2:
-                return None
-            return picture(FROM_BELOW, EYE_BELOW, scene, hanging, exact=exact)
+            pieces = [Piece(i.part, scene[i.shape], i.exploded) for i in instances if i.part in MOVING]
+            return picture(FROM_BELOW, EYE_BELOW, pieces, exact=exact) if len(pieces) > 1 else None
         case _:
             raise ValueError(f"there is no picture '{name}' of the machine")
 
 
-def _section(instances: Sequence[Instance], scene: Scene, *, exact: bool) -> Picture:
+def _section(instances: Sequence[Instance], scene: Mapping[str, MeshedShape], *, exact: bool) -> Picture:
     """The machine cut through the axis of actuator 1 along the travel."""
     cut = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
     front = PROJECTIONS["front"]
-    left: dict[str, MeshedFaces] = {}
-    cut_faces: dict[int, tuple[TopoDS_Shape, ...]] = {}
+    pieces: list[Piece] = []
+    faces_in_plane: dict[int, list[Any]] = {}
     covers: list[np.ndarray] = []
-    pieces: list[tuple[str, str, Frame]] = []
     for number, instance in enumerate(instances):
-        low, high = scene.reach(instance.shape, instance.frame, (0.0, 1.0, 0.0))
+        shape, frame = scene[instance.shape], instance.frame
+        vertices = shape.placed_vertices(frame)
+        low, high = vertices[:, 1].min(), vertices[:, 1].max()
         if high < DEFLECTION:
             continue
-        if low > -DEFLECTION or instance.part in WHOLE:
+        if low > -DEFLECTION or instance.part in NOT_CUT:
             if low < 0.0:
-                covers.append(scene.in_plane(instance.shape, instance.frame, cut, front))
-            pieces.append((instance.part, instance.shape, instance.frame))
+                covers.append(in_plane(vertices, shape.triangles, cut, front))
+            pieces.append(Piece(instance.part, shape, frame))
             continue
-        name = f"{instance.name} cut"
-        left[name], cut_faces[number] = cut_piece(scene, instance.shape, instance.frame, cut)
-        pieces.append((instance.part, name, UNMOVED))
+        left = meshed(cut_shape(moved(shape.shape, frame), cut))
+        faces_in_plane[number] = list(cut_faces(left.shape, cut))
+        pieces.append(Piece(instance.part, left, UNMOVED))
+    # The hatch of neighbouring parts runs in different directions.
     hatched = [
         line
-        for number, faces in cut_faces.items()
+        for number, faces in faces_in_plane.items()
         for line in hatch(faces, front, SCALE, falling=bool(number % 2), covers=covers)
     ]
-    shown = picture(SECTION, front, scene.with_more(left), pieces, exact=exact)
+    shown = picture(SECTION, front, pieces, exact=exact)
     curves = {**shown.view.curves, "HATCH": tuple(hatched)}
     return replace(shown, view=replace(shown.view, curves=curves, label="A-A", cut=cut))

@@ -11,7 +11,7 @@ Edges across which the surface is smooth are left out, as a draughtsman does wit
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from drawings.views.line_cleaning import CHORD, cleaned
@@ -45,69 +45,51 @@ def project(
         same for the same shape.
     """
     drawn = shape if simple or not exact else with_simple_curves(shape)
-    result = (_exactly if exact else _by_mesh)([(drawn, True)], projection)
+    result = (_exactly if exact else _by_mesh)([drawn], projection)
     unseen = [result.HCompound(), result.OutLineHCompound()] if hidden else []
     visible, behind = cleaned(_curves([result.VCompound(), result.OutLineVCompound()]), _curves(unseen))
     return {"VISIBLE": visible, "HIDDEN": behind}
 
 
 def hidden_lines(
-    shapes: Sequence[TopoDS_Shape | None],
-    projection: Projection,
-    *,
-    unasked: Collection[int] = (),
-    chord: float = CHORD,
-    exact: bool = True,
+    shapes: Sequence[TopoDS_Shape | None], projection: Projection, *, chord: float = CHORD, exact: bool = True
 ) -> list[tuple[Curve, ...]]:
     """Visible lines of several shapes that hide one another, shape by shape; none of a shape that is None.
 
     Args:
-        shapes: placed; parts of shapes that are never seen should have been left out (`drawings.pictures.visibility`).
+        shapes: in place; faces that are never visible should have been left out (`drawings.pictures.scene`).
         projection: direction of view.
-        unasked: numbers of shapes that hide others, but whose own lines are not wanted.
         chord: greatest distance of a polyline from its curve, mm.
         exact: as for `project`.
     """
     drawn = [shape and with_simple_curves(shape) for shape in shapes] if exact else list(shapes)
-    there = [(shape, number not in unasked) for number, shape in enumerate(drawn) if shape is not None]
-    result = (_exactly if exact else _by_mesh)(there, projection)
+    result = (_exactly if exact else _by_mesh)([shape for shape in drawn if shape is not None], projection)
     return [
-        ()
-        if shape is None or number in unasked
-        else tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)], chord))
-        for number, shape in enumerate(drawn)
+        tuple(_curves([result.VCompound(shape), result.OutLineVCompound(shape)], chord)) if shape is not None else ()
+        for shape in drawn
     ]
 
 
-def _exactly(shapes: Sequence[tuple[TopoDS_Shape, bool]], projection: Projection) -> Any:
-    """Answers of the exact algorithm; of each shape it is said whether its own lines are wanted."""
+def _exactly(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+    """Result of the exact algorithm."""
     from OCP.HLRBRep import HLRBRep_Algo, HLRBRep_HLRToShape
 
     algorithm = HLRBRep_Algo()
-    for shape, _ in shapes:
+    for shape in shapes:
         algorithm.Add(shape)
     algorithm.Projector(_projector(projection))
     algorithm.Update()
-    numbers = range(1, len(shapes) + 1)
-    wanted = [number for number, (_, own) in zip(numbers, shapes, strict=True) if own]
-    # As `Hide()` goes about it: each by itself, then each by each of the others.
-    for number in wanted:
-        algorithm.Hide(number)
-    for number in wanted:
-        for other in numbers:
-            if other != number:
-                algorithm.Hide(number, other)
-    algorithm.Select()
+    algorithm.Hide()
     return HLRBRep_HLRToShape(algorithm)
 
 
-def _by_mesh(shapes: Sequence[tuple[TopoDS_Shape, bool]], projection: Projection) -> Any:
-    """Answers of the algorithm that works on triangles."""
+def _by_mesh(shapes: Sequence[TopoDS_Shape], projection: Projection) -> Any:
+    """Result of the algorithm that works on triangles."""
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.HLRBRep import HLRBRep_PolyAlgo, HLRBRep_PolyHLRToShape
 
     algorithm = HLRBRep_PolyAlgo()
-    for shape, _ in shapes:
+    for shape in shapes:
         BRepMesh_IncrementalMesh(shape, 0.02, False, 0.1, False)
         algorithm.Load(shape)
     algorithm.Projector(_projector(projection))

@@ -23,8 +23,8 @@ from drawings.artefacts.sheets import extent_of
 from drawings.export.document import document_of
 from drawings.export.lint import lint
 from drawings.pictures.machine import machine_picture
-from drawings.pictures.picture import Picture, packed, unpacked
-from drawings.pictures.visibility import Scene
+from drawings.pictures.picture import Picture, picture_document, picture_of
+from drawings.pictures.scene import scene_of
 from drawings.placement.field import curve_points
 from drawings.sheets.assembly import Assembled, assembly_sheet, spread
 from drawings.sheets.frame import drawing_space
@@ -47,7 +47,7 @@ def shown(machine: Machine, design: Design) -> Callable[..., Picture]:
     instances = machine.assembly.instances
     shapes = {name: shape.wrapped for name, shape in shapes_of(instances, machine.parts, design).items()}
     meshes = {name: part.mesh for name, part in machine.parts.items()}
-    scene = Scene(shapes, meshes)
+    scene = scene_of(shapes, meshes)
 
     def make(name: str, *, exact: bool = True) -> Picture:
         picture = machine_picture(name, instances, scene, exact=exact)
@@ -172,8 +172,7 @@ def test_pictures_are_kept_as_they_were(pictures: dict[str, Picture]) -> None:
     assert set(pictures) == {"top", "section A-A", "exploded", "from below"}
     for name, one in pictures.items():
         assert one.view.name == name
-        head, numbers = packed(one)
-        assert unpacked(json.loads(json.dumps(head)), numbers) == one
+        assert picture_of(json.loads(json.dumps(picture_document(one)))) == one
 
 
 @pytest.mark.parametrize("name", ["exploded", "from below"])

@@ -3,21 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from itertools import pairwise
-from typing import Any
 
 import cadquery as cq
-import numpy as np
 import pytest
 
-import drawings.pictures.mesh_section
-from drawings.pictures.mesh_section import cut_piece
-from drawings.pictures.visibility import Scene, moved
+from drawings.pictures.scene import meshed
 from drawings.views.detail import clipped
-from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines
+from drawings.views.section import HATCH_PITCH, cut_faces, cut_shape, hatch, hatch_lines, in_plane
 from drawings.views.view import PROJECTIONS, Arc, Curve, Cut, Polyline, Segment
-from stagecad.solids.modelling.frame import Frame
 
 FRONT = Cut((0.0, 0.0, 0.0), (0.0, -1.0, 0.0), "A")
 
@@ -67,7 +61,8 @@ def test_hatch_ends_where_a_piece_that_is_not_cut_covers_it() -> None:
     """A square pin in the tube's bore of 12 mm radius and its wall: from -15 to -1 across, from 5 to 25 up."""
     pin = cq.Workplane().box(14, 14, 20).translate((-8, 0, 15)).val()
     assert isinstance(pin, cq.Shape)
-    outline = Scene({"pin": pin.wrapped}).in_plane("pin", Frame(), FRONT, PROJECTIONS["front"])
+    mesh = meshed(pin.wrapped)
+    outline = in_plane(mesh.vertices, mesh.triangles, FRONT, PROJECTIONS["front"])
     left = cut_shape(tube().wrapped, FRONT)
     lines = hatch(cut_faces(left, FRONT), PROJECTIONS["front"], 10.0, covers=[outline])
     length = sum(math.dist(line.start, line.end) for line in lines)
@@ -76,49 +71,6 @@ def test_hatch_ends_where_a_piece_that_is_not_cut_covers_it() -> None:
     for line in lines:
         for x, z in (line.start, line.end, ((line.start[0] + line.end[0]) / 2, (line.start[1] + line.end[1]) / 2)):
             assert not (-14.99 < x < -1.0 and 5.01 < z < 24.99)
-
-
-def block() -> cq.Shape:
-    """A block with two bores that the plane cuts along their axes, and a step that lies in the plane."""
-    bored = cq.Workplane().box(60, 40, 30).faces(">Z").workplane().hole(12)
-    bored = bored.faces(">X").workplane().center(0, 4).hole(8, 20)
-    shape = bored.cut(cq.Workplane().box(10, 20, 10).translate((-25, -10, 10))).val()
-    assert isinstance(shape, cq.Shape)
-    return shape
-
-
-def area(faces: Iterable[Any]) -> float:
-    return sum(cq.Shape.cast(face).Area() for face in faces)
-
-
-@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (5.0, 2.0, 0.0), (0.0, -2.0, 1.0)])
-def test_a_piece_s_cut_leaves_what_a_solid_s_cut_does(shift: tuple[float, float, float]) -> None:
-    scene, frame = Scene({"block": block().wrapped}), Frame(shift=shift)
-    cut, caps = cut_piece(scene, "block", frame, FRONT)
-    solid = cut_shape(moved(block().wrapped, frame), FRONT)
-    assert area(caps) == pytest.approx(area(cut_faces(solid, FRONT)))
-    shown = np.unique(cut.triangles)
-    assert cut.corners[shown][:, 1].min() == pytest.approx(0.0, abs=1e-9)
-    # The faces behind the plane, with those in it, are the surface of the cut solid.
-    behind = [face for number, face in enumerate(cut.faces) if (cut.owners == number).any()]
-    assert area(behind) == pytest.approx(cq.Shape.cast(solid).Area())
-
-
-def test_faces_that_do_not_close_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
-    """One cut face too few, and the solid is cut instead."""
-    scene = Scene({"block": block().wrapped})
-    frame = Frame(shift=(5.0, 2.0, 0.0))
-    _, caps = cut_piece(scene, "block", frame, FRONT)
-    whole = drawings.pictures.mesh_section.bounded
-    monkeypatch.setattr("drawings.pictures.mesh_section.bounded", lambda behind, regions: whole(behind, regions)[1:])
-    assert len(caps) > 1
-    _, same = cut_piece(scene, "block", frame, FRONT)
-    assert area(same) == pytest.approx(area(caps))
-
-
-def test_a_piece_beside_the_plane_is_an_error() -> None:
-    with pytest.raises(ValueError, match="does not cut"):
-        cut_piece(Scene({"block": block().wrapped}), "block", Frame(shift=(0.0, 50.0, 0.0)), FRONT)
 
 
 def lengths(curves: tuple[Curve, ...]) -> float:
