@@ -3,21 +3,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from drawings.artefacts.pictures import make_picture
-from drawings.artefacts.sheets import WHOLE, all_parts, draw_whole
+from drawings.artefacts.sheets import WHOLE, draw_whole
 from drawings.export.document import document_of
 from drawings.export.lint import lint
-from drawings.pictures.picture import SECTION
-from drawings.placement.field import curve_points
 from drawings.sheets.part import sheets_of
-from drawings.views.view import Curve
 from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
@@ -106,24 +101,3 @@ def test_the_machine_s_sheets_of_some_random_designs_are_free_of_hits(seed: int,
     sheets = [sheet for whole in WHOLE for sheet in draw_whole(store, whole, design, procedure_values)]
     assert [sheet.name for sheet in sheets] == ["assembly", "procedure"]
     assert [hit for sheet in sheets for hit in sheet.hits] == [], overrides
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(10))
-def test_the_machine_s_section_by_faces_is_that_of_cut_solids(
-    seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    design, overrides = random_design(seed)
-    store = Store(tmp_path)
-    parts = all_parts(store, design)
-    by_faces = make_picture(store, SECTION, parts, design)
-    monkeypatch.setattr("drawings.pictures.mesh_section.faces_cut", lambda *_: None)
-    by_solids = make_picture(Store(tmp_path / "other"), SECTION, parts, design)
-    assert by_faces is not None and by_solids is not None
-    for layer, curves in by_solids.view.curves.items():
-        assert numbers_of(by_faces.view.curves[layer]) == numbers_of(curves), (layer, overrides)
-
-
-def numbers_of(curves: Iterable[Curve]) -> list[list[float]]:
-    """Points along curves to 1e-5 mm, in one order."""
-    return sorted([round(value, 5) + 0.0 for point in curve_points(curve) for value in point] for curve in curves)
