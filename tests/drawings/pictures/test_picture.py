@@ -8,9 +8,9 @@ import cadquery as cq
 import numpy as np
 import pytest
 
-from drawings.annotations.extent import outermost
 from drawings.pictures.picture import Picture, Piece, picture, picture_document, picture_of
 from drawings.pictures.scene import meshed, moved, visible_faces
+from drawings.views.bounding_box import extreme_points
 from drawings.views.projection import hidden_lines
 from drawings.views.view import PROJECTIONS, Curve
 from stagecad.solids.modelling.frame import UNMOVED, Frame
@@ -36,7 +36,7 @@ def shown(pieces: list[Piece]) -> Picture:
 
 def numbers(curves: tuple[Curve, ...]) -> np.ndarray:
     """Points along some curves, in one order."""
-    return np.array(sorted(tuple(np.round(point, 4) + 0.0) for curve in curves for point in outermost(curve)))
+    return np.array(sorted(tuple(np.round(point, 4) + 0.0) for curve in curves for point in extreme_points(curve)))
 
 
 @pytest.mark.parametrize("number", [1, 2])
