@@ -8,7 +8,7 @@ from time import perf_counter
 
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.misfit import ChannelMisfit, misfit
-from sysid.estimation.reference_fit import BaseFit, fit_case
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.experiment.experiment import DesignValues
 from sysid.prediction.problem import Case, load_case
 
@@ -25,7 +25,7 @@ class Comparison:
     """
 
     case: Case
-    base: BaseFit
+    base: ReferenceFit
     fit: dict[str, ChannelMisfit]
     validate: dict[str, ChannelMisfit]
     maps: tuple[ResidualMap, ...]
@@ -44,7 +44,7 @@ def compare(source: str | Path | Case, design: DesignValues | None = None) -> Co
     """
     began = perf_counter()
     case = source if isinstance(source, Case) else load_case(source, design)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     model = base.fitted.model
     maps = residual_maps(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
     return Comparison(

@@ -6,13 +6,21 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
-from sysid.diagnosis.evidence import Evidence, is_worthwhile, misfits_of
-from sysid.diagnosis.pairs import searched_again
+from sysid.diagnosis.evidence import Evidence, is_worthwhile
+from sysid.diagnosis.pairs import forward_after_deletion
 from sysid.diagnosis.quantised_channel import coarse_steps
-from sysid.diagnosis.residual_maps import ResidualMap, against_time, residual_maps
-from sysid.diagnosis.structural_modes import ringing, seen_by_the_balance, with_ringing
+from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
+from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
 from sysid.diagnosis.swaps import Swap, find_swaps
-from sysid.diagnosis.trials import Progress, Search, Trial, explained_share, one_per_family, trial_of, try_all
+from sysid.diagnosis.trials import (
+    CandidateFit,
+    CandidateSearch,
+    Progress,
+    evaluate_all,
+    evaluate_candidate,
+    explained_share,
+    one_per_family,
+)
 from sysid.diagnosis.verdict import EXPLAINS_ALL, Verdict, verdict_on
 from sysid.diagnosis.verdict_limits import (
     ADEQUATE_OVER_NOISE,
@@ -21,14 +29,17 @@ from sysid.diagnosis.verdict_limits import (
     NEARLY_NOISE,
     SHARE_OF_A_PART,
 )
-from sysid.estimation.base_fit import ranking_error
-from sysid.estimation.misfit import ChannelMisfit, excess, misfit
-from sysid.estimation.reference_fit import BaseFit, fit_case
-from sysid.estimation.screening import Candidate
+from sysid.estimation.fit import root_mean_huber
+from sysid.estimation.misfit import ChannelMisfit, misfit, worst_over_noise
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
+from sysid.estimation.screening import RefittedEffect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_ladder
 from sysid.prediction.model import base_name
 from sysid.prediction.problem import Case, load_case
+
+IN_FULL = 6
+"""Candidates whose held-out errors and fitted values are reported, in the order of the ranking."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +61,10 @@ class Diagnosis:
     """
 
     case: Case
-    base: BaseFit
-    trials: tuple[Trial, ...]
+    base: ReferenceFit
+    trials: tuple[CandidateFit, ...]
     verdict: str
-    best: Trial | None
+    best: CandidateFit | None
     indistinguishable: tuple[str, ...]
     maps: tuple[ResidualMap, ...]
     unexplained_share: float
@@ -62,12 +73,13 @@ class Diagnosis:
     before_validate: dict[str, ChannelMisfit]
     seconds: float
     swaps: tuple[Swap, ...] = ()
-    told_by: str = ""
+    detected_by: str = ""
+    reported_in_full: int = IN_FULL
 
     @property
     def effect(self) -> str | None:
         """The name everyone uses of the effect that is missing; none otherwise."""
-        return self.best.family if self.best is not None else None
+        return self.best.public_name if self.best is not None else None
 
 
 def diagnose(
@@ -89,9 +101,9 @@ def diagnose(
     """
     began = perf_counter()
     case = source if isinstance(source, Case) else load_case(source, design)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     present = [e.name for e in case.start.effects]
-    search = try_all(case, base, present, all_effects, progress)
+    search = evaluate_all(case, base, present, all_effects, progress)
     found = judge(case, base, search, coarse_steps(case, base, ADEQUATE_OVER_NOISE[case.form]), began, all_effects)
     # While something is missing the next round comes first; a model that is enough is asked only what it can spare.
     swaps = (
@@ -110,33 +122,51 @@ def _added(case: Case) -> list[str]:
 
 
 def judge(
-    case: Case, base: BaseFit, search: Search, quantised: Trial | None, began: float, all_effects: bool = False
+    case: Case,
+    base: ReferenceFit,
+    search: CandidateSearch,
+    quantised: CandidateFit | None,
+    began: float,
+    all_effects: bool = False,
 ) -> Diagnosis:
     """The diagnosis of a base model by the effects tried on it: how well it does, where it fails, the verdict."""
     before_fit = misfit(base.fitted.model, case.fit_records)
     before_validate = misfit(base.fitted.model, case.validate_records)
     ranked = _ranked(case, base, search, all_effects)
-    for trial in ranked[:6]:
-        misfits_of(case, trial)
     of_model = base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
     maps = residual_maps(*of_model)
     pattern = max((m.pattern for m in maps), default=0.0)
     textured = any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps)
     added = [e for e in base.fitted.model.effects if e.name in _added(case)]
-    over = excess(before_fit, before_validate)
+    in_full = IN_FULL
+    over = worst_over_noise(before_fit, before_validate)
     evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
     if found.best is None:
         found = _by_ringing(evidence, found) or found
     if found.verdict == "unexplained":
-        maps = against_time(maps, *of_model)
+        maps = compared_with_time(maps, *of_model)
     if found.best is not None and found.best not in ranked:
         # Another law of an effect than the one that does most alone.
-        ranked = [found.best, *(trial for trial in ranked if trial.family != found.best.family)]
+        others = [trial for trial in ranked if trial.public_name != found.best.public_name]
+        in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
+        ranked = [found.best, *others]
     return Diagnosis(
-        case, base, tuple(ranked), found.verdict, found.best, found.ties, tuple(maps), found.left, found.reason,
-        before_fit, before_validate, perf_counter() - began, told_by=found.told_by,
-    )  # fmt: skip
+        case=case,
+        base=base,
+        trials=tuple(ranked),
+        verdict=found.verdict,
+        best=found.best,
+        indistinguishable=found.ties,
+        maps=tuple(maps),
+        unexplained_share=found.left,
+        reason=found.reason,
+        before_fit=before_fit,
+        before_validate=before_validate,
+        seconds=perf_counter() - began,
+        detected_by=found.detected_by,
+        reported_in_full=in_full,
+    )
 
 
 def _by_ringing(evidence: Evidence, otherwise: Verdict) -> Verdict | None:
@@ -147,31 +177,30 @@ def _by_ringing(evidence: Evidence, otherwise: Verdict) -> Verdict | None:
         otherwise: the verdict that the balance alone gives, which names no effect.
     """
     case, base = evidence.case, evidence.base
-    found = ringing(case, base.fitted)
+    found = detect_structural_mode(case, base.fitted)
     if found is None:
         return None
-    effect, fitted = with_ringing(case, base.fitted, found)
+    effect, fitted = with_structural_mode(case, base.fitted, found)
     seen = next((t for t in evidence.ranked if t.name == effect.name), None)
-    if seen is not None and seen_by_the_balance(seen.candidate.fitted, fitted):
+    if seen is not None and prefers_balance_fit(seen.fitted, fitted):
         trial = seen
     else:
-        trial = trial_of(case, base, Candidate(effect, 0.0, fitted))
+        trial = evaluate_candidate(case, base, RefittedEffect(effect, 0.0, fitted))
     if trial is None or trial.error > HARDLY_MORE * evidence.error:
         return None
-    misfits_of(case, trial)
     left = evidence.left_by(trial) if otherwise.verdict == "unexplained" else 0.0
     return Verdict("missing-effect", trial, (), left, EXPLAINS_ALL, found.words)
 
 
-def _ranked(case: Case, base: BaseFit, search: Search, all_effects: bool) -> list[Trial]:
+def _ranked(case: Case, base: ReferenceFit, search: CandidateSearch, all_effects: bool) -> list[CandidateFit]:
     """The best law of each effect, best first; where none does much, effects of the model are searched for anew too."""
     ranked = one_per_family(search.trials)
-    before = ranking_error(base.residual)
+    before = root_mean_huber(base.residual)
     nothing = (
         not ranked or not is_worthwhile(case, base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
     )
     if nothing and before > NEARLY_NOISE:
         present = [e.name for e in case.start.effects]
-        again = searched_again(case, base, present, all_effects, search.first.seen)
+        again = forward_after_deletion(case, base, present, all_effects, search.first.seen)
         return one_per_family([*again, *search.trials])
     return ranked

@@ -11,16 +11,23 @@ from typing import Any
 
 from sim.library.catalogue import find
 from stagecad.parameters.errors import InputError, nearest
-from sysid.diagnosis.pairs import added_anew
-from sysid.diagnosis.structural_modes import ringing, seen_by_the_balance, with_ringing
-from sysid.estimation.base_fit import Fitted, fit_model
+from sysid.diagnosis.pairs import add_after_deletion
+from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
 from sysid.estimation.covariance import intervals
-from sysid.estimation.driven_stage_minima import lowest_valley
-from sysid.estimation.misfit import ChannelMisfit, misfit, weighted_residual, weighting
-from sysid.estimation.reference_fit import BaseFit, best_laws, clearly_better, fit_case, holds_better, open_laws
-from sysid.estimation.score_test import target_of
-from sysid.estimation.screening import try_effect
-from sysid.estimation.starting_points import without_law
+from sysid.estimation.driven_stage_search import lowest_minimum
+from sysid.estimation.fit import FittedModel, fit_model
+from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual
+from sysid.estimation.reference_fit import (
+    ReferenceFit,
+    fit_stated_model,
+    fits_clearly_better,
+    predicts_clearly_better,
+    select_variants,
+    selectable_effects,
+)
+from sysid.estimation.score_test import profiled_residual
+from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues, Experiment
 from sysid.experiment.history import Rung, append_rung, edited_by_hand, read_ladder
 from sysid.prediction.model import Model, base_name
@@ -43,7 +50,7 @@ class Step:
 
     rung: Rung
     case: Case
-    base: BaseFit
+    base: ReferenceFit
     before_fit: dict[str, ChannelMisfit]
     before_validate: dict[str, ChannelMisfit]
     after_fit: dict[str, ChannelMisfit]
@@ -68,7 +75,7 @@ def add_effects(
     """
     began = perf_counter()
     case = load_case(source, design)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     experiment = case.experiment
     before_fit = misfit(base.fitted.model, case.fit_records)
     before_validate = misfit(base.fitted.model, case.validate_records)
@@ -80,7 +87,7 @@ def add_effects(
         grown_case, fitted = _grow(grown_case, fitted, name)
     # A law that made up for what was missing may be the wrong one now.
     free = _free_laws(case, effects)
-    fitted, _ = best_laws(grown_case, fitted, free, partial(holds_better, grown_case))
+    fitted, _ = select_variants(grown_case, fitted, free, partial(predicts_clearly_better, grown_case))
     after_fit = misfit(fitted.model, grown_case.fit_records)
     after_validate = misfit(fitted.model, grown_case.validate_records)
     document = {**_rung_document(grown_case, fitted, after_fit, after_validate), "open_laws": list(free)}
@@ -94,22 +101,29 @@ def add_effects(
     hashes = {record.name: record.sha256 for record in case.records}
     known = {u.key: u.prior for u in fitted.model.unknowns if u.prior is not None}
     rung = append_rung(experiment, names, starts, document, base_document, hashes, known=known)
-    weights = weighting(fitted.model, grown_case.validate_records)
+    weights = residual_weights(fitted.model, grown_case.validate_records)
     residual = weighted_residual(fitted.model, grown_case.validate_records, weights)
     changed = _moved(base, case, fitted.model)
     return Step(
-        rung, grown_case, BaseFit(fitted, weights, residual), before_fit, before_validate, after_fit, after_validate,
-        changed, perf_counter() - began,
-    )  # fmt: skip
+        rung=rung,
+        case=grown_case,
+        base=ReferenceFit(fitted, weights, residual),
+        before_fit=before_fit,
+        before_validate=before_validate,
+        after_fit=after_fit,
+        after_validate=after_validate,
+        changed=changed,
+        seconds=perf_counter() - began,
+    )
 
 
-def _quantised(case: Case, fitted: Fitted) -> list[str]:
+def _quantised(case: Case, fitted: FittedModel) -> list[str]:
     """Quantisation effects of the case that act on the floor alone, and so stand in no prediction."""
     present = {e.name for e in fitted.model.effects}
     return [n for n in case.experiment.effects if n.partition("@")[0] == "sensor_quantisation" and n not in present]
 
 
-def _shrunk(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
+def _shrunk(case: Case, fitted: FittedModel, name: str) -> tuple[Case, FittedModel]:
     """The case and its fit without one effect."""
     experiment = case.experiment
     names = [e.name for e in fitted.model.effects] + _quantised(case, fitted)
@@ -120,11 +134,11 @@ def _shrunk(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
         raise InputError(f"{experiment.path}: '{name}' is the core of the friction; add another core in its place")
     if base_name(name) == "sensor_quantisation":
         other = make_case(experiment, case.records, [n for n in experiment.effects if n not in gone])
-        return other, fit_case(other).fitted
-    return case, fit_model(without_law(fitted.model, gone[0]), case.fit_records, iterations=40)
+        return other, fit_stated_model(other).fitted
+    return case, fit_model(without_effect(fitted.model, gone[0]), case.fit_records, iterations=40)
 
 
-def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
+def _grow(case: Case, fitted: FittedModel, name: str) -> tuple[Case, FittedModel]:
     experiment = case.experiment
     effect = find(name, case.custom)
     present = [e.name for e in fitted.model.effects]
@@ -149,9 +163,9 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
             f"{experiment.path}: effect '{name}' cannot show on a {case.kind} rig with these records"
             f"{nearest(name, can)}"
         )
-    basis, target = target_of(fitted)
+    basis, target = profiled_residual(fitted)
     tried = [
-        try_effect(fitted, option, case.fit_records, case.scales, basis, target, starts=3, iterations=40)
+        screen_and_refit(fitted, option, case.fit_records, case.scales, basis, target, starts=3, iterations=40)
         for option in options
     ]
     good = [c for c in tried if c is not None]
@@ -160,19 +174,21 @@ def _grow(case: Case, fitted: Fitted, name: str) -> tuple[Case, Fitted]:
     good.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
     plain = next((c for c in good if c.effect.name == name), None)
     best = good[0]
-    rings = ringing(case, fitted) if base_name(name) == "flexible_mode" else None
+    rings = detect_structural_mode(case, fitted) if base_name(name) == "flexible_mode" else None
     if rings is not None:
-        told = with_ringing(case, fitted, rings)[1]
-        if not seen_by_the_balance(best.fitted, told):
+        told = with_structural_mode(case, fitted, rings)[1]
+        if not prefers_balance_fit(best.fitted, told):
             return case, told
     if plain is not None:
-        best = next((c for c in good if c is not plain and holds_better(case, c.fitted, plain.fitted)), plain)
-    grown = lowest_valley(best.fitted, case.fit_records)
-    weights = weighting(fitted.model, case.validate_records)
-    base = BaseFit(fitted, weights, weighted_residual(fitted.model, case.validate_records, weights))
-    for other in added_anew(case, base, [best.effect]):
+        best = next(
+            (c for c in good if c is not plain and predicts_clearly_better(case, c.fitted, plain.fitted)), plain
+        )
+    grown = lowest_minimum(best.fitted, case.fit_records)
+    weights = residual_weights(fitted.model, case.validate_records)
+    base = ReferenceFit(fitted, weights, weighted_residual(fitted.model, case.validate_records, weights))
+    for other in add_after_deletion(case, base, [best.effect]):
         # What the model had may have been fitted to the wrong place while this effect was missing.
-        if clearly_better(other, grown):
+        if fits_clearly_better(other, grown):
             grown = other
     return case, fit_model(grown.model, case.fit_records, iterations=40)
 
@@ -182,18 +198,18 @@ def _free_laws(case: Case, added: Sequence[str]) -> tuple[str, ...]:
     rungs = read_ladder(case.experiment)
     before = [] if not rungs or edited_by_hand(case.experiment, rungs) else rungs[-1].document.get("open_laws", [])
     named = [name for name in added if ":" not in name and "@" not in name]
-    families = dict.fromkeys([*open_laws(case), *before, *named])
+    families = dict.fromkeys([*selectable_effects(case), *before, *named])
     return tuple(name for name in families if find(name, case.custom).variants and find(name, case.custom).core is None)
 
 
-def _with_quantisation(case: Case, name: str) -> tuple[Case, Fitted]:
+def _with_quantisation(case: Case, name: str) -> tuple[Case, FittedModel]:
     other = make_case(case.experiment, case.records, [*case.experiment.effects, name])
     if all(n.quantum is None for n in other.noise.values()):
         raise InputError(f"{case.experiment.path}: effect '{name}': the measured values lie on no grid")
-    return other, fit_case(other).fitted
+    return other, fit_stated_model(other).fitted
 
 
-def _moved(base: BaseFit, case: Case, model: Model) -> dict[str, tuple[float, float]]:
+def _moved(base: ReferenceFit, case: Case, model: Model) -> dict[str, tuple[float, float]]:
     found = intervals(base.fitted, case.fit_records).by_key
     out = {}
     for key, interval in found.items():
@@ -204,7 +220,7 @@ def _moved(base: BaseFit, case: Case, model: Model) -> dict[str, tuple[float, fl
 
 
 def _rung_document(
-    case: Case, fitted: Fitted, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
+    case: Case, fitted: FittedModel, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
 ) -> dict[str, Any]:
     return {
         "effects": [e.name for e in fitted.model.effects] + _quantised(case, fitted),

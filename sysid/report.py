@@ -11,15 +11,14 @@ from sim.library.effect import rotary_unit
 from stagecad.parameters.units import as_json
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.diagnosis.trials import Trial
-from sysid.estimation.base_fit import Fitted, ranking_error
+from sysid.diagnosis.trials import CandidateFit
 from sysid.estimation.covariance import Intervals, intervals
-from sysid.estimation.identifiability import correlation_json, open_words, public_key
+from sysid.estimation.fit import FittedModel, root_mean_huber
+from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key, substitution_angle
 from sysid.estimation.misfit import ChannelMisfit
-from sysid.estimation.principal_angles import stand_in_angle
-from sysid.estimation.reference_fit import BaseFit
+from sysid.estimation.reference_fit import ReferenceFit
 from sysid.experiment.rigs import CHANNELS
-from sysid.experiment_design.detectability import Smallest, smallest_shown
+from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Case
 
@@ -91,7 +90,7 @@ def both_json(case: Case, fit: Mapping[str, ChannelMisfit], validate: Mapping[st
 
 
 def parameters_json(
-    case: Case, fitted: Fitted, found: Intervals | None = None, only: str | None = None
+    case: Case, fitted: FittedModel, found: Intervals | None = None, only: str | None = None
 ) -> dict[str, Any]:
     """Fitted values with deviation and 95 % interval, by key; `only` those of one effect."""
     found = intervals(fitted, case.fit_records) if found is None else found
@@ -108,12 +107,12 @@ def parameters_json(
     return out
 
 
-def open_json(fitted: Fitted, found: Intervals) -> dict[str, Any]:
+def identifiability_json(fitted: FittedModel, found: Intervals) -> dict[str, Any]:
     """What the records leave open of the fitted values: in words, and their correlations."""
-    return {"not_identifiable": open_words(fitted, found), "correlation": correlation_json(found)}
+    return {"not_identifiable": identifiability_report(fitted, found), "correlation": correlation_json(found)}
 
 
-def detectable_json(case: Case, sizes: Sequence[Smallest]) -> list[dict[str, Any]]:
+def detectable_json(case: Case, sizes: Sequence[MinimumDetectableEffect]) -> list[dict[str, Any]]:
     """The smallest size of each effect that the records could have shown; `value` is null where no size would have."""
     return [
         {
@@ -153,22 +152,23 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
     channel = worst_channel(case, diagnosis.before_validate)
     before = diagnosis.before_validate[channel].rms if channel in diagnosis.before_validate else float("nan")
     rows = []
-    for trial in diagnosis.trials[:most]:
-        row: dict[str, Any] = {"effect": trial.family}
-        after = trial.after_validate.get(channel)
+    for k, trial in enumerate(diagnosis.trials[:most]):
+        row: dict[str, Any] = {"effect": trial.public_name}
+        in_full = k < diagnosis.reported_in_full or trial is diagnosis.best
+        after = trial.after_validate.get(channel) if in_full else None
         if after is not None:
             row["validate_error"] = as_json(after.rms, channel_unit(case, channel))
             row["reduction"] = 1.0 - after.rms / before if before > 0 else None
             row["over_noise"] = after.over_noise
         row["p_value"] = p_value_json(trial.p_value)
-        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.candidate.expected_drop)))
-        row["loss_reduction"] = 1.0 - trial.error / max(ranking_error(diagnosis.base.residual), 1e-300)
-        if trial.candidate.barred >= WORTH_SAYING:
-            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.candidate.barred, 1.0)))
-        if trial.name != trial.family:
+        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.refit.predicted_reduction)))
+        row["loss_reduction"] = 1.0 - trial.error / max(root_mean_huber(diagnosis.base.residual), 1e-300)
+        if trial.refit.blocked_reduction >= WORTH_SAYING:
+            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.refit.blocked_reduction, 1.0)))
+        if trial.name != trial.public_name:
             row["law"] = trial.name
         if after is not None:
-            row["parameters"] = parameters_json(case, trial.candidate.fitted, only=trial.name)
+            row["parameters"] = parameters_json(case, trial.fitted, only=trial.name)
         angle = angle_to_best(diagnosis, trial)
         if angle is not None:
             row["angle"] = as_json(angle, "rad")
@@ -176,16 +176,16 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
     return rows
 
 
-def angle_to_best(diagnosis: Diagnosis, trial: Trial) -> float | None:
+def angle_to_best(diagnosis: Diagnosis, trial: CandidateFit) -> float | None:
     """Angle, rad, between what the effect named takes from the residual and what this one could make."""
     best, base = diagnosis.best, diagnosis.base.fitted
     if best is None or trial is best:
         return None
-    one, other = best.candidate.fitted, trial.candidate.fitted
+    one, other = best.fitted, trial.fitted
     if not one.fit.residual.size == other.fit.residual.size == base.fit.residual.size:
         # The grid of a sensor's values is judged with other deviations: there is nothing to hold it against.
         return None
-    return stand_in_angle(one, other, base)
+    return substitution_angle(one, other, base)
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -193,7 +193,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     case, best = diagnosis.case, diagnosis.best
     after = diagnosis.trials[0] if diagnosis.trials else None
     after = best if best is not None else after
-    fitted = best.candidate.fitted if best is not None else diagnosis.base.fitted
+    fitted = best.fitted if best is not None else diagnosis.base.fitted
     found = intervals(fitted, case.fit_records)
     return {
         "schema": SCHEMA,
@@ -209,8 +209,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         else {"fit": {}, "validate": {}},
         "ranking": ranking_json(diagnosis),
         "parameters": parameters_json(case, fitted, found),
-        **open_json(fitted, found),
-        "detectable": detectable_json(case, smallest_shown(diagnosis)),
+        **identifiability_json(fitted, found),
+        "detectable": detectable_json(case, minimum_detectable_effects(diagnosis)),
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,
         "swaps": [
@@ -225,7 +225,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
 
 def comparison_json(
     case: Case,
-    base: BaseFit,
+    base: ReferenceFit,
     fit: Mapping[str, ChannelMisfit],
     validate: Mapping[str, ChannelMisfit],
     maps: Sequence[ResidualMap],
@@ -240,9 +240,9 @@ def comparison_json(
         "noise": noise_json(case),
         "before": both_json(case, fit, validate),
         "parameters": parameters_json(case, base.fitted, found),
-        **open_json(base.fitted, found),
+        **identifiability_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
-        "dead": [public_key(k) for k in base.fitted.fit.dead],
+        "dead": [public_key(k) for k in base.fitted.fit.inactive],
         "where": where_json(maps),
         "notes": list(case.notes),
         "seconds": seconds,

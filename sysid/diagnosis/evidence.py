@@ -11,8 +11,8 @@ import numpy as np
 from sim.library.effect import Effect
 from sysid.diagnosis.own_patterns import apart_from, own_coordinates
 from sysid.diagnosis.pairs import Pair, pairs_on_top
-from sysid.diagnosis.residual_maps import patterns_of
-from sysid.diagnosis.trials import Search, Trial, significance_of
+from sysid.diagnosis.residual_maps import dependence_by_coordinate
+from sysid.diagnosis.trials import CandidateFit, CandidateSearch, significance_of
 from sysid.diagnosis.verdict_limits import (
     ADEQUATE_OVER_NOISE,
     ALIKE,
@@ -32,9 +32,15 @@ from sysid.diagnosis.verdict_limits import (
     SHARE_AWAY,
     SPELLS,
 )
-from sysid.estimation.base_fit import ranking_error
-from sysid.estimation.misfit import ChannelMisfit, Weighting, away_from_turns, blocks, excess, huber_square, misfit
-from sysid.estimation.reference_fit import BaseFit, best_laws, holds_better
+from sysid.estimation.fit import root_mean_huber
+from sysid.estimation.misfit import (
+    ResidualWeights,
+    away_from_events,
+    blocks,
+    huber_square,
+    worst_over_noise,
+)
+from sysid.estimation.reference_fit import ReferenceFit, predicts_clearly_better, select_variants
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.model import Model, Prepared, law_family
 from sysid.prediction.problem import Case
@@ -56,9 +62,9 @@ class Evidence:
     """
 
     case: Case
-    base: BaseFit
-    search: Search
-    ranked: Sequence[Trial]
+    base: ReferenceFit
+    search: CandidateSearch
+    ranked: Sequence[CandidateFit]
     over: float
     pattern: float
     all_effects: bool
@@ -78,11 +84,11 @@ class Evidence:
     @property
     def error(self) -> float:
         """Ranking error of the base model on the held-out records, in deviations."""
-        return ranking_error(self.base.residual)
+        return root_mean_huber(self.base.residual)
 
-    def left_by(self, trial: Trial) -> float:
+    def left_by(self, trial: CandidateFit) -> float:
         """Share of the variance above the noise that an effect leaves."""
-        return self.left_at(excess(*misfits_of(self.case, trial)))
+        return self.left_at(worst_over_noise(trial.after_fit, trial.after_validate))
 
     def left_at(self, over: float) -> float:
         """Share of the variance above the noise that is left where a model's error over noise is `over`."""
@@ -98,7 +104,7 @@ class Evidence:
         """Whether some stretches lie far above the noise, though the robust error, or that of the held-out records,
         does not say so: what happens once may be in one record alone."""
         fitted = self.base.fitted
-        in_fit = ranking_error(fitted.fit.residual) >= SPELLS
+        in_fit = root_mean_huber(fitted.fit.residual) >= SPELLS
         return (self.error >= SPELLS and self._persistence() >= LEAST_PERSISTENCE) or (
             in_fit
             and persistence(self.case, self.case.fit_records, fitted.weights, fitted.fit.residual) >= LEAST_PERSISTENCE
@@ -110,30 +116,34 @@ class Evidence:
     def patterns_left(self, model: Model) -> dict[str, float]:
         """Share of a model's residual that each coordinate explains."""
         case, base = self.case, self.base
-        return patterns_of(model, case.fit_records, base.fitted.weights, case.validate_records, base.weights)
+        return dependence_by_coordinate(
+            model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
+        )
 
     def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
         """Largest share of a model's residual that one coordinate explains, of all or of some."""
         shares = self.patterns_left(model)
         return max((share for name, share in shares.items() if not coordinates or name in coordinates), default=0.0)
 
-    def bent(self, trial: Trial) -> bool:
+    def bent(self, trial: CandidateFit) -> bool:
         """Whether an effect of the position, or of time, leaves a residual that still follows it, whichever law of its
         family is taken: the true law is another."""
-        own = trial.candidate.effect.coordinates
+        own = trial.effect.coordinates
         if len(own) != 1 or own[0] not in BENT:
             return False
-        fitted = trial.candidate.fitted
+        fitted = trial.fitted
         if self.pattern_left(fitted.model, own) < BENT[own[0]]:
             return False
-        best, _ = best_laws(self.case, fitted, [law_family(trial.name)], partial(holds_better, self.case))
+        best, _ = select_variants(
+            self.case, fitted, [law_family(trial.name)], partial(predicts_clearly_better, self.case)
+        )
         return best is fitted or self.pattern_left(best.model, own) >= BENT[own[0]]
 
-    def on_top(self, trial: Trial) -> list[Pair]:
+    def on_top(self, trial: CandidateFit) -> list[Pair]:
         """An effect with each of the most promising others on top of it, best first."""
-        return pairs_on_top(self.case, self.base, trial.candidate, self.all_effects, self.search.first.seen)
+        return pairs_on_top(self.case, self.base, trial.refit, self.all_effects, self.search.first.seen)
 
-    def share_away(self, trial: Trial) -> float | None:
+    def share_away(self, trial: CandidateFit) -> float | None:
         """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.
 
         Of the held-out records; of those fitted, where the held-out ones have too little of it there.
@@ -145,7 +155,7 @@ class Evidence:
         clear = next((loss for loss in (held_out, fitted) if loss is not None and loss.clear), None)
         return clear.share if clear is not None else 0.0
 
-    def share_apart(self, trial: Trial) -> float:
+    def share_apart(self, trial: CandidateFit) -> float:
         """Share of the held-out loss above the noise that an effect takes, apart from the patterns of added effects."""
         own = own_coordinates(self.added)
         if not own:
@@ -157,11 +167,11 @@ class Evidence:
         )
         return (before - after) / max(before - min(1.0, after), 1e-9)
 
-    def like_turns(self, trial: Trial) -> bool:
+    def like_turns(self, trial: CandidateFit) -> bool:
         """Whether a small error in the time of the turns would look like this effect."""
         # On a driven mass a late sensor of its motion is a late drive.
-        late = self.case.kind == "force-drive" and trial.family in LATE
-        return (late or trial.family in AT_REVERSALS) and trial.share_at_rest < AT_REST
+        late = self.case.kind == "force-drive" and trial.public_name in LATE
+        return (late or trial.public_name in AT_REVERSALS) and trial.share_at_rest < AT_REST
 
 
 @dataclass(frozen=True)
@@ -188,17 +198,19 @@ class LossAway:
         return (self.before - self.after) / max(self.before - min(1.0, self.after), 1e-9)
 
 
-def away_of(case: Case, base: BaseFit, trial: Trial) -> tuple[LossAway | None, LossAway | None]:
+def away_of(case: Case, base: ReferenceFit, trial: CandidateFit) -> tuple[LossAway | None, LossAway | None]:
     """What an effect does away from the turns, on the held-out records and on those fitted; none where all is near."""
     held_out = _away(case.validate_records, base.weights, base.residual, trial.residual)
-    after = trial.candidate.fitted.fit.residual
+    after = trial.fitted.fit.residual
     whole = after.size == base.fitted.fit.residual.size
     fitted = _away(case.fit_records, base.fitted.weights, base.fitted.fit.residual, after) if whole else None
     return held_out, fitted
 
 
-def _away(records: Sequence[Prepared], weights: Weighting, before: np.ndarray, after: np.ndarray) -> LossAway | None:
-    away = away_from_turns(records, weights)
+def _away(
+    records: Sequence[Prepared], weights: ResidualWeights, before: np.ndarray, after: np.ndarray
+) -> LossAway | None:
+    away = away_from_events(records, weights)
     if np.mean(away) < LEAST_AWAY:
         return None
     worse, better = before[away], after[away]
@@ -209,21 +221,13 @@ def _away(records: Sequence[Prepared], weights: Weighting, before: np.ndarray, a
     )
 
 
-def misfits_of(case: Case, trial: Trial) -> tuple[dict[str, ChannelMisfit], dict[str, ChannelMisfit]]:
-    """Misfits with an effect in, kept with its trial."""
-    if not trial.after_fit:
-        trial.after_fit = misfit(trial.candidate.fitted.model, case.fit_records)
-        trial.after_validate = misfit(trial.candidate.fitted.model, case.validate_records)
-    return trial.after_fit, trial.after_validate
-
-
-def persistence(case: Case, records: Sequence[Prepared], weights: Weighting, residual: np.ndarray) -> float:
+def persistence(case: Case, records: Sequence[Prepared], weights: ResidualWeights, residual: np.ndarray) -> float:
     """Correlation of a residual (n,) with itself four scored samples on, less that of the sensors' noise: what is
     left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
     lag, best = 4, 0.0
     start = 0
-    for record, picks in zip(records, weights.picks, strict=True):
-        for channel, pick in picks.items():
+    for record, samples in zip(records, weights.samples, strict=True):
+        for channel, pick in samples.items():
             r = np.clip(residual[start : start + pick.size], -8.0, 8.0)
             start += pick.size
             if r.size < 50:
@@ -238,7 +242,7 @@ def persistence(case: Case, records: Sequence[Prepared], weights: Weighting, res
     return best
 
 
-def is_worthwhile(case: Case, base: BaseFit, trial: Trial) -> bool:
+def is_worthwhile(case: Case, base: ReferenceFit, trial: CandidateFit) -> bool:
     """Whether an effect lowers the held-out loss by more than chance, and by enough to matter.
 
     On a driven mass what its stops leave may hide that: then it counts away from its turns, where an effect has to take
@@ -247,7 +251,7 @@ def is_worthwhile(case: Case, base: BaseFit, trial: Trial) -> bool:
     return _takes_enough(base, trial) or _takes_all_away(case, base, trial)
 
 
-def _takes_all_away(case: Case, base: BaseFit, trial: Trial) -> bool:
+def _takes_all_away(case: Case, base: ReferenceFit, trial: CandidateFit) -> bool:
     losses = away_of(case, base, trial)
     known = [loss for loss in losses if loss is not None]
     return (
@@ -257,9 +261,9 @@ def _takes_all_away(case: Case, base: BaseFit, trial: Trial) -> bool:
     )
 
 
-def _takes_enough(base: BaseFit, trial: Trial) -> bool:
-    before = ranking_error(base.residual) ** 2
-    before_fit = ranking_error(base.fitted.fit.residual) ** 2
+def _takes_enough(base: ReferenceFit, trial: CandidateFit) -> bool:
+    before = root_mean_huber(base.residual) ** 2
+    before_fit = root_mean_huber(base.fitted.fit.residual) ** 2
     alike = trial.fit_gain * before >= ALIKE * trial.gain * before_fit
     certain = trial.significance >= LEAST_SIGNIFICANCE or (trial.steadiness >= LEAST_STEADINESS and alike)
     # What shows at a few break-aways alone is never steady: there it must take most, on all records.

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim.library.effect import Effect
-from sysid.diagnosis.coordinate_bins import cells_of, coordinates_of, edges_of, means_of
-from sysid.estimation.misfit import Weighting
+from sysid.diagnosis.explained_share import cells_of, coordinates_of, edges_of, means_of
+from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.force_balance.stick_phases import REST
 from sysid.prediction.model import Prepared
@@ -26,14 +26,14 @@ def own_coordinates(effects: Sequence[Effect]) -> tuple[str, ...]:
 
 
 def apart_from(
-    residual: np.ndarray, records: Sequence[Prepared], weights: Weighting, coordinates: Sequence[str]
+    residual: np.ndarray, records: Sequence[Prepared], weights: ResidualWeights, coordinates: Sequence[str]
 ) -> np.ndarray:
     """A residual (n,) in deviations, less its mean in bins of each coordinate, apart for the directions of motion."""
     out = residual.copy()
     start = 0
-    for record, picks in zip(records, weights.picks, strict=True):
+    for record, samples in zip(records, weights.samples, strict=True):
         known = coordinates_of(record)
-        for channel, pick in picks.items():
+        for channel, pick in samples.items():
             part = out[start : start + pick.size]
             start += pick.size
             if channel == REST or pick.size == 0:

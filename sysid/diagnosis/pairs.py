@@ -15,14 +15,13 @@ from itertools import combinations
 import numpy as np
 
 from sim.library.effect import Effect
-from sysid.diagnosis.trials import FirstLooks, Seen, Trial, looks_on, trial_of
-from sysid.estimation.base_fit import Fitted, fit_model, ranking_error
-from sysid.estimation.initial_fit import has_shape
+from sysid.diagnosis.trials import CandidateFit, CandidateJacobians, ScreeningResult, evaluate_candidate, screen_all
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import weighted_residual
-from sysid.estimation.reference_fit import BaseFit
-from sysid.estimation.score_test import IN_PAIRS, Score, out_of_bounds, start_for, target_of
-from sysid.estimation.screening import Candidate, Look, Scored, look_at, refined
-from sysid.estimation.starting_points import with_bounds_of, without_family
+from sysid.estimation.reference_fit import ReferenceFit, has_shape
+from sysid.estimation.score_test import IN_PAIRS, ScoreStatistic, out_of_bounds, profiled_residual, start_for
+from sysid.estimation.screening import RefittedEffect, ScoredCandidate, ScreeningFit, refit_candidate, screen_candidate
+from sysid.estimation.variant_selection import with_bounds_of, without_public_effect
 from sysid.prediction.model import Model, base_name, with_effect
 from sysid.prediction.problem import Case
 from sysid.signals.side_by_side import side_by_side
@@ -45,7 +44,7 @@ class Pair:
     """
 
     effects: tuple[Effect, Effect]
-    fitted: Fitted
+    fitted: FittedModel
     error: float
     residual: np.ndarray
 
@@ -70,15 +69,15 @@ class Pair:
 
 @dataclass(frozen=True)
 class _Part:
-    known: Scored
-    score: Score
+    known: ScoredCandidate
+    score: ScoreStatistic
     columns: slice
 
 
 def best_pairs(
     case: Case,
-    base: BaseFit,
-    first: FirstLooks,
+    base: ReferenceFit,
+    first: ScreeningResult,
     wanted: str | None = None,
     given: Model | None = None,
 ) -> list[Pair]:
@@ -93,7 +92,7 @@ def best_pairs(
     """
     parts, blocks = [], []
     start = 0
-    alone = ranking_error(base.fitted.fit.residual)
+    alone = root_mean_huber(base.fitted.fit.residual)
     # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
     able = [look for look in first.looks if look.linear or look.error < alone]
     for known in [*able, *first.unfitted]:
@@ -109,9 +108,9 @@ def best_pairs(
     together = sorted(_pair_drops(parts, gram, right), key=lambda found: -found[0])
     least = 0.0 if wanted is None else _least_with(wanted, parts, first.target)
     chosen: dict[frozenset[str], tuple[_Part, _Part]] = {}
-    for drop, one, other in together:
+    for predicted_reduction, one, other in together:
         families = frozenset((base_name(one.known.effect.name), base_name(other.known.effect.name)))
-        if len(chosen) >= PAIRS_REFITTED or drop < least:
+        if len(chosen) >= PAIRS_REFITTED or predicted_reduction < least:
             break
         if wanted is None or wanted in families:
             chosen.setdefault(families, (one, other))
@@ -125,7 +124,9 @@ def best_pairs(
 def _least_with(wanted: str, parts: Sequence[_Part], target: np.ndarray) -> float:
     """What a pair must take of the squared target for the other to be worth a fit beside an effect that is wanted."""
     total = float(target @ target)
-    alone = total * max((p.score.drop for p in parts if base_name(p.known.effect.name) == wanted), default=0.0)
+    alone = total * max(
+        (p.score.predicted_reduction for p in parts if base_name(p.known.effect.name) == wanted), default=0.0
+    )
     return alone + BESIDE_IT * (total - alone)
 
 
@@ -148,7 +149,7 @@ def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> 
 def _possible(part: _Part, weights: np.ndarray) -> bool:
     """Whether the weights (k,) of an effect's scaled columns are amplitudes that its bounds allow."""
     norms = np.maximum(np.linalg.norm(part.score.columns, axis=0), 1e-300)
-    return not out_of_bounds(part.known.effect, part.score.moves, weights / norms)
+    return not out_of_bounds(part.known.effect, part.score.directions, weights / norms)
 
 
 def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarray:
@@ -157,7 +158,7 @@ def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarr
 
 
 def _refitted(
-    case: Case, base: BaseFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray, given: Model | None
+    case: Case, base: ReferenceFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray, given: Model | None
 ) -> Pair | None:
     weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
     model = base.fitted.model
@@ -166,14 +167,14 @@ def _refitted(
         effect, score = part.known.effect, part.score
         own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
         own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
-        model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.moves, own))
+        model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.directions, own))
     if given is not None:
         model = with_bounds_of(model, given)
     fitted = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
     residual = weighted_residual(fitted.model, case.validate_records, base.weights)
     if not np.isfinite(residual).all():
         return None
-    return Pair((two[0].known.effect, two[1].known.effect), fitted, ranking_error(residual), residual)
+    return Pair((two[0].known.effect, two[1].known.effect), fitted, root_mean_huber(residual), residual)
 
 
 ON_TOP = 3
@@ -187,7 +188,11 @@ PROMISING = 10
 
 
 def pairs_on_top(
-    case: Case, base: BaseFit, first: Candidate, all_effects: bool = False, seen: Seen | None = None
+    case: Case,
+    base: ReferenceFit,
+    first: RefittedEffect,
+    all_effects: bool = False,
+    seen: CandidateJacobians | None = None,
 ) -> list[Pair]:
     """Pairs with the second effect looked for on top of the first one's fit, best on the held-out records first.
 
@@ -200,31 +205,35 @@ def pairs_on_top(
         all_effects: try whatever else the library has, too.
         seen: what effects do to the residual of the base model.
     """
-    below = BaseFit(
+    below = ReferenceFit(
         first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
     )
     present = [e.name for e in first.fitted.model.effects]
 
-    def refitted(look: Look) -> Pair | None:
-        fitted = refined(first.fitted, look, case.fit_records, case.scales).fitted
+    def refitted(look: ScreeningFit) -> Pair | None:
+        fitted = refit_candidate(first.fitted, look, case.fit_records, case.scales).fitted
         residual = weighted_residual(fitted.model, case.validate_records, base.weights)
         if not np.isfinite(residual).all():
             return None
-        return Pair((first.effect, look.effect), fitted, ranking_error(residual), residual)
+        return Pair((first.effect, look.effect), fitted, root_mean_huber(residual), residual)
 
-    before = ranking_error(base.fitted.fit.residual) ** 2
+    before = root_mean_huber(base.fitted.fit.residual) ** 2
     enough = before - COULD_EXPLAIN * max(before - 1.0, 0.0)
-    needed = 1.0 - enough / max(ranking_error(first.fitted.fit.residual) ** 2, 1e-300)
-    seen_on_top = looks_on(case, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
+    needed = 1.0 - enough / max(root_mean_huber(first.fitted.fit.residual) ** 2, 1e-300)
+    seen_on_top = screen_all(case, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
     looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
     shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
     found = side_by_side(refitted, looks, shared)
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 
-def searched_again(
-    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, seen: Seen | None = None
-) -> list[Trial]:
+def forward_after_deletion(
+    case: Case,
+    base: ReferenceFit,
+    present: Sequence[str],
+    all_effects: bool = False,
+    seen: CandidateJacobians | None = None,
+) -> list[CandidateFit]:
     """Effects tried while one that the model has is searched for anew, best first.
 
     A pitch fitted while another effect was missing may sit in a wrong place that no step leads out of; every effect
@@ -240,21 +249,23 @@ def searched_again(
     for family in _shaped(base.fitted.model):
         below, first = less_one(case, base, present, family, all_effects, seen)
         for pair in best_pairs(case, below, first, family, base.fitted.model)[:2]:
-            trial = trial_of(case, base, Candidate(pair.other(family), 0.0, pair.fitted))
+            trial = evaluate_candidate(case, base, RefittedEffect(pair.other(family), 0.0, pair.fitted))
             if trial is not None:
                 trials.append(trial)
     return sorted(trials, key=lambda trial: trial.error)
 
 
-def added_anew(case: Case, base: BaseFit, options: Sequence[Effect]) -> list[Fitted]:
+def add_after_deletion(case: Case, base: ReferenceFit, options: Sequence[Effect]) -> list[FittedModel]:
     """Fits of the model with one of `options` added, while one effect that it has is searched for anew."""
     fits = []
     for family in _shaped(base.fitted.model):
         below = less(case, base, family)
-        basis, target = target_of(below.fitted)
+        basis, target = profiled_residual(below.fitted)
         own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
-        found = [look_at(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)]
-        seen = FirstLooks([look for look in found if look is not None], [], target)
+        found = [
+            screen_candidate(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)
+        ]
+        seen = ScreeningResult([look for look in found if look is not None], [], target)
         pairs = best_pairs(case, below, seen, family, base.fitted.model)
         fits += [pair.fitted for pair in pairs[:1]]
     return fits
@@ -267,23 +278,28 @@ def _shaped(model: Model) -> list[str]:
 
 
 def less_one(
-    case: Case, base: BaseFit, present: Sequence[str], family: str, all_effects: bool, seen: Seen | None = None
-) -> tuple[BaseFit, FirstLooks]:
+    case: Case,
+    base: ReferenceFit,
+    present: Sequence[str],
+    family: str,
+    all_effects: bool,
+    seen: CandidateJacobians | None = None,
+) -> tuple[ReferenceFit, ScreeningResult]:
     """The fit without one family of effects, and the looks on top of it, once for whoever asks."""
     below = less(case, base, family)
     key = f"looks, {all_effects}"
     if key not in below.memo:
         others = [name for name in present if base_name(name) != family]
-        below.memo[key] = looks_on(case, below, others, all_effects, promising=PROMISING, seen=seen)
+        below.memo[key] = screen_all(case, below, others, all_effects, promising=PROMISING, seen=seen)
     return below, below.memo[key]
 
 
-def less(case: Case, base: BaseFit, family: str) -> BaseFit:
+def less(case: Case, base: ReferenceFit, family: str) -> ReferenceFit:
     """The fit of the model without one family of effects, on the same weights."""
     key = f"less {family}"
     if key not in base.memo:
-        model = without_family(base.fitted.model, family)
+        model = without_public_effect(base.fitted.model, family)
         rest = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
         residual = weighted_residual(rest.model, case.validate_records, base.weights)
-        base.memo[key] = BaseFit(rest, base.weights, residual)
+        base.memo[key] = ReferenceFit(rest, base.weights, residual)
     return base.memo[key]

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from sim.library.catalogue import find
-from sysid.diagnosis.trials import Trial
-from sysid.estimation.base_fit import ranking_error
-from sysid.estimation.misfit import excess, misfit
-from sysid.estimation.reference_fit import BaseFit, fit_case
-from sysid.estimation.screening import Candidate
+from sysid.diagnosis.trials import CandidateFit
+from sysid.estimation.fit import root_mean_huber
+from sysid.estimation.misfit import misfit, worst_over_noise
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
+from sysid.estimation.screening import RefittedEffect
 from sysid.prediction.problem import Case, make_case
 
 NOISE_IS_GONE = 0.2
 """Error over the noise below which that noise cannot be in the values: they were rounded."""
 
 
-def coarse_steps(case: Case, base: BaseFit, enough: float) -> Trial | None:
+def coarse_steps(case: Case, base: ReferenceFit, enough: float) -> CandidateFit | None:
     """The coarse grid of a channel's values as a trial, where it is coarser than the noise the user gave.
 
     None where there is none, where the base model's error over noise is `enough` as it is, or where little falls. A
@@ -35,13 +35,15 @@ def coarse_steps(case: Case, base: BaseFit, enough: float) -> Trial | None:
         *(["sensor_quantisation"] if len(case.noise) == len(coarse) else [f"sensor_quantisation@{c}" for c in coarse]),
     ]
     other = make_case(case.experiment, case.records, names)
-    refit = fit_case(other)
+    refit = fit_stated_model(other)
     after_fit = misfit(refit.fitted.model, other.fit_records)
     after = misfit(refit.fitted.model, other.validate_records)
-    before = excess(misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records))
+    before = worst_over_noise(
+        misfit(base.fitted.model, case.fit_records), misfit(base.fitted.model, case.validate_records)
+    )
     rounded_away = before < NOISE_IS_GONE
-    if not rounded_away and (before <= enough or excess(after_fit, after) > 0.9 * before):
+    if not rounded_away and (before <= enough or worst_over_noise(after_fit, after) > 0.9 * before):
         return None
-    error = ranking_error(refit.residual)
-    candidate = Candidate(find("sensor_quantisation"), 1.0, refit.fitted)
-    return Trial(names[-1], candidate, error, 0.0, 99.0, 0.0, refit.residual, after_fit, after)
+    error = root_mean_huber(refit.residual)
+    candidate = RefittedEffect(find("sensor_quantisation"), 1.0, refit.fitted)
+    return CandidateFit(candidate, error, 0.0, 99.0, 0.0, refit.residual, after_fit, after, law=names[-1])

@@ -11,9 +11,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from sysid.diagnosis.coordinate_bins import cells_of, edges_of, means_of
-from sysid.diagnosis.residual_shares import Samples, compared, less_time, shared, told_by
-from sysid.estimation.misfit import Weighting
+from sysid.diagnosis.explained_share import (
+    Samples,
+    cells_of,
+    compared,
+    edges_of,
+    means_of,
+    share_beyond_time,
+    shared,
+    told_by,
+)
+from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.model import Model, Prepared, predict
 
 PERMUTATIONS = 500
@@ -47,9 +55,9 @@ class ResidualMap:
 def residual_maps(
     model: Model,
     fit_records: Sequence[Prepared],
-    fit_weights: Weighting,
+    fit_weights: ResidualWeights,
     held_out: Sequence[Prepared],
-    held_out_weights: Weighting,
+    held_out_weights: ResidualWeights,
     seed: int = 0,
 ) -> list[ResidualMap]:
     """Maps of the residual against every coordinate the records have, in the order of `order_maps`.
@@ -69,12 +77,12 @@ def residual_maps(
     return order_maps(list(best.values()))
 
 
-def patterns_of(
+def dependence_by_coordinate(
     model: Model,
     fit_records: Sequence[Prepared],
-    fit_weights: Weighting,
+    fit_weights: ResidualWeights,
     held_out: Sequence[Prepared],
-    held_out_weights: Weighting,
+    held_out_weights: ResidualWeights,
 ) -> dict[str, float]:
     """`ResidualMap.pattern` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
     out: dict[str, float] = {}
@@ -85,13 +93,13 @@ def patterns_of(
     return out
 
 
-def against_time(
+def compared_with_time(
     maps: Sequence[ResidualMap],
     model: Model,
     fit_records: Sequence[Prepared],
-    fit_weights: Weighting,
+    fit_weights: ResidualWeights,
     held_out: Sequence[Prepared],
-    held_out_weights: Weighting,
+    held_out_weights: ResidualWeights,
 ) -> list[ResidualMap]:
     """The maps of a residual that no effect of the library explains: weighed against time, and in that order."""
     weighed: dict[str, tuple[float, float]] = {}
@@ -99,7 +107,7 @@ def against_time(
         for name in shared(learn, judge):
             if name in OF_MOTION:
                 told = told_by(name, learn, judge)
-                weighed[name] = max(weighed.get(name, (-1.0, 0.0)), (told.share, less_time(told)))
+                weighed[name] = max(weighed.get(name, (-1.0, 0.0)), (told.share, share_beyond_time(told)))
     beside = [replace(m, beside_time=weighed.get(m.coordinate, (0.0, 0.0))[1]) for m in maps]
     return order_maps(beside, nameless=True)
 

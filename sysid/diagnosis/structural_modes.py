@@ -24,9 +24,9 @@ import numpy as np
 
 from sim.library.catalogue import find
 from sim.library.effect import Effect
-from sysid.estimation.base_fit import Fitted, fit_model
+from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale
-from sysid.estimation.reference_fit import clearly_better
+from sysid.estimation.reference_fit import fits_clearly_better
 from sysid.experiment.unknowns import Prior
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.predict import raw_force
@@ -70,7 +70,7 @@ ALIKE = 1.6
 
 
 @dataclass(frozen=True)
-class Ringing:
+class StructuralMode:
     """A mode that shows above the filter.
 
     Args:
@@ -127,7 +127,7 @@ class _Whitened:
         return signal - self.beside @ (self.beside.T @ signal)
 
 
-def ringing(case: Case, fitted: Fitted) -> Ringing | None:
+def detect_structural_mode(case: Case, fitted: FittedModel) -> StructuralMode | None:
     """The mode that rings above the filter of a driven mass; none where none is clear.
 
     Args:
@@ -158,10 +158,10 @@ def ringing(case: Case, fitted: Fitted) -> Ringing | None:
     values, stds = _estimated(fits, frequency, damping, part)
     if values["damping"] >= DAMPED:
         return None
-    return Ringing(values, stds, errors, errors_held_out, band)
+    return StructuralMode(values, stds, errors, errors_held_out, band)
 
 
-def with_ringing(case: Case, fitted: Fitted, found: Ringing) -> tuple[Effect, Fitted]:
+def with_structural_mode(case: Case, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
     """The mode, and the model with it: what its ringing tells is known before the balance is fitted."""
     effect = find("flexible_mode", case.custom)
     start = {f"{effect.name}.{name}": value for name, value in found.values.items()}
@@ -175,11 +175,11 @@ SAME_MODE = 0.1
 """Part by which two fits of one mode may differ in frequency."""
 
 
-def seen_by_the_balance(other: Fitted, rings: Fitted) -> bool:
+def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
     """Whether a fit of a mode to the balance alone is to be preferred to the one that its ringing tells."""
     frequencies = [fitted.model.values["flexible_mode.frequency"] for fitted in (other, rings)]
     same = abs(frequencies[0] / frequencies[1] - 1.0) < SAME_MODE
-    return clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
+    return fits_clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 
 
 def _whitened(case: Case, model: Model, records: Sequence[Prepared]) -> list[_Whitened]:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from sysid.diagnosis.pairs import less, less_one
-from sysid.diagnosis.trials import Seen, trial_of
-from sysid.estimation.base_fit import ranking_error
+from sysid.diagnosis.trials import CandidateJacobians, evaluate_candidate
+from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.misfit import misfit
-from sysid.estimation.reference_fit import BaseFit
-from sysid.estimation.screening import refined
+from sysid.estimation.reference_fit import ReferenceFit
+from sysid.estimation.screening import refit_candidate
 from sysid.prediction.model import base_name
 from sysid.prediction.problem import Case
 
@@ -44,11 +44,11 @@ class Swap:
 
 def find_swaps(
     case: Case,
-    base: BaseFit,
+    base: ReferenceFit,
     added: Sequence[str],
     others_too: bool = True,
     all_effects: bool = False,
-    seen: Seen | None = None,
+    seen: CandidateJacobians | None = None,
 ) -> list[Swap]:
     """Effects added earlier that should go, each with what should come in its place.
 
@@ -59,7 +59,7 @@ def find_swaps(
         all_effects: try whatever else the library has, too.
         seen: what effects do to the residual of the model.
     """
-    now = ranking_error(base.residual)
+    now = root_mean_huber(base.residual)
     found = []
     for name in added:
         family = base_name(name)
@@ -73,7 +73,7 @@ def find_swaps(
             # Something else than these residuals told of it, as a mode's ringing does above what they show.
             continue
         below = less(case, base, family)
-        without = ranking_error(below.residual)
+        without = root_mean_huber(below.residual)
         if without <= NEEDLESS * now:
             found.append(Swap(name, None, _worst(case, base), _worst(case, below)))
             continue
@@ -82,16 +82,16 @@ def find_swaps(
         below, first = less_one(case, base, [e.name for e in case.start.effects], family, all_effects, seen)
         best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
         for look in [look for look in first.looks if base_name(look.effect.name) != family][:TRIED]:
-            candidate = refined(below.fitted, look, case.fit_records, case.scales)
-            trial = trial_of(case, below, candidate)
+            candidate = refit_candidate(below.fitted, look, case.fit_records, case.scales)
+            trial = evaluate_candidate(case, below, candidate)
             if trial is not None and trial.error**2 - 1.0 < least:
                 best, least = trial, trial.error**2 - 1.0
         if best is not None:
-            after = misfit(best.candidate.fitted.model, case.validate_records)
-            found.append(Swap(name, best.family, _worst(case, base), max(m.over_noise for m in after.values())))
+            after = misfit(best.fitted.model, case.validate_records)
+            found.append(Swap(name, best.public_name, _worst(case, base), max(m.over_noise for m in after.values())))
     return found
 
 
-def _worst(case: Case, base: BaseFit) -> float:
+def _worst(case: Case, base: ReferenceFit) -> float:
     over = [m.over_noise for m in misfit(base.fitted.model, case.validate_records).values()]
     return max(over, default=float(np.nan))

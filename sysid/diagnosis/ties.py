@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from sysid.diagnosis.pairs import Pair
-from sysid.diagnosis.trials import Trial, parameter_count, significance_of
+from sysid.diagnosis.trials import CandidateFit, parameter_count, significance_of
 from sysid.diagnosis.verdict_limits import LATE, MORE_IS_MISSING
-from sysid.estimation.base_fit import ranking_error
-from sysid.estimation.misfit import blocks, excess
-from sysid.estimation.reference_fit import BaseFit
+from sysid.estimation.fit import root_mean_huber
+from sysid.estimation.misfit import blocks, worst_over_noise
+from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.problem import Case
 
 OF_FORM = 1e-3
@@ -21,17 +21,20 @@ CONTAINED = {"coulomb": ("presliding",)}
 """Families with a limit that is the effect: bristles of no stretch are rigid. Where both do as well they are no rivals:
 the plainer one is what the records show."""
 
+COMPARED = 6
+"""Effects in the order of their held-out error among which a simpler one is preferred where it leaves as little."""
 
-def tied_beside(case: Case, base: BaseFit, pair: Pair, pairs: Sequence[Pair], partner: str) -> tuple[str, ...]:
+
+def tied_beside(case: Case, base: ReferenceFit, pair: Pair, pairs: Sequence[Pair], partner: str) -> tuple[str, ...]:
     """Families that, beside a partner, do what the other one of a pair does, but for chance."""
     numbers = blocks(case.validate_records, base.weights)
-    gained = ranking_error(base.residual) ** 2 - pair.error**2
+    gained = root_mean_huber(base.residual) ** 2 - pair.error**2
     others = [other for other in pairs if other is not pair and partner in other.names]
     return tuple(other.partner(partner) for other in others if _by_chance(pair, other, gained, numbers))[:2]
 
 
 def _by_chance(
-    first: Trial | Pair, other: Trial | Pair, gained: float, numbers: np.ndarray, alike: bool = False
+    first: CandidateFit | Pair, other: CandidateFit | Pair, gained: float, numbers: np.ndarray, alike: bool = False
 ) -> bool:
     """Whether chance alone may have put the one before the other, in samples of the blocks `numbers` (n,)."""
     behind = other.error**2 - first.error**2
@@ -41,7 +44,7 @@ def _by_chance(
     return behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5)
 
 
-def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str, ...], Trial]:
+def tied(case: Case, base: ReferenceFit, ranked: Sequence[CandidateFit]) -> tuple[tuple[str, ...], CandidateFit]:
     """The effect to name, and those that these records cannot tell from it.
 
     Tied are effects whose held-out loss differs from the best one's by chance only. Named is the simplest of them, or a
@@ -49,21 +52,21 @@ def tied(case: Case, base: BaseFit, ranked: Sequence[Trial]) -> tuple[tuple[str,
     """
     numbers = blocks(case.validate_records, base.weights)
     first = ranked[0]
-    before = ranking_error(base.residual) ** 2
+    before = root_mean_huber(base.residual) ** 2
     gained = before - first.error**2
     group = [first]
     for other in ranked[1:]:
         # Along a filtered motion a lag and a delay differ by less than what the filter costs.
-        alike = case.kind == "force-drive" and {first.family, other.family} <= LATE and other.error <= 1.0
+        alike = case.kind == "force-drive" and {first.public_name, other.public_name} <= LATE and other.error <= 1.0
         if _by_chance(first, other, gained, numbers, alike):
             group.append(other)
     best = min(group, key=lambda t: (parameter_count(t), t.error))
-    least = excess(best.after_fit, best.after_validate)
-    for other in ranked[1:]:
-        simpler = parameter_count(other) < parameter_count(best) and other.after_fit
-        as_good = simpler and excess(other.after_fit, other.after_validate) <= 1.03 * least
+    least = worst_over_noise(best.after_fit, best.after_validate)
+    for other in ranked[1:COMPARED]:
+        simpler = parameter_count(other) < parameter_count(best)
+        as_good = simpler and worst_over_noise(other.after_fit, other.after_validate) <= 1.03 * least
         if as_good and before - other.error**2 >= 0.97 * gained:
             best = other
-    rivals = [t for t in group if t is not best and t.family not in CONTAINED.get(best.family, ())]
-    names = [t.family for t in rivals if t is first or parameter_count(t) <= parameter_count(best)]
+    rivals = [t for t in group if t is not best and t.public_name not in CONTAINED.get(best.public_name, ())]
+    names = [t.public_name for t in rivals if t is first or parameter_count(t) <= parameter_count(best)]
     return tuple(names[:2]), best

@@ -3,17 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sim.library.effect import Effect
-from sysid.estimation.base_fit import fit_model, ranking_error
-from sysid.estimation.misfit import LOSS_CORNER, ChannelMisfit, at_rest, blocks, huber_square, weighted_residual
-from sysid.estimation.reference_fit import BaseFit, best_laws
-from sysid.estimation.score_test import EVERY_ROW, GridPoint, grid_of, linear_scores, target_of
-from sysid.estimation.screening import Candidate, Look, Scored, as_it_looks, look_from, refined, settled
-from sysid.estimation.truncated_records import looked_at
+from sysid.estimation.driven_stage_search import truncated
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
+from sysid.estimation.misfit import (
+    LOSS_CORNER,
+    ChannelMisfit,
+    blocks,
+    huber_square,
+    in_stick_phase,
+    misfit,
+    weighted_residual,
+)
+from sysid.estimation.reference_fit import ReferenceFit, select_variants
+from sysid.estimation.score_test import EVERY_ROW, GridPoint, candidate_directions, profiled_residual, score_test
+from sysid.estimation.screening import (
+    RefittedEffect,
+    ScoredCandidate,
+    ScreeningFit,
+    as_screened,
+    refit_candidate,
+    screen_scored,
+    search_lower_minimum,
+)
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import base_name, in_contact
 from sysid.prediction.observable import candidates_of
@@ -24,41 +40,56 @@ Progress = Callable[[str, int, int], None]
 """Called with what comes next, how many steps are done, and of how many; once more when all are."""
 
 
-@dataclass
-class Trial:
-    """One effect tried: its refit, and what it does on the held-out records.
+@dataclass(frozen=True, eq=False)
+class CandidateFit:
+    """One candidate effect refitted on top of a model, and its errors on the records of the fit and the held-out ones.
 
     Args:
-        name: of the effect, with variant and channel.
-        candidate: score and refit on the records of the fit.
-        error: ranking error on the held-out records, in deviations.
-        gain: drop of the mean squared loss on the held-out records.
-        significance: of that gain, were what the effect leaves all noise, in standard errors.
-        p_value: chance of so large a gain, by turning the sign of whole blocks' gains.
-        steadiness: mean gain of a block over its standard error.
-        share_at_rest: part of the gain made by displacements while friction holds the body.
-        fit_gain: drop of the mean squared loss on the records of the fit.
-        after_fit, after_validate: misfit by channel.
+        refit: the effect, its score statistic, and its fit to the records of the fit.
+        error: root mean Huber loss on the held-out records, in standard deviations of the noise.
+        gain: reduction of the mean Huber loss on the held-out records.
+        significance: z of that reduction: in standard errors, if what the effect leaves were all noise.
+        p_value: of that reduction, from a sign-flip test over blocks of time.
+        steadiness: t statistic of the mean reduction per block of time.
+        share_at_rest: part of the reduction made by displacements in stick phases.
+        fit_gain: reduction of the mean Huber loss on the records of the fit.
+        residual: of the held-out records, in standard deviations, (n,).
+        after_fit, after_validate: misfit by channel, on the records of the fit and on the held-out ones.
+        law: name where it is not that of the refitted effect (quantisation of one channel).
     """
 
-    name: str
-    candidate: Candidate
+    refit: RefittedEffect
     error: float
     gain: float
     significance: float
     fit_gain: float
     residual: np.ndarray
-    after_fit: dict[str, ChannelMisfit] = field(default_factory=dict)
-    after_validate: dict[str, ChannelMisfit] = field(default_factory=dict)
-
+    after_fit: dict[str, ChannelMisfit]
+    after_validate: dict[str, ChannelMisfit]
     p_value: float = 1.0
     steadiness: float = 0.0
     share_at_rest: float = 0.0
+    law: str = ""
 
     @property
-    def family(self) -> str:
-        """The name everyone uses."""
+    def name(self) -> str:
+        """Name of the effect, with variant and channel."""
+        return self.law or self.refit.effect.name
+
+    @property
+    def public_name(self) -> str:
+        """Public name of the effect, without variant and channel."""
         return base_name(self.name)
+
+    @property
+    def effect(self) -> Effect:
+        """The candidate effect."""
+        return self.refit.effect
+
+    @property
+    def fitted(self) -> FittedModel:
+        """The model with the effect, fitted."""
+        return self.refit.fitted
 
 
 REFITTED = 10
@@ -85,7 +116,7 @@ ROWS_SEEN = 5000
 
 
 @dataclass(frozen=True)
-class Seen:
+class CandidateJacobians:
     """What effects do to the residual of a model: much the same on top of one that has another effect more or less.
 
     Args:
@@ -100,7 +131,7 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class FirstLooks:
+class ScreeningResult:
     """Every candidate on top of a fitted model at first sight.
 
     Args:
@@ -110,14 +141,14 @@ class FirstLooks:
         seen: what each effect does to the residual, for looks on top of this model.
     """
 
-    looks: list[Look]
-    unfitted: list[Scored]
+    looks: list[ScreeningFit]
+    unfitted: list[ScoredCandidate]
     target: np.ndarray
-    seen: Seen | None = None
+    seen: CandidateJacobians | None = None
 
 
 @dataclass(frozen=True)
-class Search:
+class CandidateSearch:
     """Every candidate tried on top of a fitted model.
 
     Args:
@@ -125,20 +156,20 @@ class Search:
         first: the looks they began with.
     """
 
-    trials: list[Trial]
-    first: FirstLooks
+    trials: list[CandidateFit]
+    first: ScreeningResult
 
 
-def looks_on(
+def screen_all(
     case: Case,
-    base: BaseFit,
+    base: ReferenceFit,
     present: Sequence[str],
     all_effects: bool = False,
     progress: Progress | None = None,
     promising: int | None = None,
-    seen: Seen | None = None,
+    seen: CandidateJacobians | None = None,
     needed: float = 0.0,
-) -> FirstLooks:
+) -> ScreeningResult:
     """A first look at every candidate on top of a fitted model.
 
     Args:
@@ -151,14 +182,14 @@ def looks_on(
             looked at anew.
         needed: share of the squared residual that an effect has to take to be of any use.
     """
-    fitted, records = looked_at(base.fitted, case.fit_records)
+    fitted, records = truncated(base.fitted, case.fit_records)
     size = fitted.fit.residual.size
     if seen is not None and (seen.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
         # One effect more, and a driven stage slips at other times.
         seen = None
     rows = EVERY_ROW if seen is None else seen.rows
     kept = slice(None, None, max(1, size // ROWS_SEEN))
-    basis, target = target_of(fitted, rows)
+    basis, target = profiled_residual(fitted, rows)
     effects = candidates_of(case, present, all_effects)
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _bring_in(case, effects)
@@ -167,25 +198,25 @@ def looks_on(
         if progress is not None:
             progress(name, step, 2 * len(effects))
 
-    def score(numbered: tuple[int, Effect]) -> tuple[Scored, list[GridPoint]]:
+    def score(numbered: tuple[int, Effect]) -> tuple[ScoredCandidate, list[GridPoint]]:
         effect = numbered[1]
         if seen is not None and effect.name in seen.grids:
-            return Scored(effect, linear_scores(effect, seen.grids[effect.name], basis, target)), []
-        grid = grid_of(fitted, effect, records, case.scales, rows)
+            return ScoredCandidate(effect, score_test(effect, seen.grids[effect.name], basis, target)), []
+        grid = candidate_directions(fitted, effect, records, case.scales, rows)
         thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if seen is None else []
-        return Scored(effect, linear_scores(effect, grid, basis, target)), thinned
+        return ScoredCandidate(effect, score_test(effect, grid, basis, target)), thinned
 
-    def look(numbered: tuple[int, Scored]) -> Look | None:
-        return look_from(numbered[1], fitted, records, case.scales, basis, rows)
+    def look(numbered: tuple[int, ScoredCandidate]) -> ScreeningFit | None:
+        return screen_scored(numbered[1], fitted, records, case.scales, basis, rows)
 
     scored = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
     grids = {one.effect.name: grid for one, grid in scored}
-    known = sorted((one for one, _ in scored), key=lambda one: -one.promise)
+    known = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # What no linear weight stands for, only a fit can tell.
-    best = max((one.promise for one in known if one.linear), default=0.0)
+    best = max((one.score for one in known if one.linear), default=0.0)
     least = max(LEAST_PROMISE, OF_THE_BEST * best, OF_THE_NEEDED * needed)
     fits = [
-        promising is None or not one.linear or (k < promising and one.promise >= least) for k, one in enumerate(known)
+        promising is None or not one.linear or (k < promising and one.score >= least) for k, one in enumerate(known)
     ]
     fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
@@ -194,7 +225,7 @@ def looks_on(
     found = side_by_side(look, numbered, shared, lambda one: tell(one[0], one[1].effect.name))
     looks = [one for one in found if one is not None and np.isfinite(one.error)]
     looks.sort(key=lambda look: look.error)
-    return FirstLooks(looks, unfitted, target, Seen(size, kept, grids) if seen is None else seen)
+    return ScreeningResult(looks, unfitted, target, CandidateJacobians(size, kept, grids) if seen is None else seen)
 
 
 def _bring_in(case: Case, effects: Sequence[Effect]) -> None:
@@ -208,9 +239,9 @@ def _bring_in(case: Case, effects: Sequence[Effect]) -> None:
             effect.signal(signal, 1.0, effect.values())
 
 
-def try_all(
-    case: Case, base: BaseFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
-) -> Search:
+def evaluate_all(
+    case: Case, base: ReferenceFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
+) -> CandidateSearch:
     """Try every candidate on top of a fitted model."""
     looked, steps = 0, 0
 
@@ -220,16 +251,16 @@ def try_all(
         if progress is not None:
             progress(name, count, steps)
 
-    first = looks_on(case, base, present, all_effects, scoring)
-    fitted, records = looked_at(base.fitted, case.fit_records)
+    first = screen_all(case, base, present, all_effects, scoring)
+    fitted, records = truncated(base.fitted, case.fit_records)
 
-    def tried(numbered: tuple[int, Look]) -> Trial | None:
+    def tried(numbered: tuple[int, ScreeningFit]) -> CandidateFit | None:
         k, look = numbered
         if k >= REFITTED:
-            return trial_of(case, base, as_it_looks(look, records))
-        return trial_of(case, base, refined(fitted, look, records, case.scales))
+            return evaluate_candidate(case, base, as_screened(look, records))
+        return evaluate_candidate(case, base, refit_candidate(fitted, look, records, case.scales))
 
-    def tell(numbered: tuple[int, Look]) -> None:
+    def tell(numbered: tuple[int, ScreeningFit]) -> None:
         k, look = numbered
         if progress is not None and k < REFITTED:
             progress(f"refitting {look.effect.name}", looked + k, steps)
@@ -241,13 +272,15 @@ def try_all(
         progress("", steps, steps)
     trials.sort(key=lambda t: t.error)
     if fitted is not base.fitted:
-        whole = [trial_of(case, base, _in_full(base, trial.candidate, case)) for trial in trials[:IN_FULL]]
-        trials = sorted([*(t for t in whole if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
+        full_step_reduction = [
+            evaluate_candidate(case, base, _in_full(base, trial.refit, case)) for trial in trials[:IN_FULL]
+        ]
+        trials = sorted([*(t for t in full_step_reduction if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
     trials = _with_laws_anew(case, base, _gone_on(case, base, trials))
-    return Search(trials, first)
+    return CandidateSearch(trials, first)
 
 
-def _gone_on(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
+def _gone_on(case: Case, base: ReferenceFit, trials: list[CandidateFit]) -> list[CandidateFit]:
     """The trials with the first gone on to the lowest valley near, where it is promising.
 
     Where the best still leaves more than the noise, those between tip and stage go on too, whatever they promise: what
@@ -255,13 +288,13 @@ def _gone_on(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
     """
     for k in range(len(trials)):
         trial = trials[k]
-        slips = in_contact(trial.candidate.effect)
-        if k > 0 and (not slips or any(t.family == trial.family for t in trials[:k])):
+        slips = in_contact(trial.effect)
+        if k > 0 and (not slips or any(t.public_name == trial.public_name for t in trials[:k])):
             continue
         if min(t.error for t in trials) <= ONLY_NOISE:
             break
-        gone_on = settled(base.fitted, trial.candidate, case.fit_records, of_contact=slips)
-        further = trial_of(case, base, gone_on) if gone_on is not trial.candidate else None
+        gone_on = search_lower_minimum(base.fitted, trial.refit, case.fit_records, of_contact=slips)
+        further = evaluate_candidate(case, base, gone_on) if gone_on is not trial.refit else None
         if further is not None and further.error < trial.error:
             trials[k] = further
     return sorted(trials, key=lambda t: t.error)
@@ -274,32 +307,32 @@ PART_WITH_LAWS = 0.2
 """Share of the loss above the noise that an effect must take for that."""
 
 
-def _with_laws_anew(case: Case, base: BaseFit, trials: list[Trial]) -> list[Trial]:
+def _with_laws_anew(case: Case, base: ReferenceFit, trials: list[CandidateFit]) -> list[CandidateFit]:
     """The trials with the laws chosen anew beside the best of them, where the program chose any for the model.
 
     A law that made up for what was missing may be the wrong one where that is there.
     """
     families = dict.fromkeys(base_name(name) for name in base.laws)
-    known = {trial.family: trial for trial in reversed(trials)}
+    known = {trial.public_name: trial for trial in reversed(trials)}
     for trial in sorted(known.values(), key=lambda t: t.error)[:LAWS_ANEW] if families else []:
-        if trial.error <= ONLY_NOISE or explained_share(base, trial) < PART_WITH_LAWS or trial.family in families:
+        if trial.error <= ONLY_NOISE or explained_share(base, trial) < PART_WITH_LAWS or trial.public_name in families:
             continue
-        if trial.candidate.fitted.fit.residual.size != base.fitted.fit.residual.size:
+        if trial.fitted.fit.residual.size != base.fitted.fit.residual.size:
             # Fitted to the beginnings of long records: too little to choose laws by.
             continue
-        fitted, _ = best_laws(case, trial.candidate.fitted, list(families))
-        anew = trial_of(case, base, replace(trial.candidate, fitted=fitted))
-        if fitted is not trial.candidate.fitted and anew is not None and anew.error < trial.error:
+        fitted, _ = select_variants(case, trial.fitted, list(families))
+        anew = evaluate_candidate(case, base, replace(trial.refit, fitted=fitted))
+        if fitted is not trial.fitted and anew is not None and anew.error < trial.error:
             trials = [anew if t is trial else t for t in trials]
     return sorted(trials, key=lambda t: t.error)
 
 
-def _in_full(base: BaseFit, candidate: Candidate, case: Case) -> Candidate:
+def _in_full(base: ReferenceFit, candidate: RefittedEffect, case: Case) -> RefittedEffect:
     """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
     return replace(candidate, fitted=fit_model(candidate.fitted.model, case.fit_records, base.fitted.weights))
 
 
-def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
+def evaluate_candidate(case: Case, base: ReferenceFit, candidate: RefittedEffect) -> CandidateFit | None:
     """What a fitted candidate does on the held-out records; none where it predicts no number."""
     residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
     if not np.isfinite(residual).all():
@@ -308,28 +341,29 @@ def trial_of(case: Case, base: BaseFit, candidate: Candidate) -> Trial | None:
     count = int(numbers.max()) + 1 if numbers.size else 0
     before = np.bincount(numbers, huber_square(base.residual), minlength=count)
     loss = np.bincount(numbers, huber_square(residual), minlength=count)
-    before_fit = ranking_error(base.fitted.fit.residual)
-    return Trial(
-        name=candidate.effect.name,
-        candidate=candidate,
-        error=ranking_error(residual),
+    before_fit = root_mean_huber(base.fitted.fit.residual)
+    return CandidateFit(
+        refit=candidate,
+        error=root_mean_huber(residual),
         gain=float((before.sum() - loss.sum()) / max(base.residual.size, 1)),
         significance=significance_of(base.residual, residual, numbers),
-        fit_gain=before_fit**2 - ranking_error(candidate.fitted.fit.residual) ** 2,
+        fit_gain=before_fit**2 - root_mean_huber(candidate.fitted.fit.residual) ** 2,
         residual=residual,
-        p_value=_chance(before - loss),
+        after_fit=misfit(candidate.fitted.model, case.fit_records),
+        after_validate=misfit(candidate.fitted.model, case.validate_records),
+        p_value=_sign_flip_p_value(before - loss),
         steadiness=_steadiness(before - loss),
         share_at_rest=_share_at_rest(base, residual),
     )
 
 
-def _share_at_rest(base: BaseFit, residual: np.ndarray) -> float:
+def _share_at_rest(base: ReferenceFit, residual: np.ndarray) -> float:
     drops = huber_square(base.residual) - huber_square(residual)
     total = float(drops.sum())
-    return float(drops[at_rest(base.weights)].sum()) / total if total > 0.0 else 0.0
+    return float(drops[in_stick_phase(base.weights)].sum()) / total if total > 0.0 else 0.0
 
 
-def _chance(drops: np.ndarray, flips: int = 2000) -> float:
+def _sign_flip_p_value(drops: np.ndarray, flips: int = 2000) -> float:
     """Chance of so large a total drop, were each block's drop as likely a rise (sign-flip test, (m,) blocks)."""
     rng = np.random.default_rng(0)
     signs = rng.choice([-1.0, 1.0], size=(flips, drops.size))
@@ -350,21 +384,21 @@ def significance_of(worse: np.ndarray, better: np.ndarray, numbers: np.ndarray) 
     Beyond the corner the loss is linear: there d counts up to it, as it does in the drop.
     """
     d = np.clip(worse, -LOSS_CORNER, LOSS_CORNER) - np.clip(better, -LOSS_CORNER, LOSS_CORNER)
-    drop = float(huber_square(worse).sum() - huber_square(better).sum())
+    predicted_reduction = float(huber_square(worse).sum() - huber_square(better).sum())
     sums = np.bincount(numbers, d * np.clip(better, -8.0, 8.0))
     # Within a block noise may cancel by luck: no less than independent samples would give.
     floor = float(np.sum((d * np.clip(better, -8.0, 8.0)) ** 2))
     spread = 2.0 * float(np.sqrt(max(float(np.sum(sums**2)), floor)))
-    return drop / spread if spread > 0 else 0.0
+    return predicted_reduction / spread if spread > 0 else 0.0
 
 
-def one_per_family(trials: Sequence[Trial]) -> list[Trial]:
+def one_per_family(trials: Sequence[CandidateFit]) -> list[CandidateFit]:
     """The best law of each effect; between laws that differ by chance only, the one with fewer parameters."""
-    kept: dict[str, Trial] = {}
+    kept: dict[str, CandidateFit] = {}
     for trial in trials:
-        other = kept.get(trial.family)
+        other = kept.get(trial.public_name)
         if other is None or (parameter_count(trial) < parameter_count(other) and trial.error <= 1.01 * other.error):
-            kept[trial.family] = trial
+            kept[trial.public_name] = trial
     return sorted(kept.values(), key=lambda t: t.error)
 
 
@@ -372,18 +406,18 @@ WHERE = ("phase", "rest_position")
 """Parameters that say where along the axis a law lies: one law is no simpler than another for being told that."""
 
 
-def parameter_count(trial: Trial) -> int:
+def parameter_count(trial: CandidateFit) -> int:
     """How many values the model has to fit, but for those that only say where it lies."""
-    return sum(unknown.key.rpartition(".")[2] not in WHERE for unknown in trial.candidate.fitted.model.unknowns)
+    return sum(unknown.key.rpartition(".")[2] not in WHERE for unknown in trial.fitted.model.unknowns)
 
 
-def explained_share(base: BaseFit, trial: Trial) -> float:
+def explained_share(base: ReferenceFit, trial: CandidateFit) -> float:
     """Share of the held-out loss above the noise that the effect takes away."""
     return share_of_error(base, trial.error)
 
 
-def share_of_error(base: BaseFit, error: float) -> float:
+def share_of_error(base: ReferenceFit, error: float) -> float:
     """Share of the held-out loss above the noise that is gone where a model's ranking error is `error`."""
-    before = ranking_error(base.residual) ** 2
+    before = root_mean_huber(base.residual) ** 2
     floor = min(1.0, error**2)
     return float((before - error**2) / max(before - floor, 1e-9))

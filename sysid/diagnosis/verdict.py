@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from sysid.diagnosis.evidence import Evidence, is_worthwhile, misfits_of
+from sysid.diagnosis.evidence import Evidence, is_worthwhile
 from sysid.diagnosis.pairs import Pair, best_pairs
 from sysid.diagnosis.ties import tied, tied_beside
-from sysid.diagnosis.trials import Trial, explained_share, share_of_error
+from sysid.diagnosis.trials import CandidateFit, explained_share, share_of_error
 from sysid.diagnosis.verdict_limits import (
     AT_REST,
     AT_STARTS,
@@ -44,7 +44,7 @@ from sysid.diagnosis.verdict_limits import (
     VARIANCE_ENOUGH,
     VARIANCE_OF_TWO,
 )
-from sysid.estimation.misfit import excess, misfit
+from sysid.estimation.misfit import misfit, worst_over_noise
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ class Verdict:
     """
 
     verdict: str
-    best: Trial | None
+    best: CandidateFit | None
     ties: tuple[str, ...]
     left: float
     reason: str
-    told_by: str = ""
+    detected_by: str = ""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class _Named:
         away: its share of the loss away from the turns of a driven mass; none where there are no turns.
     """
 
-    trial: Trial
+    trial: CandidateFit
     ties: tuple[str, ...]
     share: float
     left: float
@@ -102,7 +102,7 @@ class _Named:
 EXPLAINS_ALL = "explains what can be explained"
 
 
-def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
+def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
     """The verdict on a base model and the effects tried on it.
 
     Args:
@@ -121,7 +121,7 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
     noise = _only_noise(evidence, named)
     if noise is not None:
         return _adequate(noise)
-    if excess(best.after_fit, best.after_validate) <= NEARLY_NOISE:
+    if worst_over_noise(best.after_fit, best.after_validate) <= NEARLY_NOISE:
         return named.missing(EXPLAINS_ALL)
     bent = named.enough_alone and evidence.bent(best)
     pairs = best_pairs(evidence.case, evidence.base, evidence.search.first)
@@ -131,14 +131,14 @@ def verdict_on(evidence: Evidence, quantised: Trial | None) -> Verdict:
     elif named.enough_alone and not bent:
         return named.missing(EXPLAINS_ALL)
     if pair is not None and _explains(evidence, pair, bent):
-        partner = pair.partner(first.family)
+        partner = pair.partner(first.public_name)
         beside = tied_beside(evidence.case, evidence.base, pair, pairs, partner)
         ties = tuple(dict.fromkeys(name for name in (*beside, *named.ties) if name != partner))[:2]
         return replace(named, ties=ties).missing(f"explains its share; {partner} the rest")
     return _of_a_part(evidence, named, bent)
 
 
-def _named(evidence: Evidence, trial: Trial, ties: tuple[str, ...]) -> _Named:
+def _named(evidence: Evidence, trial: CandidateFit, ties: tuple[str, ...]) -> _Named:
     return _Named(
         trial, ties, explained_share(evidence.base, trial), evidence.left_by(trial), evidence.share_away(trial)
     )
@@ -152,7 +152,7 @@ def _unexplained(left: float, reason: str) -> Verdict:
     return Verdict("unexplained", None, (), left, reason)
 
 
-def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
+def _nothing_gains(evidence: Evidence, best: CandidateFit | None) -> Verdict:
     """Where no single effect lowers the held-out loss by more than chance."""
     at_the_noise = evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE
     if at_the_noise and not evidence.in_spells:
@@ -162,9 +162,9 @@ def _nothing_gains(evidence: Evidence, best: Trial | None) -> Verdict:
             "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought"
         )
     for pair in _only_together(evidence, best):
-        first = next((trial for trial in evidence.ranked if trial.family in pair.names), None)
+        first = next((trial for trial in evidence.ranked if trial.public_name in pair.names), None)
         if first is not None and _explains(evidence, pair):
-            reason = f"does little alone; with {pair.partner(first.family)} it explains what can be explained"
+            reason = f"does little alone; with {pair.partner(first.public_name)} it explains what can be explained"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
     where = "above the noise in stretches" if at_the_noise else "above the noise"
     return _unexplained(1.0, f"the misfit is {where}, and no effect lowers it on held-out records by more than chance")
@@ -181,7 +181,7 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     steady = best.steadiness >= SURE_STEADINESS and best.significance >= LEAST_SIGNIFICANCE
     to_the_noise |= steady and (taken >= SURE_PART or best.significance >= SURE_SIGNIFICANCE)
-    of_starts = evidence.like_turns(best) or best.family in AT_STARTS
+    of_starts = evidence.like_turns(best) or best.public_name in AT_STARTS
     certain = taken >= MUCH_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0 and not certain
     little = nothing_above or named.share < 0.5 or (of_starts and not to_the_noise)
@@ -194,11 +194,11 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
 
 def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     """Where neither one effect nor two of the best-scored ones explain the misfit."""
-    case, best = evidence.case, named.trial
-    remaining = evidence.pattern_left(best.candidate.fitted.model)
+    best = named.trial
+    remaining = evidence.pattern_left(best.fitted.model)
     turn_like = evidence.balance and evidence.like_turns(best)
     had_a_pattern = evidence.pattern >= LEAST_PATTERN > remaining
-    little_left = excess(*misfits_of(case, best)) <= UNDERRATED
+    little_left = worst_over_noise(best.after_fit, best.after_validate) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
     quiet = remaining < LEAST_PATTERN_LEFT and not bent and not evidence.bent(best)
     # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
@@ -214,7 +214,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     for first in _as_good(evidence, best, bent) if patterned else []:
         above = evidence.on_top(first)[:1]
         if above and _explains(evidence, above[0], bent):
-            reason = f"explains its share; {above[0].partner(first.family)} the rest"
+            reason = f"explains its share; {above[0].partner(first.public_name)} the rest"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
     if not patterned and evidence.over <= UNDERRATED and named.share < SHARE_OF_NOISE:
         return _adequate(
@@ -223,17 +223,17 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     if bent:
         return _unexplained(
             named.left,
-            f"{best.family} takes {100 * named.part:.0f} % of the misfit, but what it leaves still follows "
-            f"{best.candidate.effect.coordinates[0]}: the law is another than its own",
+            f"{best.public_name} takes {100 * named.part:.0f} % of the misfit, but what it leaves still follows "
+            f"{best.effect.coordinates[0]}: the law is another than its own",
         )
     return _unexplained(
         1.0 - max(named.share, 0.0),
-        f"the best effect, {best.family}, takes only {100 * named.share:.0f} % of the misfit, "
+        f"the best effect, {best.public_name}, takes only {100 * named.share:.0f} % of the misfit, "
         "and no second one the rest",
     )
 
 
-def _apart_from_patterns(evidence: Evidence) -> Trial | None:
+def _apart_from_patterns(evidence: Evidence) -> CandidateFit | None:
     """The effect that explains what is left apart from the patterns of the effects that earlier rounds added."""
     if not evidence.added:
         return None
@@ -244,16 +244,19 @@ def _apart_from_patterns(evidence: Evidence) -> Trial | None:
     return best if best is not None and evidence.share_apart(best) >= SHARE_ENOUGH else None
 
 
-def _as_good(evidence: Evidence, best: Trial, bent: bool) -> list[Trial]:
+def _as_good(evidence: Evidence, best: CandidateFit, bent: bool) -> list[CandidateFit]:
     """The effect named, and the next best that leave hardly more: any of them may be one of two.
 
     Of a `bent` effect its other laws: beside a second effect another of them may be straight.
     """
     among = evidence.search.trials if bent else evidence.ranked
     others = [
-        trial for trial in among
-        if trial is not best and trial.error <= HARDLY_MORE * best.error and (not bent or trial.family == best.family)
-    ]  # fmt: skip
+        trial
+        for trial in among
+        if trial is not best
+        and trial.error <= HARDLY_MORE * best.error
+        and (not bent or trial.public_name == best.public_name)
+    ]
     return [best, *others[:2]]
 
 
@@ -263,7 +266,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     if set(pair.names) <= RESTORING:
         return False
     case = evidence.case
-    after = excess(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
+    after = worst_over_noise(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
     rest_left = evidence.left_at(after)
     rest = share_of_error(evidence.base, pair.error)
     patterns = evidence.patterns_left(pair.model)
@@ -280,7 +283,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     return quiet or silent or much
 
 
-def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:
+def _only_together(evidence: Evidence, best: CandidateFit | None) -> Iterator[Pair]:
     """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
     case, base, search = evidence.case, evidence.base, evidence.search
     yield from best_pairs(case, base, search.first)[:1]
@@ -288,7 +291,7 @@ def _only_together(evidence: Evidence, best: Trial | None) -> Iterator[Pair]:
         yield from evidence.on_top(best)[:1]
 
 
-def _beside(evidence: Evidence, best: Trial, pairs: list[Pair]) -> tuple[Pair | None, Trial]:
+def _beside(evidence: Evidence, best: CandidateFit, pairs: list[Pair]) -> tuple[Pair | None, CandidateFit]:
     """The pair of effects that explains most, and the one of the two to name first.
 
     A pair without the best single effect is taken where it leaves far less than any pair with it: then that effect
@@ -296,10 +299,10 @@ def _beside(evidence: Evidence, best: Trial, pairs: list[Pair]) -> tuple[Pair | 
     """
     if not pairs:
         return None, best
-    with_best = [pair for pair in pairs if best.family in pair.names]
+    with_best = [pair for pair in pairs if best.public_name in pair.names]
     least = min([best.error, *(pair.error for pair in with_best)])
     if max(pairs[0].error ** 2 - 1.0, 0.0) < LEANS * (least**2 - 1.0):
-        members = [trial for trial in evidence.ranked if trial.family in pairs[0].names]
+        members = [trial for trial in evidence.ranked if trial.public_name in pairs[0].names]
         if members and best not in members:
             return pairs[0], members[0]
     return (with_best[0] if with_best else None), best

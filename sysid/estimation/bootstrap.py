@@ -26,11 +26,11 @@ import numpy as np
 from sim.library.catalogue import find
 from sim.library.custom import load_all_custom
 from stagecad.parameters.errors import InputError
-from sysid.estimation.base_fit import Fitted
 from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
-from sysid.estimation.misfit import Weighting, weighted_residual
-from sysid.estimation.systematic_errors import systematic_changes
+from sysid.estimation.misfit import ResidualWeights, weighted_residual
+from sysid.estimation.systematic_errors import systematic_errors
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.unknowns import Prior, Unknown
@@ -61,7 +61,7 @@ class Refit:
     names: tuple[str, ...]
     values: dict[str, float]
     unknowns: tuple[Unknown, ...]
-    weights: Weighting
+    weights: ResidualWeights
     custom: tuple[tuple[str, str], ...]
 
 
@@ -91,7 +91,7 @@ def _prepared(refit: Refit) -> _Prepared:
     residual = weighted_residual(model, records, refit.weights)
     columns = result.jacobian[:, np.linalg.norm(result.jacobian, axis=0) > 0.0]
     basis = np.linalg.qr(columns)[0] if columns.size else np.empty((residual.size, 0))
-    changes = systematic_changes(Fitted(model, result, refit.weights), records)
+    changes = systematic_errors(FittedModel(model, result, refit.weights), records)
     return _Prepared(model, records, residual, basis, tuple(changes))
 
 
@@ -100,7 +100,7 @@ def _residual(refit: Refit, model: Model, records: Sequence[Prepared], point: np
     return weighted_residual(model, records, refit.weights, values)
 
 
-def refit_of(case: Case, fitted: Fitted) -> Refit:
+def refit_of(case: Case, fitted: FittedModel) -> Refit:
     """What another process needs to refit a case.
 
     Raises:
@@ -138,11 +138,11 @@ def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
     return tuple(result.values[u.key] for u in unknowns) if result.converged else None
 
 
-def _blocks(records: Sequence[Prepared], weights: Weighting, offset: float) -> np.ndarray:
+def _blocks(records: Sequence[Prepared], weights: ResidualWeights, offset: float) -> np.ndarray:
     """Number (n,) of each sample's block of time, the same for all channels of a record; `offset` in blocks."""
     parts, start = [], 0
-    for record, picks in zip(records, weights.picks, strict=True):
-        for pick in picks.values():
+    for record, samples in zip(records, weights.samples, strict=True):
+        for pick in samples.values():
             parts.append(start + (pick * BLOCKS_PER_RECORD / record.size + offset).astype(int))
         start += BLOCKS_PER_RECORD + 1
     return np.concatenate(parts)

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sysid.estimation.base_fit import Fitted
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import blocks
-from sysid.estimation.systematic_errors import systematic_changes
+from sysid.estimation.systematic_errors import systematic_errors
 from sysid.prediction.model import Prepared
 
 BLOCKS_PER_RECORD = 40
@@ -43,7 +43,7 @@ class Intervals:
     unidentified: tuple[str, ...]
 
 
-def intervals(fitted: Fitted, records: Sequence[Prepared]) -> Intervals:
+def intervals(fitted: FittedModel, records: Sequence[Prepared]) -> Intervals:
     """95 % intervals from a covariance in which whole blocks of time count as one observation.
 
         cov = H^-1 (sum_b g_b g_b^T + (g_b g_b+1^T + g_b+1 g_b^T)/2) H^-1 * (B - 1)/B
@@ -84,7 +84,7 @@ def intervals(fitted: Fitted, records: Sequence[Prepared]) -> Intervals:
     told = (pulls.T @ pulls + 0.5 * (crossed + crossed.T)) * (seen - 1) / seen
     covariance = root @ (told + root.T @ np.diag((known * deviations) ** 2) @ root) @ root.T
 
-    for change in systematic_changes(fitted, records):
+    for change in systematic_errors(fitted, records):
         shift = root @ (root.T @ (columns.T @ (inner * change)))
         covariance += np.outer(shift, shift)
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.library.catalogue import find
 from sim.library.effect import Effect
-from sysid.estimation.base_fit import ranking_error
+from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.least_squares import least_squares
 from sysid.prediction.friction_drive.friction import CONTACT
 from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS, contact_damping
@@ -151,7 +151,7 @@ def rough_starts(
         least_squares(residual, model.at(point).unknowns, iterations=effort.steps)
         for point in _unlike(best, effort.tried, UNLIKE)
     ]
-    nearest = [found.values for found in sorted(fits, key=lambda f: ranking_error(f.residual))]
+    nearest = [found.values for found in sorted(fits, key=lambda f: root_mean_huber(f.residual))]
     return [
         model.at(least_squares(residual, model.at(point).unknowns).values)
         for point in _unlike(nearest, effort.kept, UNLIKE)

@@ -44,7 +44,7 @@ class FitResult:
     weights: np.ndarray
     keys: tuple[str, ...]
     at_bound: tuple[str, ...] = ()
-    dead: tuple[str, ...] = ()
+    inactive: tuple[str, ...] = ()
     iterations: int = 0
     converged: bool = True
     measured: bool = True
@@ -208,8 +208,8 @@ def least_squares(
     iterations: int = 25,
     tolerance: float = 1e-5,
     known: Mapping[str, np.ndarray] | None = None,
-    as_measured: bool = False,
-    last_word: bool = True,
+    exact_jacobian: bool = False,
+    final_jacobian: bool = True,
 ) -> FitResult:
     """Levenberg-Marquardt within bounds on a weighted residual, with Huber weights renewed at every step.
 
@@ -238,8 +238,8 @@ def least_squares(
     def loss_here() -> _Loss:
         return _Loss(robust_scale(base) if robust else np.inf, priors)
 
-    columns, measured = jacobian(function, point, base, unknowns, known), as_measured or not known
-    dead = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
+    columns, measured = jacobian(function, point, base, unknowns, known), exact_jacobian or not known
+    inactive = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
     damping, accepted, left = 1e-4, 0, iterations if unknowns else 0
     converged = not unknowns
     while left > 0 and not converged:
@@ -280,7 +280,7 @@ def least_squares(
         else:
             lengths = bowl.norms**2 * moved
             columns, measured = columns + np.outer(lengths / float(lengths @ moved), base - foretold).T, False
-    if not measured and last_word:
+    if not measured and final_jacobian:
         columns, measured = jacobian(function, point, base, unknowns), True
     loss = loss_here()
     at_bound = tuple(u.key for u, value in zip(unknowns, point, strict=True) if (value <= u.low or value >= u.high))
@@ -288,6 +288,6 @@ def least_squares(
         values=dict(zip(keys, point.tolist(), strict=True)),
         cost=loss.of_residual(base),
         jacobian=columns, residual=base, weights=loss.weights(base), keys=keys, at_bound=at_bound,
-        dead=dead, iterations=accepted, converged=converged, measured=measured,
+        inactive=inactive, iterations=accepted, converged=converged, measured=measured,
         precision=priors.precision(loss.scale),
     )  # fmt: skip

@@ -62,12 +62,12 @@ class ChannelMisfit:
     size: int
 
 
-def ruled_by_few(before: ChannelMisfit, after: ChannelMisfit) -> bool:
+def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> bool:
     """Whether the plain rms hides how far the error fell: few samples beside reversals rule it, or it shows at rest."""
     return after.rms * before.over_noise > 2.0 * after.over_noise * before.rms
 
 
-def scored_of(record: Prepared) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+def scored_channels(record: Prepared) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
     """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
     if isinstance(record, Balance):
         return record.scored
@@ -78,14 +78,12 @@ FOLLOWED = 0.1
 """Part of the uncertain timing that is left where bristles follow a given position, and no force flips in a step."""
 
 
-def sample_deviation(
-    record: Prepared, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0
-) -> np.ndarray:
+def sample_std(record: Prepared, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0) -> np.ndarray:
     """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep.
 
     `timing` is the part of the record's own uncertainty of timing that the model leaves.
     """
-    noise = scored_of(record)[channel][2]
+    noise = scored_channels(record)[channel][2]
     if not isinstance(record, Balance) or record.jitter == 0.0 or channel == REST:
         return np.full(record.size, noise)
     steep = np.gradient(predicted[channel], record.step)
@@ -128,39 +126,39 @@ def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit
     return out
 
 
-def excess(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
+def worst_over_noise(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
     """Largest error over noise of any channel, on the records of the fit or the held-out ones."""
     return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
 
 
 @dataclass(frozen=True)
-class Weighting:
+class ResidualWeights:
     """What makes residuals comparable between models: fixed deviations and thinning, taken from the base model."""
 
     deviations: tuple[dict[str, np.ndarray], ...]
-    picks: tuple[dict[str, np.ndarray], ...]
+    samples: tuple[dict[str, np.ndarray], ...]
 
     @cached_property
-    def at_picks(self) -> tuple[dict[str, np.ndarray], ...]:
+    def scored_std(self) -> tuple[dict[str, np.ndarray], ...]:
         """The deviations at the samples that are scored."""
         return tuple(
-            {channel: deviations[channel][pick] for channel, pick in picks.items()}
-            for deviations, picks in zip(self.deviations, self.picks, strict=True)
+            {channel: deviations[channel][pick] for channel, pick in samples.items()}
+            for deviations, samples in zip(self.deviations, self.samples, strict=True)
         )
 
 
-def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> Weighting:
+def residual_weights(model: Model, records: Sequence[Prepared], thin: bool = True) -> ResidualWeights:
     """Deviations from the base model's prediction, and the samples that are scored.
 
     A filtered record is thinned to a sample per filter width: its neighbours say the same, and count once.
     """
-    deviations, picks = [], []
+    deviations, samples = [], []
     for record in records:
         predicted = predict(record, model.effects, model.values)
-        scored = scored_of(record)
+        scored = scored_channels(record)
         given = isinstance(record, Balance) and record.stuck is None
         timing = FOLLOWED if given and any(e.core and e.core.name != "coulomb" for e in model.effects) else 1.0
-        deviations.append({c: sample_deviation(record, predicted, c, timing) for c in scored})
+        deviations.append({c: sample_std(record, predicted, c, timing) for c in scored})
         every = 1
         if thin and isinstance(record, Balance) and record.whole is not None:
             every = max(1, int(record.whole.width / record.step))
@@ -168,27 +166,27 @@ def weighting(model: Model, records: Sequence[Prepared], thin: bool = True) -> W
         for channel, (_, valid, _) in scored.items():
             index = np.flatnonzero(valid)
             pick[channel] = index[::every]
-        picks.append(pick)
-    return Weighting(tuple(deviations), tuple(picks))
+        samples.append(pick)
+    return ResidualWeights(tuple(deviations), tuple(samples))
 
 
 def weighted_residual(
-    model: Model, records: Sequence[Prepared], weights: Weighting, values: Mapping[str, float] | None = None
+    model: Model, records: Sequence[Prepared], weights: ResidualWeights, values: Mapping[str, float] | None = None
 ) -> np.ndarray:
     """Residual over its deviation at the scored samples, all channels of all records end to end, (n,)."""
     values = model.values if values is None else values
     parts = []
-    for record, scales, picks in zip(records, weights.at_picks, weights.picks, strict=True):
-        predicted = predict(record, model.effects, values, picks)
-        scored = scored_of(record)
-        for channel, pick in picks.items():
+    for record, scales, samples in zip(records, weights.scored_std, weights.samples, strict=True):
+        predicted = predict(record, model.effects, values, samples)
+        scored = scored_channels(record)
+        for channel, pick in samples.items():
             parts.append((scored[channel][0][pick] - predicted[channel]) / scales[channel])
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def at_rest(weights: Weighting) -> np.ndarray:
+def in_stick_phase(weights: ResidualWeights) -> np.ndarray:
     """Which of the scored samples (n,) are displacements while friction holds the body."""
-    parts = [np.full(pick.size, channel == REST) for picks in weights.picks for channel, pick in picks.items()]
+    parts = [np.full(pick.size, channel == REST) for samples in weights.samples for channel, pick in samples.items()]
     return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
@@ -196,17 +194,17 @@ AWAY = 4.0
 """Widths of the filter from a stop, a start or a turn beyond which nothing of it is left in a balance."""
 
 
-def away_from_turns(records: Sequence[Prepared], weights: Weighting) -> np.ndarray:
+def away_from_events(records: Sequence[Prepared], weights: ResidualWeights) -> np.ndarray:
     """Which of the scored samples (n,) of driven masses lie in motion or at rest, beyond the reach of any turn.
 
     Where a mass stops and starts, its balance depends on when to a fraction of a sample; beside, on the laws alone.
     """
     parts = []
-    for record, picks in zip(records, weights.picks, strict=True):
+    for record, samples in zip(records, weights.samples, strict=True):
         near = np.ones(record.size, dtype=bool)
         if isinstance(record, Balance) and record.stops is not None and record.whole is not None:
             near = _near(record, AWAY * record.whole.width / record.step)
-        parts += [~near[pick] if channel != REST else np.zeros(pick.size, bool) for channel, pick in picks.items()]
+        parts += [~near[pick] if channel != REST else np.zeros(pick.size, bool) for channel, pick in samples.items()]
     return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
@@ -219,11 +217,11 @@ def _near(record: Balance, reach: float) -> np.ndarray:
     return near[:-1].astype(bool)
 
 
-def blocks(records: Sequence[Prepared], weights: Weighting, per_record: int = 24) -> np.ndarray:
+def blocks(records: Sequence[Prepared], weights: ResidualWeights, per_record: int = 24) -> np.ndarray:
     """Block number (n,) of each scored sample: stretches of time, the same for all channels of a record."""
     parts, start = [], 0
-    for record, picks in zip(records, weights.picks, strict=True):
-        for pick in picks.values():
+    for record, samples in zip(records, weights.samples, strict=True):
+        for pick in samples.values():
             parts.append(start + (pick * per_record) // record.size)
         start += per_record
     return np.concatenate(parts) if parts else np.empty(0, dtype=int)

@@ -1,27 +1,36 @@
-"""The model of a case at its best fit, with the law of each effect that fits best."""
+"""The model of a case at its best fit, with the law of each effect that fits best.
+The first fit of a model as an experiment states it: shape parameters that nobody gave a start are searched for.
+
+A Stribeck velocity or a tooth's pitch has no gradient where its effect is still absent, or is off by more than a
+fraction of itself. A fit that starts anywhere stays there, finds no amplitude, and an effect that the model has would
+seem to be missing from it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from sim.library.catalogue import find, laws_of
-from sysid.estimation.base_fit import Fitted, fit_model, ranking_error
-from sysid.estimation.core_variants import core_laws
-from sysid.estimation.initial_fit import first_fit
-from sysid.estimation.misfit import Weighting, weighted_residual, weighting
-from sysid.estimation.starting_points import searched
-from sysid.prediction.model import Model, base_name, law_family
+from sim.library.effect import Effect
+from sysid.estimation.driven_stage_search import lowest_minimum
+from sysid.estimation.driven_stage_starts import rough_starts
+from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
+from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
+from sysid.estimation.score_test import profiled_residual
+from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.variant_selection import core_variant_fits, fit_replacement
+from sysid.prediction.model import Model, Prepared, Scales, base_name, law_family
 from sysid.prediction.observable import shows_on
 from sysid.prediction.problem import Case
 from sysid.signals.side_by_side import side_by_side
 
 
 @dataclass(frozen=True)
-class BaseFit:
+class ReferenceFit:
     """The model of a case at its best, and what the comparison with others needs.
 
     Args:
@@ -32,28 +41,28 @@ class BaseFit:
         memo: searches on top of this fit that more than one question needs, by what they are.
     """
 
-    fitted: Fitted
-    weights: Weighting
+    fitted: FittedModel
+    weights: ResidualWeights
     residual: np.ndarray
     laws: tuple[str, ...] = ()
     memo: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
 
-def fit_case(case: Case, model: Model | None = None) -> BaseFit:
+def fit_stated_model(case: Case, model: Model | None = None) -> ReferenceFit:
     """Fit the case's model; an effect named without a variant takes the law of its family that fits best."""
     chosen: tuple[str, ...] = ()
     if model is not None:
         fitted = fit_model(model, case.fit_records)
     else:
         given = [key for key, setting in case.experiment.parameters.items() if setting.start is not None]
-        fitted = first_fit(case.start, case.fit_records, case.scales, given)
-        fitted, chosen = best_laws(case, fitted)
-    weights = weighting(fitted.model, case.validate_records)
+        fitted = initial_fit(case.start, case.fit_records, case.scales, given)
+        fitted, chosen = select_variants(case, fitted)
+    weights = residual_weights(fitted.model, case.validate_records)
     residual = weighted_residual(fitted.model, case.validate_records, weights)
-    return BaseFit(fitted, weights, residual, chosen)
+    return ReferenceFit(fitted, weights, residual, chosen)
 
 
-def clearly_better(other: Fitted, fitted: Fitted) -> bool:
+def fits_clearly_better(other: FittedModel, fitted: FittedModel) -> bool:
     """Whether another law of an effect fits so much better that chance and its extra values do not explain it."""
     extra = len(other.model.unknowns) - len(fitted.model.unknowns)
     # Law by law the cost of a wrong curve is far above the noise; chance is not.
@@ -64,22 +73,24 @@ BETTER_HELD_OUT = 0.67
 """Part of the held-out loss above the noise below which another law of an effect is taken for that alone."""
 
 
-def holds_better(case: Case, other: Fitted, fitted: Fitted) -> bool:
+def predicts_clearly_better(case: Case, other: FittedModel, fitted: FittedModel) -> bool:
     """Whether another law of an effect fits clearly better or, fitting no worse, predicts the held-out records so."""
-    if clearly_better(other, fitted):
+    if fits_clearly_better(other, fitted):
         return True
-    weights = weighting(fitted.model, case.validate_records)
-    errors = [ranking_error(weighted_residual(m, case.validate_records, weights)) for m in (other.model, fitted.model)]
+    weights = residual_weights(fitted.model, case.validate_records)
+    errors = [
+        root_mean_huber(weighted_residual(m, case.validate_records, weights)) for m in (other.model, fitted.model)
+    ]
     above = [error**2 - 1.0 for error in errors]
     return other.fit.cost <= fitted.fit.cost and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
 
 
-def best_laws(
+def select_variants(
     case: Case,
-    fitted: Fitted,
+    fitted: FittedModel,
     families: Collection[str] | None = None,
-    better: Callable[[Fitted, Fitted], bool] = clearly_better,
-) -> tuple[Fitted, tuple[str, ...]]:
+    better: Callable[[FittedModel, FittedModel], bool] = fits_clearly_better,
+) -> tuple[FittedModel, tuple[str, ...]]:
     """A fit in which effects have the best law of their family.
 
     The law of the family's own name is taken unless another is better.
@@ -94,7 +105,7 @@ def best_laws(
         The fit, and the names of the laws that took their family's place.
     """
     chosen: list[str] = []
-    for name in open_laws(case) if families is None else families:
+    for name in selectable_effects(case) if families is None else families:
         for place in dict.fromkeys(law_family(e.name) for e in fitted.model.effects):
             if name in (place, base_name(place)):
                 fitted = _best_law(case, fitted, place, better)
@@ -106,39 +117,99 @@ def best_laws(
     return fitted, tuple(dict.fromkeys(chosen))
 
 
-def _best_law(case: Case, fitted: Fitted, place: str, better: Callable[[Fitted, Fitted], bool]) -> Fitted:
+def _best_law(
+    case: Case, fitted: FittedModel, place: str, better: Callable[[FittedModel, FittedModel], bool]
+) -> FittedModel:
     """A fit in which one effect, named without a variant, has its best law."""
     effect = find(place, case.custom)
-    before: list[Fitted] = []
+    before: list[FittedModel] = []
     if place not in {e.name for e in fitted.model.effects}:
         # Another law was chosen while the model still lacked something; its fit may be better than any begun anew.
         before = [fitted]
-        fitted = searched(fitted, effect, case.fit_records, case.scales)
+        fitted = fit_replacement(fitted, effect, case.fit_records, case.scales)
     if effect.core is not None:
-        trials = core_laws(fitted, effect, case.fit_records, case.scales)
+        trials = core_variant_fits(fitted, effect, case.fit_records, case.scales)
     else:
         shown = [law for law in laws_of(place, case.custom) if shows_on(case, law)]
         given, shared = fitted, (*shown, *fitted.model.effects)
-        trials = side_by_side(lambda law: searched(given, law, case.fit_records, case.scales), shown, shared)
+        trials = side_by_side(lambda law: fit_replacement(given, law, case.fit_records, case.scales), shown, shared)
     best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
     return best if better(best, fitted) else fitted
 
 
-def _best_channel(case: Case, fitted: Fitted, place: str, better: Callable[[Fitted, Fitted], bool]) -> Fitted:
+def _best_channel(
+    case: Case, fitted: FittedModel, place: str, better: Callable[[FittedModel, FittedModel], bool]
+) -> FittedModel:
     """A fit in which a sensor's effect acts on the channel where it does best: which, what was missing may have hid."""
     present = {law_family(e.name) for e in fitted.model.effects}
     channels = [name for name in case.fit_records[0].measured if f"{base_name(place)}@{name}" not in present]
     places = [f"{base_name(place)}@{channel}" for channel in channels]
     laws = [law for other in places for law in (find(other, case.custom), *laws_of(other, case.custom))]
-    trials = [searched(fitted, law, case.fit_records, case.scales, place) for law in laws if shows_on(case, law)]
+    trials = [fit_replacement(fitted, law, case.fit_records, case.scales, place) for law in laws if shows_on(case, law)]
     best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
     return best if better(best, fitted) else fitted
 
 
-def open_laws(case: Case) -> tuple[str, ...]:
+def selectable_effects(case: Case) -> tuple[str, ...]:
     """Effects whose law is for the fit to choose: named without a variant, and with no value given by the user."""
     given = {key.rpartition(".")[0] for key in case.experiment.parameters}
     return tuple(
         e.name for e in case.start.effects
         if ":" not in e.name and e.variants and e.name not in given
     )  # fmt: skip
+
+
+def initial_fit(model: Model, records: Sequence[Prepared], scales: Scales, given: Collection[str]) -> FittedModel:
+    """Fit of a model from its stated start, and from one that is searched for, whichever ends better.
+
+    Args:
+        model: as the experiment states it.
+        records: those fitted.
+        scales: of the records.
+        given: keys of parameters whose start the experiment states; effects with any of these are not searched.
+    """
+    direct = fit_model(model, records)
+    for start in rough_starts(model, records, given):
+        other = fit_model(start, records)
+        before = root_mean_huber(direct.fit.residual)
+        if root_mean_huber(weighted_residual(other.model, records, direct.weights)) < before:
+            model, direct = start, other
+    lower = lowest_minimum(direct, records)
+    if lower is not direct:
+        direct = fit_model(lower.model, records)
+    start = _start_from_screening(model, records, scales, given)
+    if start is None:
+        return direct
+    other = fit_model(start, records)
+    before = root_mean_huber(direct.fit.residual)
+    after = root_mean_huber(weighted_residual(other.model, records, direct.weights))
+    return other if after < before else direct
+
+
+def _start_from_screening(
+    model: Model, records: Sequence[Prepared], scales: Scales, given: Collection[str]
+) -> Model | None:
+    """The model with shape parameters from a search, one effect on top of the other; none where nothing is sought."""
+    sought = [e for e in model.effects if has_shape(e) and not any(key.startswith(f"{e.name}.") for key in given)]
+    if not sought:
+        return None
+    gone = tuple(f"{e.name}." for e in sought)
+    rest = replace(
+        model,
+        effects=tuple(e for e in model.effects if e not in sought),
+        unknowns=tuple(u for u in model.unknowns if not u.key.startswith(gone)),
+    )
+    fitted = fit_model(rest, records)
+    for effect in sought:
+        basis, target = profiled_residual(fitted)
+        found = screen_and_refit(fitted, effect, records, scales, basis, target)
+        if found is not None:
+            fitted = found.fitted
+    return model.at({key: value for key, value in fitted.model.values.items() if key in model.values})
+
+
+def has_shape(effect: Effect) -> bool:
+    """Whether an effect has parameters that are searched on a grid before they are fitted."""
+    return effect.core is None and any(
+        p.role == "shape" and p.scan is not None and not p.fixed for p in effect.parameters
+    )

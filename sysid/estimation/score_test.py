@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim.library.effect import Effect
-from sysid.estimation.base_fit import Fitted
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.misfit import weighted_residual
 from sysid.prediction.model import Prepared, Scales, shape_grid, size_of, with_effect
@@ -31,7 +31,7 @@ WINSOR = 8.0
 
 
 @dataclass(frozen=True)
-class Score:
+class ScoreStatistic:
     """Linear score of an effect at one grid point.
 
     Args:
@@ -45,13 +45,13 @@ class Score:
         whole: of a core, the drop as it stands: it is there or not, half of it is no model.
     """
 
-    drop: float
+    predicted_reduction: float
     start: dict[str, float]
     shape: dict[str, float]
-    moves: list[dict[str, float]]
+    directions: list[dict[str, float]]
     columns: np.ndarray
-    barred: float = 0.0
-    whole: float = 0.0
+    blocked_reduction: float = 0.0
+    full_step_reduction: float = 0.0
 
 
 def project_out(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
@@ -81,12 +81,12 @@ class GridPoint:
     """
 
     shape: dict[str, float]
-    moves: list[dict[str, float]]
+    directions: list[dict[str, float]]
     changes: np.ndarray
 
 
-def grid_of(
-    base: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales, rows: slice = EVERY_ROW
+def candidate_directions(
+    base: FittedModel, effect: Effect, records: Sequence[Prepared], scales: Scales, rows: slice = EVERY_ROW
 ) -> list[GridPoint]:
     """An effect at every point of its shape grid on top of a fitted model.
 
@@ -104,27 +104,29 @@ def grid_of(
     for shape in shape_grid(effect, scales):
         trial = with_effect(base.model, effect, scales, shape)
         zero = {f"{effect.name}.{p.name}": 0.0 for p in amplitudes}
-        moves: list[dict[str, float]] = []
+        directions: list[dict[str, float]] = []
         if not amplitudes or effect.core is not None:
-            moves.append({})
+            directions.append({})
         else:
             for amplitude in amplitudes:
                 key = f"{effect.name}.{amplitude.name}"
                 step = 1e-3 * size_of(amplitude, scales)
-                moves.append({**zero, key: step})
+                directions.append({**zero, key: step})
                 for phase in phases:
-                    moves.append({**zero, key: step, f"{effect.name}.{phase.name}": 0.5 * np.pi})
+                    directions.append({**zero, key: step, f"{effect.name}.{phase.name}": 0.5 * np.pi})
         columns = []
-        for move in moves:
+        for move in directions:
             moved = weighted_residual(trial, records, base.weights, {**trial.values, **move})
             columns.append((residual - moved)[rows])
         matrix = np.column_stack(columns)
         if np.isfinite(matrix).all():
-            points.append(GridPoint(shape, moves, matrix))
+            points.append(GridPoint(shape, directions, matrix))
     return points
 
 
-def linear_scores(effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, target: np.ndarray) -> list[Score]:
+def score_test(
+    effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, target: np.ndarray
+) -> list[ScoreStatistic]:
     """Scores of an effect at the points of its shape grid, best first.
 
     Args:
@@ -134,7 +136,7 @@ def linear_scores(effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, 
         target: residual of the base model, winsorised, with the basis projected out, (n,).
     """
     total = float(target @ target) or 1.0
-    scores: list[Score] = []
+    scores: list[ScoreStatistic] = []
     for point in grid:
         free = project_out(point.changes, basis)
         normal, right = free.T @ free, free.T @ target
@@ -142,16 +144,24 @@ def linear_scores(effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, 
         if not (norms > 1e-9 * np.linalg.norm(point.changes, axis=0)).any():
             continue
         coefficients = _solved(normal, right, np.where(norms > 0.0, norms, 1.0))
-        drop, barred = float(right @ coefficients) / total, 0.0
-        if out_of_bounds(effect, point.moves, coefficients):
-            drop, barred = 0.0, drop
-        start = start_for(effect, point.shape, point.moves, coefficients)
-        whole = float(2.0 * right[0] - normal[0, 0]) / total if effect.core is not None else drop
-        scores.append(Score(drop, start, point.shape, point.moves, free, barred, whole))
+        predicted_reduction, blocked_reduction = float(right @ coefficients) / total, 0.0
+        if out_of_bounds(effect, point.directions, coefficients):
+            predicted_reduction, blocked_reduction = 0.0, predicted_reduction
+        start = start_for(effect, point.shape, point.directions, coefficients)
+        full_step_reduction = (
+            float(2.0 * right[0] - normal[0, 0]) / total if effect.core is not None else predicted_reduction
+        )
+        scores.append(
+            ScoreStatistic(
+                predicted_reduction, start, point.shape, point.directions, free, blocked_reduction, full_step_reduction
+            )
+        )
         if len(scores) > KEPT_SCORES:
-            sparable = [score for score in scores if score.whole < max(s.whole for s in scores)] or scores
-            scores.remove(min(sparable, key=lambda s: (s.drop, s.barred)))
-    scores.sort(key=lambda s: -s.drop)
+            sparable = [
+                score for score in scores if score.full_step_reduction < max(s.full_step_reduction for s in scores)
+            ] or scores
+            scores.remove(min(sparable, key=lambda s: (s.predicted_reduction, s.blocked_reduction)))
+    scores.sort(key=lambda s: -s.predicted_reduction)
     return [*scores[:IN_PAIRS], *(replace(s, columns=s.columns[:, :0].copy()) for s in scores[IN_PAIRS:])]
 
 
@@ -165,29 +175,29 @@ def _solved(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndar
     return np.linalg.pinv(scaled, rcond=ALIKE, hermitian=True) @ (right / norms) / norms
 
 
-def out_of_bounds(effect: Effect, moves: list[dict[str, float]], coefficients: np.ndarray) -> bool:
+def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficients: np.ndarray) -> bool:
     """Whether the one amplitude of an effect, zero at its bound, would have to go beyond that bound."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
-    if effect.core is not None or len(amplitudes) != 1 or len(moves) != 1:
+    if effect.core is not None or len(amplitudes) != 1 or len(directions) != 1:
         return False
     wanted = float(coefficients[0])
     return (wanted < 0.0 <= amplitudes[0].low) or (wanted > 0.0 >= amplitudes[0].high)
 
 
 def start_for(
-    effect: Effect, shape: dict[str, float], moves: list[dict[str, float]], weights: np.ndarray
+    effect: Effect, shape: dict[str, float], directions: list[dict[str, float]], weights: np.ndarray
 ) -> dict[str, float]:
     """Values to start a refit from: a grid point, and the amplitudes that the moves' linear weights (k,) amount to."""
-    if effect.core is not None or not any(moves):
+    if effect.core is not None or not any(directions):
         return dict(shape)
-    return {**shape, **_amplitude_start(effect, moves, weights)}
+    return {**shape, **_amplitude_start(effect, directions, weights)}
 
 
-def _amplitude_start(effect: Effect, moves: list[dict[str, float]], weights: np.ndarray) -> dict[str, float]:
+def _amplitude_start(effect: Effect, directions: list[dict[str, float]], weights: np.ndarray) -> dict[str, float]:
     """Amplitudes (and phases) that the linear coefficients of the moves amount to."""
     start: dict[str, float] = {}
     phase = next((p for p in effect.parameters if p.role == "phase"), None)
-    for k, move in enumerate(moves):
+    for k, move in enumerate(directions):
         key = next(name for name, value in move.items() if value != 0.0)
         value = move[key] * float(weights[k])
         if phase is None:
@@ -207,7 +217,7 @@ def _amplitude_start(effect: Effect, moves: list[dict[str, float]], weights: np.
     return start
 
 
-def target_of(base: Fitted, rows: slice = EVERY_ROW) -> tuple[np.ndarray, np.ndarray]:
+def profiled_residual(base: FittedModel, rows: slice = EVERY_ROW) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal basis (n, p) of the base model's Jacobian at some rows, and its residual there (n,), winsorised, with
     that taken out."""
     basis = orthonormal(base.fit.jacobian[rows])

@@ -18,15 +18,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from sysid.estimation.base_fit import Fitted
+from sysid.estimation.fit import FittedModel
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.model import Prepared, predict
 
-SKEW = 0.06
+CHANNEL_SKEW = 0.06
 """Part of a step by which a channel may be sampled earlier or later than the others of its row (assumed)."""
 
 
-def systematic_changes(fitted: Fitted, records: Sequence[Prepared]) -> list[np.ndarray]:
+def systematic_errors(fitted: FittedModel, records: Sequence[Prepared]) -> list[np.ndarray]:
     """Changes (n,) of the weighted residual, each by one standard deviation of something that is not known better.
 
     The order of samples is that of `sysid.estimation.misfit.weighted_residual`. Empty for an actuator's tip, whose laws
@@ -38,15 +38,15 @@ def systematic_changes(fitted: Fitted, records: Sequence[Prepared]) -> list[np.n
     channels = list(records[0].measured)
     skewed: dict[str, list[np.ndarray]] = {channel: [] for channel in channels}
     blunted: list[np.ndarray] = []
-    for record, scales, picks in zip(records, fitted.weights.at_picks, fitted.weights.picks, strict=True):
+    for record, scales, samples in zip(records, fitted.weights.scored_std, fitted.weights.samples, strict=True):
         assert isinstance(record, Balance)
         predicted = predict(record, effects, values)
         finer = predicted
         if record.finer is not None:
             axis, smooth = record.finer()
             finer = predict(replace(record, axis=axis, smooth=smooth, memo={}), effects, values)
-        for channel, pick in picks.items():
-            late = SKEW * np.gradient(predicted[channel])[pick] / scales[channel]
+        for channel, pick in samples.items():
+            late = CHANNEL_SKEW * np.gradient(predicted[channel])[pick] / scales[channel]
             for other in channels:
                 skewed[other].append(late if other == channel else np.zeros(pick.size))
             blunted.append((finer[channel] - predicted[channel])[pick] / scales[channel])

@@ -21,7 +21,7 @@ import numpy as np
 from sim.library.effect import Effect, Parameter
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.verdict_limits import LEAST_GAIN, LEAST_SIGNIFICANCE
-from sysid.estimation.base_fit import Fitted
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal
 from sysid.prediction.model import Model, Prepared, Scales, base_name, shape_grid, size_of, with_effect
@@ -35,7 +35,7 @@ PER_RECORD = 24
 
 
 @dataclass(frozen=True)
-class Smallest:
+class MinimumDetectableEffect:
     """The smallest size of an effect that these records could have shown. SI units.
 
     Args:
@@ -51,18 +51,18 @@ class Smallest:
     at: dict[str, float]
 
 
-def smallest_shown(diagnosis: Diagnosis) -> list[Smallest]:
+def minimum_detectable_effects(diagnosis: Diagnosis) -> list[MinimumDetectableEffect]:
     """What the records of a diagnosis could have shown of each effect it did not find, beside the one it found."""
     case, best = diagnosis.case, diagnosis.best
-    fitted = best.candidate.fitted if best is not None else diagnosis.base.fitted
+    fitted = best.fitted if best is not None else diagnosis.base.fitted
     present = [*(e.name for e in diagnosis.base.fitted.model.effects), *([best.name] if best is not None else [])]
-    return smallest_sizes(fitted, candidates_of(case, present), case.fit_records, case.scales)
+    return minimum_sizes(fitted, candidates_of(case, present), case.fit_records, case.scales)
 
 
 class _Judge:
     """What a change of the residual must be to count, with the model's own parameters free to move."""
 
-    def __init__(self, fitted: Fitted, records: Sequence[Prepared]) -> None:
+    def __init__(self, fitted: FittedModel, records: Sequence[Prepared]) -> None:
         self.residual = fitted.fit.residual
         self.basis = orthonormal(fitted.fit.jacobian)
         self.numbers = blocks(records, fitted.weights, PER_RECORD)
@@ -83,12 +83,12 @@ class _Judge:
         return max(sqrt(self.loss / square), self.significance * chance / square)
 
 
-def smallest_sizes(
-    fitted: Fitted,
+def minimum_sizes(
+    fitted: FittedModel,
     effects: Sequence[Effect],
     records: Sequence[Prepared],
     scales: Scales,
-) -> list[Smallest]:
+) -> list[MinimumDetectableEffect]:
     """Smallest size of each effect that the records could have shown on top of a fitted model.
 
     Args:
@@ -98,7 +98,7 @@ def smallest_sizes(
         scales: of the records.
     """
     judge = _Judge(fitted, records)
-    rows: dict[str, Smallest] = {}
+    rows: dict[str, MinimumDetectableEffect] = {}
     for effect in effects:
         name = base_name(effect.name)
         if name in rows:
@@ -121,8 +121,8 @@ def _amplitude(effect: Effect) -> Parameter | None:
 
 
 def _by_amplitude(
-    judge: _Judge, fitted: Fitted, effect: Effect, size: Parameter, records: Sequence[Prepared], scales: Scales
-) -> Smallest | None:
+    judge: _Judge, fitted: FittedModel, effect: Effect, size: Parameter, records: Sequence[Prepared], scales: Scales
+) -> MinimumDetectableEffect | None:
     key = f"{effect.name}.{size.name}"
     others = {f"{effect.name}.{p.name}": 0.0 for p in effect.parameters if p.role == "amplitude" and p is not size}
     phases = [f"{effect.name}.{p.name}" for p in effect.parameters if p.role == "phase"]
@@ -138,12 +138,12 @@ def _by_amplitude(
     if not isfinite(best):
         return None
     highest = max(abs(size.high), abs(size.low) if size.low < 0.0 else 0.0)
-    return Smallest(base_name(effect.name), key, best if best <= highest else None, at)
+    return MinimumDetectableEffect(base_name(effect.name), key, best if best <= highest else None, at)
 
 
 def _by_shape(
-    judge: _Judge, fitted: Fitted, effect: Effect, records: Sequence[Prepared], scales: Scales
-) -> Smallest | None:
+    judge: _Judge, fitted: FittedModel, effect: Effect, records: Sequence[Prepared], scales: Scales
+) -> MinimumDetectableEffect | None:
     sizes = [p for p in effect.parameters if p.role == "shape" and p.scan is not None and not p.fixed]
     if not sizes or effect.name.partition(":")[0] == "flexible_mode":
         # A mode without a share of its own shows the less the stiffer it is: there is no smallest one.
@@ -162,9 +162,9 @@ def _by_shape(
         if needed <= 1.0:
             # How a bristle shows below the shortest one tried hangs on the noise of the position: no extrapolation.
             seen = value if effect.core is not None and before is None else _between(before, (value, needed))
-            return Smallest(base_name(effect.name), key, seen, {})
+            return MinimumDetectableEffect(base_name(effect.name), key, seen, {})
         before = (value, needed) if isfinite(needed) else None
-    return Smallest(base_name(effect.name), key, None, {}) if before is not None else None
+    return MinimumDetectableEffect(base_name(effect.name), key, None, {}) if before is not None else None
 
 
 def _between(before: tuple[float, float] | None, after: tuple[float, float]) -> float:
@@ -176,6 +176,6 @@ def _between(before: tuple[float, float] | None, after: tuple[float, float]) -> 
     return float(value * needed ** (-1.0 / slope)) if slope < 0.0 else value
 
 
-def _change(fitted: Fitted, trial: Model, move: dict[str, float], records: Sequence[Prepared]) -> np.ndarray:
+def _change(fitted: FittedModel, trial: Model, move: dict[str, float], records: Sequence[Prepared]) -> np.ndarray:
     """Change (n,) of the residual, in deviations, from the fitted model to `trial` with values moved."""
     return fitted.fit.residual - weighted_residual(trial, records, fitted.weights, {**trial.values, **move})

@@ -120,7 +120,7 @@ def test_tribometer_needs_presliding_then_a_bias(tmp_path: Path) -> None:
 
 
 def _first(found: Diagnosis, count: int) -> list[str]:
-    return [trial.family for trial in found.trials[:count]]
+    return [trial.public_name for trial in found.trials[:count]]
 
 
 @pytest.mark.slow

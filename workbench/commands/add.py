@@ -10,7 +10,7 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from sysid.estimation.base_fit import Fitted
+    from sysid.estimation.fit import FittedModel
     from sysid.prediction.problem import Case
 
 
@@ -98,7 +98,7 @@ def _change(effects: tuple[str, ...], drop: tuple[str, ...]) -> str:
 
 
 def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
-    from sysid.estimation.reference_fit import fit_case
+    from sysid.estimation.reference_fit import fit_stated_model
     from sysid.experiment.history import edited_by_hand, read_ladder
     from sysid.prediction.problem import load_case
     from sysid.report import parameters_json
@@ -106,7 +106,7 @@ def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
 
     with run.busy("fitting the model as it stands"):
         case = load_case(experiment, design_values(run))
-        fitted = fit_case(case).fitted
+        fitted = fit_stated_model(case).fitted
     rungs = read_ladder(case.experiment)
     rung = rungs[-1].number if rungs and not edited_by_hand(case.experiment, rungs) else None
     document = {"schema": 1, "form": case.form, "effects": [e.name for e in fitted.model.effects]}
@@ -114,7 +114,7 @@ def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
     run.emit({**document, **_written(run, case, fitted, keys, rung)})
 
 
-def _written(run: Run, case: Case, fitted: Fitted, keys: tuple[str, ...], rung: int | None) -> dict[str, Any]:
+def _written(run: Run, case: Case, fitted: FittedModel, keys: tuple[str, ...], rung: int | None) -> dict[str, Any]:
     from workbench.identification.write_back import parameter_file, write_back, written_json
 
     name = case.experiment.folder.resolve().name

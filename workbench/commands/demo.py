@@ -118,14 +118,14 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
 
 
 def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
-    from sysid.experiment_design.suggest import motions_for, weigh
+    from sysid.experiment_design.t_optimal_design import motions_for, rank_motions
     from workbench.report.page import write_section
     from workbench.report.suggestion import sentences, suggestion_section, worth_json, write_motions
 
     run.say(f"$ stagecad suggest {folder}")
     # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
     with run.busy("weighing motions"):
-        found = weigh(last, motions_for(last.case), last.effect)
+        found = rank_motions(last, motions_for(last.case), last.effect)
     paths = write_motions(run, found)
     for line in sentences(found):
         run.say(f"  {line}")

@@ -15,7 +15,7 @@ from workbench.options import Run, common_options
 @common_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate what the records of EXPERIMENT leave open; write it as CSV into OUT."""
-    from sysid.experiment_design.suggest import suggest
+    from sysid.experiment_design.t_optimal_design import suggest
     from workbench.console.progress import shown_on
     from workbench.identification.design_values import design_values
     from workbench.report.suggestion import sentences, suggestion_section, suggestion_table, worth_json, write_motions

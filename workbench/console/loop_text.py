@@ -15,7 +15,7 @@ from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.diagnosis.trials import explained_share
 from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
 from sysid.estimation.identifiability import public_key
-from sysid.estimation.misfit import ChannelMisfit, excess, ruled_by_few
+from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.ladder import Step
 from sysid.prediction.problem import Case
 from sysid.report import LEAST_P, WORTH_SAYING, channel_unit, worst_channel
@@ -134,8 +134,8 @@ def angle_words(row: Mapping[str, Any]) -> str:
 def near_noise(diagnosis: Diagnosis) -> bool:
     """Whether the model, with the effect found in it, leaves little more than the noise."""
     best = diagnosis.best
-    over = excess(diagnosis.before_fit, diagnosis.before_validate)
-    return (over if best is None else excess(best.after_fit, best.after_validate)) <= NEAR_NOISE
+    over = worst_over_noise(diagnosis.before_fit, diagnosis.before_validate)
+    return (over if best is None else worst_over_noise(best.after_fit, best.after_validate)) <= NEAR_NOISE
 
 
 def detectable_table(rows: Sequence[Mapping[str, Any]]) -> Table:
@@ -188,7 +188,7 @@ def say_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]
         run.say(f"{over:.2f} x the noise: what is left is noise.")
         return
     run.console.print(where_table(comparison.maps))
-    held, fit = held_out(comparison.fit, comparison.validate), excess(comparison.fit, {})
+    held, fit = held_out(comparison.fit, comparison.validate), worst_over_noise(comparison.fit, {})
     also = f" ({fit:.3g} x on the records of the fit)" if fit > FAR_ABOVE * held else ""
     words = where_words(comparison.maps)
     run.say(f"{held:.3g} x above the noise{also}" + (f"; it fails with {words}." if words else "."))
@@ -215,16 +215,16 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
             f"missing: {diagnosis.effect} ({plain(before.rms, unit)} -> {plain(after.rms, unit)} in {channel} on the "
             f"held-out records; {before.over_noise:.3g} x -> {after.over_noise:.3g} x the noise)"
         )
-        if ruled_by_few(before, after):
+        if dominated_by_few_samples(before, after):
             run.say(
                 "(the rms is ruled by few samples beside reversals; the multiple of the noise passes over those, and "
                 "counts how the body gives way at rest)"
             )
-        fit = (excess(diagnosis.before_fit, {}), excess(diagnosis.best.after_fit, {}))
+        fit = (worst_over_noise(diagnosis.before_fit, {}), worst_over_noise(diagnosis.best.after_fit, {}))
         if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
             run.say(f"on the records of the fit: {fit[0]:.3g} x -> {fit[1]:.3g} x the noise")
-        if diagnosis.told_by:
-            run.say(f"told by more than that error: {diagnosis.told_by}")
+        if diagnosis.detected_by:
+            run.say(f"told by more than that error: {diagnosis.detected_by}")
         else:
             run.say(f"without it the model fails with {where_words(diagnosis.maps) or 'nothing that was recorded'}")
         if diagnosis.indistinguishable:
@@ -245,7 +245,7 @@ def say_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -
 
 def held_out(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
     """Largest error over noise on the held-out records; on those of the fit where there are no others."""
-    return excess({}, validate) if validate else excess(fit, {})
+    return worst_over_noise({}, validate) if validate else worst_over_noise(fit, {})
 
 
 def ranking_table(ranking: Sequence[Mapping[str, Any]], tried: int) -> Table:
@@ -302,12 +302,16 @@ def unphysical_lines(diagnosis: Diagnosis) -> list[str]:
     least = max(WORTH_SAYING, 0.5 * named)
     lines = []
     for trial in diagnosis.trials[:12]:
-        amplitude = next((p for p in trial.candidate.effect.parameters if p.role == "amplitude"), None)
-        barred = trial.candidate.barred
-        if amplitude is not None and barred >= least and barred > 2.0 * trial.candidate.expected_drop:
-            error = 100.0 * (1.0 - (1.0 - min(barred, 1.0)) ** 0.5)
+        amplitude = next((p for p in trial.effect.parameters if p.role == "amplitude"), None)
+        blocked_reduction = trial.refit.blocked_reduction
+        if (
+            amplitude is not None
+            and blocked_reduction >= least
+            and blocked_reduction > 2.0 * trial.refit.predicted_reduction
+        ):
+            error = 100.0 * (1.0 - (1.0 - min(blocked_reduction, 1.0)) ** 0.5)
             lines.append(
-                f"{trial.family} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
+                f"{trial.public_name} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
                 f"{amplitude.low:g} {amplitude.unit}, which is not physical."
             )
     return lines

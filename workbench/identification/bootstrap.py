@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from sysid.estimation.base_fit import Fitted
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key
 from sysid.prediction.problem import Case
 from sysid.report import parameter_unit
@@ -17,7 +17,9 @@ from workbench.cluster import run_all
 from workbench.options import Run
 
 
-def bootstrap_case(run: Run, case: Case, fitted: Fitted, draws: int, seed: int, scheduler: str | None) -> Bootstrap:
+def bootstrap_case(
+    run: Run, case: Case, fitted: FittedModel, draws: int, seed: int, scheduler: str | None
+) -> Bootstrap:
     """Refit a case `draws` times, on the local cores or on a cluster; the same values either way.
 
     Raises:

@@ -16,8 +16,8 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import from_si, si_unit, unit_dimension
-from sysid.estimation.base_fit import Fitted
 from sysid.estimation.covariance import intervals
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key
 from sysid.experiment.file_lock import file_lock
 from sysid.prediction.force_balance.record import Balance
@@ -90,7 +90,7 @@ def parameter_file(run: Run) -> Path:
     return path
 
 
-def write_back(run: Run, case: Case, fitted: Fitted, wanted: Sequence[str], origin: str) -> list[Written]:
+def write_back(run: Run, case: Case, fitted: FittedModel, wanted: Sequence[str], origin: str) -> list[Written]:
     """Write fitted values into the parameter file: all of `wanted`, or none.
 
     Args:
@@ -129,7 +129,7 @@ class _Measured:
     untold: dict[str, str]
 
 
-def _measured(run: Run, case: Case, fitted: Fitted) -> _Measured:
+def _measured(run: Run, case: Case, fitted: FittedModel) -> _Measured:
     found = intervals(fitted, case.fit_records)
     names = [public_key(key) for key in found.keys]
     by_name = {public_key(key): interval for key, interval in found.by_key.items()}

@@ -15,12 +15,12 @@ from sim.library.effect import Effect
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.diagnosis.trials import Trial
+from sysid.diagnosis.trials import CandidateFit
 from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
-from sysid.estimation.base_fit import Fitted
 from sysid.estimation.covariance import Intervals, intervals
-from sysid.estimation.identifiability import open_words, public_key
-from sysid.estimation.misfit import excess, ruled_by_few
+from sysid.estimation.fit import FittedModel
+from sysid.estimation.identifiability import identifiability_report, public_key
+from sysid.estimation.misfit import dominated_by_few_samples, worst_over_noise
 from sysid.prediction.problem import Case
 from sysid.report import channel_unit, worst_channel
 from workbench.console.loop_rows import detectable_rows, misfit_rows, parameter_rows, ranking_rows, scored_only, times
@@ -48,7 +48,7 @@ SHARE_SHOWN = 0.005
 def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Section:
     """What `compare` found."""
     case, fitted = found.case, found.base.fitted
-    adequate = excess(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[case.form]
+    adequate = worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[case.form]
     return {
         **_experiment(case),
         "kind": "compare",
@@ -68,12 +68,12 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
 
 def comparison_sentence(found: Comparison) -> str:
     """What a comparison found, as a person would say it."""
-    most = excess(found.fit, found.validate)
+    most = worst_over_noise(found.fit, found.validate)
     if most <= ADEQUATE_OVER_NOISE[found.case.form]:
         return f"The model leaves {times(most)} the noise: these records ask for nothing more."
     over = held_out(found.fit, found.validate)
     text = f"The model leaves {times(over)} the noise on the held-out records."
-    fit = excess(found.fit, {})
+    fit = worst_over_noise(found.fit, {})
     if fit > FAR_ABOVE * over:
         text += f" On the records of the fit it leaves {times(fit)}."
     words = where_words(found.maps)
@@ -88,10 +88,10 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     best = found.best if found.best is not None else (found.trials[0] if found.trials else None)
     models, inks = {"model": base.model}, (MODEL,)
     if best is not None and found.verdict != "adequate":
-        label = f"with {best.family}" + ("" if found.best is not None else " (best tried)")
-        models, inks = {"before": base.model, label: best.candidate.fitted.model}, (BEFORE, AFTER)
+        label = f"with {best.public_name}" + ("" if found.best is not None else " (best tried)")
+        models, inks = {"before": base.model, label: best.fitted.model}, (BEFORE, AFTER)
     before = held_out(found.before_fit, found.before_validate)
-    fitted = base if found.best is None else found.best.candidate.fitted
+    fitted = base if found.best is None else found.best.fitted
     return {
         **_experiment(case),
         "kind": "diagnose",
@@ -133,12 +133,12 @@ def verdict_sentence(found: Diagnosis) -> str:
     errors = f"{plain(before.rms, unit)} to {plain(after.rms, unit)}"
     ratio = f"{times(before.over_noise)} the noise to {times(after.over_noise)}"
     name = channel.replace("_", " ")
-    if found.told_by:
+    if found.detected_by:
         return (
-            f"{found.effect} is missing: {found.told_by}. The error of {name} on the held-out records goes from "
+            f"{found.effect} is missing: {found.detected_by}. The error of {name} on the held-out records goes from "
             f"{errors}, from {ratio}."
         )
-    if ruled_by_few(before, after):
+    if dominated_by_few_samples(before, after):
         text = (
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {ratio}. "
             f"(The plain rms, {errors}, is ruled by the few samples beside reversals.)"
@@ -148,7 +148,7 @@ def verdict_sentence(found: Diagnosis) -> str:
             f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {errors}, "
             f"from {ratio}."
         )
-    fit = (excess(found.before_fit, {}), excess(found.best.after_fit, {}))
+    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(found.best.after_fit, {}))
     if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
         text += f" On the records of the fit it falls from {times(fit[0])} to {times(fit[1])}."
     words = where_words(found.maps)
@@ -170,10 +170,10 @@ def rivals_sentence(found: Diagnosis) -> str:
     )
 
 
-def _effect_words(best: Trial | None) -> dict[str, str] | None:
+def _effect_words(best: CandidateFit | None) -> dict[str, str] | None:
     if best is None:
         return None
-    effect = best.candidate.effect
+    effect = best.effect
     return {
         "name": effect.name,
         "meaning": effect.meaning,
@@ -277,9 +277,9 @@ def _maps(case: Case, maps: Sequence[ResidualMap]) -> dict[str, Any]:
     }
 
 
-def _told(fitted: Fitted, known: Intervals) -> dict[str, Any]:
+def _told(fitted: FittedModel, known: Intervals) -> dict[str, Any]:
     """What the records leave open, in words, and the correlations of the fitted values."""
-    words = open_words(fitted, known)
+    words = identifiability_report(fitted, known)
     names = [public_key(key) for key in known.keys]
     cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in known.correlation]
     return {"open": words, "correlation": {"names": names, "cells": cells} if 1 < len(names) <= 14 else None}

@@ -9,7 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from stagecad.parameters.atomic import atomic_write_text
-from sysid.experiment_design.suggest import Suggestion, Worth, columns_of
+from sysid.experiment_design.t_optimal_design import DesignValue, Suggestion, columns_of
 from workbench.options import Run
 from workbench.report.page import report_folder
 from workbench.report.sections import Section
@@ -86,7 +86,7 @@ def write_motions(run: Run, found: Suggestion) -> list[Path]:
     return paths
 
 
-def worth_json(worth: Worth, path: Path) -> dict[str, Any]:
+def worth_json(worth: DesignValue, path: Path) -> dict[str, Any]:
     """A motion as it stands in the document of `suggest`."""
     return {
         "motion": worth.motion.name,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from driven_stage import write_case
 
 from sim.library.catalogue import find
-from sysid.estimation.base_fit import fit_model, ranking_error
+from sysid.estimation.fit import fit_model, root_mean_huber
 from sysid.estimation.misfit import misfit
-from sysid.estimation.reference_fit import fit_case
-from sysid.estimation.screening import Candidate, settled
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.screening import RefittedEffect, search_lower_minimum
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_case
 
@@ -17,11 +17,11 @@ def test_a_contact_that_holds_differently_both_ways_is_found_from_a_fit_that_sho
     """The base model bent pads and stiffness by a third to make up for it: from there no step leads out."""
     write_case(tmp_path, "contact.direction_asymmetry", "there_and_back", 1, 2000)
     case = load_case(tmp_path)
-    base = fit_case(case).fitted
+    base = fit_stated_model(case).fitted
     effect = find("contact.direction_asymmetry")
     near = fit_model(with_effect(base.model, effect, case.scales), case.fit_records, base.weights)
-    assert ranking_error(near.fit.residual) > 0.9 * ranking_error(base.fit.residual)
-    candidate = Candidate(effect, 0.0, near)
-    assert settled(base, candidate, case.fit_records) is candidate
-    found = settled(base, candidate, case.fit_records, of_contact=True).fitted
+    assert root_mean_huber(near.fit.residual) > 0.9 * root_mean_huber(base.fit.residual)
+    candidate = RefittedEffect(effect, 0.0, near)
+    assert search_lower_minimum(base, candidate, case.fit_records) is candidate
+    found = search_lower_minimum(base, candidate, case.fit_records, of_contact=True).fitted
     assert misfit(found.model, case.validate_records)["position"].over_noise < 1.15

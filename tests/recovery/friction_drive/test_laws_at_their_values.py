@@ -12,11 +12,10 @@ from driven_stage import write_case
 
 from sim.library.catalogue import find
 from sim.numerics.record_operators import bouc_wen
-from sysid.estimation.base_fit import fit_model
-from sysid.estimation.driven_stage_minima import lowest_valley
+from sysid.estimation.driven_stage_search import lowest_minimum, truncated
+from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import misfit, weighted_residual
-from sysid.estimation.reference_fit import fit_case
-from sysid.estimation.truncated_records import looked_at
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.model import with_effect
 from sysid.prediction.observable import candidates_of
 from sysid.prediction.problem import load_case
@@ -76,7 +75,7 @@ def test_a_press_under_which_the_tip_stays_does_not_hide_those_under_which_it_le
     """Slips close to lift-off: a fit that begins where the tip never leaves finds no slope that leads out."""
     write_case(tmp_path, "nothing_walking", "walk", 1, ROWS)
     case = load_case(tmp_path)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     assert misfit(base.fitted.model, case.validate_records)["position"].over_noise < 1.1
 
 
@@ -87,7 +86,7 @@ def test_a_fit_leaves_the_valley_of_a_contact_far_too_stiff(tmp_path):
     model = at_truth(case.start, truth, {})
     far = model.at({"rig.contact_stiffness": 1.9e8, "coulomb.force": 1.9e8 / truth["stiffness"] * truth["pads"]})
     stuck = fit_model(far, case.fit_records, iterations=2)
-    found = lowest_valley(stuck, case.fit_records)
+    found = lowest_minimum(stuck, case.fit_records)
     assert found.model.values["rig.contact_stiffness"] == pytest.approx(truth["stiffness"], rel=0.02)
 
 
@@ -95,9 +94,9 @@ def test_first_looks_see_the_beginning_of_a_long_record(tmp_path):
     truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
     case = load_case(tmp_path)
     whole = fit_model(at_truth(case.start, truth, {}), case.fit_records, iterations=1)
-    same, records = looked_at(whole, case.fit_records, ROWS)
+    same, records = truncated(whole, case.fit_records, ROWS)
     assert same is whole
-    cut, records = looked_at(whole, case.fit_records, 700)
+    cut, records = truncated(whole, case.fit_records, 700)
     assert [record.size for record in records] == [700]
     residual = weighted_residual(cut.model, records, cut.weights)
     assert residual.size == cut.fit.residual.size == cut.fit.jacobian.shape[0] == 699

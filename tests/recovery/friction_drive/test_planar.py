@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sysid.estimation.misfit import misfit
-from sysid.estimation.reference_fit import fit_case
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
 from sysid.prediction.friction_drive.planar import follow_plane
 from sysid.prediction.problem import load_case
@@ -86,7 +86,7 @@ def _records(folder: Path) -> None:
 def test_motion_along_and_across_is_predicted_down_to_the_noise(tmp_path):
     _records(tmp_path)
     case = load_case(tmp_path)
-    values = (base := fit_case(case)).fitted.model.values
+    values = (base := fit_stated_model(case)).fitted.model.values
     left = misfit(base.fitted.model, case.validate_records)
     assert left["position"].over_noise < 1.1
     assert left["position_y"].over_noise < 1.1

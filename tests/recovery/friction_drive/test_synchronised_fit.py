@@ -6,9 +6,9 @@ import pytest
 from driven_stage import write_case
 
 from sim.library.catalogue import find
-from sysid.estimation.base_fit import fit_model
+from sysid.estimation.driven_stage_search import synchronised_starts
+from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import misfit
-from sysid.estimation.synchronised_fit import led
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_case
 
@@ -30,7 +30,7 @@ def test_a_stage_that_rings_on_its_pads_is_found_from_afar(tmp_path):
         }
     )
     on_its_own = fit_model(far, case.fit_records)
-    (nearer,) = led([far], case.fit_records, None, 15)
+    (nearer,) = synchronised_starts([far], case.fit_records, None, 15)
     after = fit_model(nearer, case.fit_records)
     assert misfit(after.model, case.fit_records)["position"].over_noise < 1.2
     assert misfit(on_its_own.model, case.fit_records)["position"].over_noise > 3.0

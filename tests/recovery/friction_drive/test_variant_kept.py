@@ -9,9 +9,9 @@ from driven_stage import write_case
 
 from sim.library.catalogue import find
 from sysid.estimation import reference_fit
-from sysid.estimation.base_fit import fit_model
-from sysid.estimation.reference_fit import best_laws
-from sysid.estimation.starting_points import without_law
+from sysid.estimation.fit import fit_model
+from sysid.estimation.reference_fit import select_variants
+from sysid.estimation.variant_selection import without_effect
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_case
 
@@ -29,18 +29,18 @@ def _ending_at(part):
     """A search whose fits end at a part of the cost of the fit they are handed first."""
     costs = []
 
-    def searched(fitted, effect, records, scales):
+    def fit_replacement(fitted, effect, records, scales):
         costs.append(fitted.fit.cost)
-        model = with_effect(without_law(fitted.model, effect.name), effect, scales)
+        model = with_effect(without_effect(fitted.model, effect.name), effect, scales)
         return replace(fitted, model=model, fit=replace(fitted.fit, cost=part * costs[0]))
 
-    return searched
+    return fit_replacement
 
 
 def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
     case, fitted = grown
     monkeypatch.setattr(reference_fit, "searched", _ending_at(20.0))
-    kept, laws = best_laws(case, fitted, ["stribeck"])
+    kept, laws = select_variants(case, fitted, ["stribeck"])
     assert kept is fitted
     assert laws == (ADDED,)
 
@@ -48,6 +48,6 @@ def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
 def test_it_goes_where_the_family_itself_ends_better(grown, monkeypatch):
     case, fitted = grown
     monkeypatch.setattr(reference_fit, "searched", _ending_at(0.1))
-    other, laws = best_laws(case, fitted, ["stribeck"])
+    other, laws = select_variants(case, fitted, ["stribeck"])
     assert "stribeck" in [effect.name for effect in other.model.effects]
     assert laws == ()

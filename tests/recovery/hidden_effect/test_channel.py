@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from generator import Plan, make_case
 
-from sysid.estimation.misfit import excess
+from sysid.estimation.misfit import worst_over_noise
 from sysid.ladder import add_effects
 
 
@@ -18,4 +18,4 @@ def test_the_channel_is_put_right_by_the_effect_added_next(tmp_path: Path) -> No
     step = add_effects(tmp_path, ["constant_bias"])
     names = [effect.name for effect in step.base.fitted.model.effects]
     assert [name.rpartition("@")[2] for name in names if name.startswith("sensor_drift")] == ["spring_force"]
-    assert excess(step.after_fit, step.after_validate) < 1.3
+    assert worst_over_noise(step.after_fit, step.after_validate) < 1.3

@@ -12,11 +12,11 @@ from generator import Plan, make_case
 from sim.library.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.diagnosis.evidence import is_worthwhile
-from sysid.diagnosis.trials import trial_of, try_all
-from sysid.estimation.misfit import away_from_turns
-from sysid.estimation.reference_fit import fit_case
-from sysid.estimation.score_test import target_of
-from sysid.estimation.screening import try_effect
+from sysid.diagnosis.trials import evaluate_all, evaluate_candidate
+from sysid.estimation.misfit import away_from_events
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.score_test import profiled_residual
+from sysid.estimation.screening import screen_and_refit
 from sysid.prediction.problem import load_case
 
 
@@ -42,19 +42,19 @@ def test_what_stops_leave_does_not_hide_an_effect_of_the_motion_between(tmp_path
     plan = Plan("force-drive", ("quadratic_drag",), "moderate", rows=5000)
     make_case(plan, np.random.default_rng(2)).write(tmp_path)
     case = load_case(tmp_path)
-    base = fit_case(case)
-    basis, target = target_of(base.fitted)
+    base = fit_stated_model(case)
+    basis, target = profiled_residual(base.fitted)
     trials = {}
     for name in ("quadratic_drag", "run_in"):
-        tried = try_effect(base.fitted, find(name), case.fit_records, case.scales, basis, target)
+        tried = screen_and_refit(base.fitted, find(name), case.fit_records, case.scales, basis, target)
         assert tried is not None
-        trial = trial_of(case, base, tried)
+        trial = evaluate_candidate(case, base, tried)
         assert trial is not None
         # Shocks at the stops, the same before and after, that no effect takes away.
         trials[name] = replace(trial, significance=1.0, steadiness=0.5)
     assert is_worthwhile(case, base, trials["quadratic_drag"])
     assert not is_worthwhile(case, base, trials["run_in"])
-    near = ~away_from_turns(case.validate_records, base.weights)
+    near = ~away_from_events(case.validate_records, base.weights)
     drag = trials["quadratic_drag"]
     only_near = np.where(near, drag.residual, base.residual)
     assert not is_worthwhile(case, base, replace(drag, residual=only_near))
@@ -65,15 +65,17 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
         tmp_path
     )
     case = load_case(tmp_path)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     # Without the drag another curve than the true one bends as the friction seems to.
     assert base.laws == ("stribeck:rational",)
-    found = try_all(case, base, [e.name for e in case.start.effects]).trials[0]
-    assert found.family == "quadratic_drag"
-    assert "stribeck" in [e.name for e in found.candidate.fitted.model.effects]
-    tried = try_effect(base.fitted, find("quadratic_drag"), case.fit_records, case.scales, *target_of(base.fitted))
+    found = evaluate_all(case, base, [e.name for e in case.start.effects]).trials[0]
+    assert found.public_name == "quadratic_drag"
+    assert "stribeck" in [e.name for e in found.fitted.model.effects]
+    tried = screen_and_refit(
+        base.fitted, find("quadratic_drag"), case.fit_records, case.scales, *profiled_residual(base.fitted)
+    )
     assert tried is not None
-    kept = trial_of(case, base, tried)
+    kept = evaluate_candidate(case, base, tried)
     assert kept is not None
     assert found.error < 1.1 < 1.5 < kept.error
 

@@ -45,7 +45,7 @@ def test_bristles_of_no_stretch_are_no_rival_of_rigid_friction(tmp_path: Path) -
     slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, '"viscous"', held_out=True)
     found = diagnose(tmp_path)
     assert (found.effect, "presliding" in found.indistinguishable) == ("coulomb", False)
-    assert any(trial.family == "presliding" for trial in found.trials)
+    assert any(trial.public_name == "presliding" for trial in found.trials)
 
 
 def test_a_spring_that_bends_a_little_is_not_a_straight_one_and_something_else(tmp_path: Path) -> None:

@@ -8,8 +8,8 @@ import numpy as np
 
 from sim.library.catalogue import find
 from sysid.diagnosis.own_patterns import apart_from, own_coordinates
-from sysid.estimation.base_fit import fit_model
-from sysid.estimation.misfit import weighted_residual, weighting
+from sysid.estimation.fit import fit_model
+from sysid.estimation.misfit import residual_weights, weighted_residual
 from tests.sysid.slide import NOISE, SIGN, TIME, slide
 
 RINGING = 3.0 * NOISE * np.sin(2 * np.pi * 140.0 * TIME)
@@ -20,7 +20,7 @@ def left(folder: Path, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Held-out residual of Coulomb friction, and the same apart from what follows the distance travelled."""
     case = slide(folder, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
     model = fit_model(case.start, case.fit_records).model
-    weights = weighting(model, case.validate_records)
+    weights = residual_weights(model, case.validate_records)
     residual = weighted_residual(model, case.validate_records, weights)
     return residual, apart_from(residual, case.validate_records, weights, own_coordinates([find("run_in")]))
 

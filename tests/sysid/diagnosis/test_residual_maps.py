@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from sysid.diagnosis.coordinate_bins import coordinates_of
-from sysid.diagnosis.residual_maps import ResidualMap, against_time, order_maps, residual_maps
-from sysid.estimation.base_fit import fit_model
-from sysid.estimation.misfit import weighting
+from sysid.diagnosis.explained_share import coordinates_of
+from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, order_maps, residual_maps
+from sysid.estimation.fit import fit_model
+from sysid.estimation.misfit import residual_weights
 from sysid.prediction.problem import Case
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
@@ -20,10 +20,10 @@ WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
 
 def maps(case: Case, nameless: bool = False) -> dict[str, ResidualMap]:
     base = fit_model(case.start, case.fit_records)
-    weights = weighting(base.model, case.validate_records)
+    weights = residual_weights(base.model, case.validate_records)
     of_model = base.model, case.fit_records, base.weights, case.validate_records, weights
     found = residual_maps(*of_model)
-    return {m.coordinate: m for m in (against_time(found, *of_model) if nameless else found)}
+    return {m.coordinate: m for m in (compared_with_time(found, *of_model) if nameless else found)}
 
 
 def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | None = None) -> dict[str, ResidualMap]:

@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import cont2discrete
 
 from sysid.diagnose import diagnose
-from sysid.diagnosis.structural_modes import ringing
-from sysid.estimation.reference_fit import BaseFit, fit_case
+from sysid.diagnosis.structural_modes import detect_structural_mode
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.experiment.experiment import load_experiment
 from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import Balance
@@ -58,9 +58,9 @@ def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-
     return folder
 
 
-def _fitted(folder: Path) -> tuple[Case, BaseFit]:
+def _fitted(folder: Path) -> tuple[Case, ReferenceFit]:
     case = load_case(folder)
-    return case, fit_case(case)
+    return case, fit_stated_model(case)
 
 
 def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
@@ -68,7 +68,7 @@ def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
     record = case.fit_records[0]
     assert isinstance(record, Balance) and record.whole is not None
     assert BAND / record.whole.width < 0.5 * FREQUENCY
-    found = ringing(case, base.fitted)
+    found = detect_structural_mode(case, base.fitted)
     assert found is not None and found.band == pytest.approx(BAND / record.whole.width)
     assert min(found.fit, found.held_out) > 20.0
     assert found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
@@ -79,7 +79,7 @@ def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
 @pytest.mark.parametrize("vibration", [0.0, 0.05])
 def test_without_a_mode_none_is_seen_though_the_floor_vibrates(tmp_path: Path, vibration: float) -> None:
     case, base = _fitted(_write(tmp_path / "rig", 0.0, vibration))
-    assert ringing(case, base.fitted) is None
+    assert detect_structural_mode(case, base.fitted) is None
 
 
 def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -93,7 +93,7 @@ def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixtur
     known = load_experiment(folder).parameters["flexible_mode.frequency"]
     assert known.start == pytest.approx(FREQUENCY, rel=0.05)
     # What the ringing told, not what a fit made of it and of the balance: the balance is fitted again.
-    told = ringing(case, base.fitted)
+    told = detect_structural_mode(case, base.fitted)
     assert told is not None
     assert known.start == pytest.approx(told.values["frequency"], rel=1e-5)
     assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)

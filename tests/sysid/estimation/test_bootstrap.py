@@ -10,7 +10,7 @@ from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
-from sysid.estimation.reference_fit import fit_case
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Case
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
@@ -20,7 +20,7 @@ MEMORY = 0.8
 
 
 def drawn(case: Case, draws: int = DRAWS) -> Bootstrap:
-    refit = refit_of(case, fit_case(case).fitted)
+    refit = refit_of(case, fit_stated_model(case).fitted)
     return bootstrap_of(refit, [refitted(refit, (1, k)) for k in range(draws)])
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.estimation.misfit import misfit
-from sysid.estimation.reference_fit import fit_case
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import load_case
 
 N, STEP, NOISE = 6000, 1e-3, 0.004
@@ -47,7 +47,7 @@ def rig(tmp_path):
 
 def test_free_shares_fit_a_curve_that_a_power_does_not(rig):
     case = load_case(rig)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     assert base.laws == ("presliding:free_maxwell_slip",)
     values = base.fitted.model.values
     assert values["viscous.coefficient"] == pytest.approx(VISCOUS, rel=0.05)
@@ -59,5 +59,5 @@ def test_free_shares_fit_a_curve_that_a_power_does_not(rig):
 def test_a_law_that_the_user_named_stays(rig):
     text = (rig / "experiment.toml").read_text()
     (rig / "experiment.toml").write_text(text.replace('"presliding"', '"presliding:maxwell_slip"'))
-    base = fit_case(load_case(rig))
+    base = fit_stated_model(load_case(rig))
     assert base.laws == ()

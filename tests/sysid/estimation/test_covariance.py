@@ -10,10 +10,10 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import t as student
 
-from sysid.estimation.base_fit import Fitted
 from sysid.estimation.covariance import Intervals, _student, intervals
+from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
-from sysid.estimation.misfit import Weighting
+from sysid.estimation.misfit import ResidualWeights
 from sysid.experiment.unknowns import Prior, Unknown
 from sysid.prediction.model import Model
 
@@ -31,8 +31,8 @@ def told(columns: np.ndarray, measured: np.ndarray, unknowns: list[Unknown]) -> 
     """Intervals of a linear model fitted to one record, in deviations of the noise."""
     fit = least_squares(lambda p: measured - columns @ p, unknowns, iterations=60, tolerance=1e-12)
     record: Any = SimpleNamespace(size=measured.size)
-    weights = Weighting(({"y": np.ones(measured.size)},), ({"y": np.arange(measured.size)},))
-    return intervals(Fitted(Model((), dict(fit.values), tuple(unknowns)), fit, weights), [record])
+    weights = ResidualWeights(({"y": np.ones(measured.size)},), ({"y": np.arange(measured.size)},))
+    return intervals(FittedModel(Model((), dict(fit.values), tuple(unknowns)), fit, weights), [record])
 
 
 def held(noise: Any, draws: int = 200) -> tuple[float, np.ndarray, np.ndarray]:

@@ -6,20 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from sysid.estimation.base_fit import Fitted
 from sysid.estimation.covariance import Intervals
-from sysid.estimation.identifiability import correlation_json, open_words, public_key
+from sysid.estimation.fit import FittedModel
+from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key
 from sysid.estimation.least_squares import FitResult
-from sysid.estimation.misfit import Weighting
+from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.model import Model
 
 KEYS = ("coulomb.force", "viscous.coefficient", "stribeck:rational.force", "constant_bias.force")
 
 
-def fitted(**changes: Any) -> Fitted:
+def fitted(**changes: Any) -> FittedModel:
     values = dict.fromkeys(KEYS, 1.0)
     fit = FitResult(values, 1.0, np.eye(4), np.zeros(4), np.ones(4), KEYS, **changes)
-    return Fitted(Model((), values, ()), fit, Weighting((), ()))
+    return FittedModel(Model((), values, ()), fit, ResidualWeights((), ()))
 
 
 def intervals(*pairs: tuple[int, int, float], unidentified: tuple[str, ...] = ()) -> Intervals:
@@ -30,25 +30,25 @@ def intervals(*pairs: tuple[int, int, float], unidentified: tuple[str, ...] = ()
 
 
 def test_nothing_is_said_where_every_value_stands_on_its_own() -> None:
-    assert open_words(fitted(), intervals((0, 1, 0.85))) == []
+    assert identifiability_report(fitted(), intervals((0, 1, 0.85))) == []
 
 
 def test_two_that_hang_together_are_named_with_their_correlation() -> None:
-    assert open_words(fitted(), intervals((0, 1, -0.97))) == [
+    assert identifiability_report(fitted(), intervals((0, 1, -0.97))) == [
         "coulomb.force and viscous.coefficient hang together (correlation -0.97)."
     ]
 
 
 def test_a_chain_of_correlations_is_one_sentence_under_public_names() -> None:
-    words = open_words(fitted(), intervals((0, 1, -0.97), (1, 2, 0.95)))
+    words = identifiability_report(fitted(), intervals((0, 1, -0.97), (1, 2, 0.95)))
     assert len(words) == 1
     assert words[0].startswith("coulomb.force, viscous.coefficient and stribeck.force hang together")
     assert "constant_bias" not in words[0]
 
 
 def test_dead_values_bounds_and_combinations_are_said() -> None:
-    words = open_words(
-        fitted(dead=("viscous.coefficient",), at_bound=("coulomb.force",), converged=False),
+    words = identifiability_report(
+        fitted(inactive=("viscous.coefficient",), at_bound=("coulomb.force",), converged=False),
         intervals(unidentified=("stribeck:rational.force against constant_bias.force",)),
     )
     assert words == [

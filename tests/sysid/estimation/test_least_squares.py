@@ -45,7 +45,7 @@ def test_a_dead_column_does_not_stall_the_others() -> None:
         lambda p: 2.0 * x - p[0] * x, [Unknown("a", 0.0, -9, 9, 1.0), Unknown("nothing", 1.0, -9, 9, 1.0)], robust=False
     )
     assert found.values["a"] == pytest.approx(2.0)
-    assert found.dead == ("nothing",)
+    assert found.inactive == ("nothing",)
 
 
 def test_outliers_do_not_pull() -> None:
@@ -141,7 +141,7 @@ def test_columns_known_beforehand_only_shorten_the_way(wrong_by: float) -> None:
 
 def test_without_a_last_word_the_columns_are_those_of_the_steps() -> None:
     residual, unknowns, columns = _misra([])
-    short = least_squares(residual, unknowns, robust=False, iterations=2, known=columns, last_word=False)
+    short = least_squares(residual, unknowns, robust=False, iterations=2, known=columns, final_jacobian=False)
     anew = least_squares(residual, unknowns, robust=False, iterations=2, known=columns)
     assert short.values == anew.values
     assert anew.measured and not short.measured

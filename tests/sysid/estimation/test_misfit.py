@@ -17,10 +17,10 @@ from sysid.estimation.misfit import (
     blocks,
     huber_square,
     misfit,
-    sample_deviation,
+    residual_weights,
+    sample_std,
     trimmed_rms,
     weighted_residual,
-    weighting,
 )
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.model import predict
@@ -101,31 +101,31 @@ def test_a_sample_is_less_certain_where_the_prediction_is_steep(case: Case) -> N
     record = case.fit_records[0]
     assert isinstance(record, Balance)
     predicted = predict(record, case.start.effects, right(case))
-    deviation = sample_deviation(record, predicted, "friction_force")
+    deviation = sample_std(record, predicted, "friction_force")
     turns = np.abs(np.diff(predicted["friction_force"], prepend=predicted["friction_force"][0])) > 1.0
     assert deviation[turns].min() > 20.0 * NOISE
     assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
-    assert sample_deviation(replace(record, jitter=0.0), predicted, "friction_force") == pytest.approx(NOISE)
+    assert sample_std(replace(record, jitter=0.0), predicted, "friction_force") == pytest.approx(NOISE)
 
 
 def test_weighted_residuals_are_in_deviations_and_follow_values_given(case: Case) -> None:
     model = case.start.at(right(case))
-    weights = weighting(model, case.fit_records)
+    weights = residual_weights(model, case.fit_records)
     residual = weighted_residual(model, case.fit_records, weights)
     assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.05)
     moved = weighted_residual(model, case.fit_records, weights, {**model.values, "coulomb.force": 1.6})
-    pick = weights.picks[0]["friction_force"]
+    pick = weights.samples[0]["friction_force"]
     change = (residual - moved) * weights.deviations[0]["friction_force"][pick]
     assert np.median(np.abs(change)) == pytest.approx(0.1)
 
 
 def test_blocks_are_stretches_of_time_and_never_shared_between_records(case: Case) -> None:
     record = case.fit_records[0]
-    weights = weighting(case.start, [record, record])
+    weights = residual_weights(case.start, [record, record])
     numbers = blocks([record, record], weights, 10)
     half = numbers.size // 2
     assert set(numbers[:half]) == set(range(10))
     assert set(numbers[half:]) == set(range(10, 20))
     assert np.all(np.diff(numbers) >= 0)
-    edges = TIME[: record.size][weights.picks[0]["friction_force"]][np.flatnonzero(np.diff(numbers[:half]))]
+    edges = TIME[: record.size][weights.samples[0]["friction_force"]][np.flatnonzero(np.diff(numbers[:half]))]
     assert np.diff(edges) == pytest.approx(0.1 * record.size * record.step, abs=2 * record.step)

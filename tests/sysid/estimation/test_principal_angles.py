@@ -9,8 +9,8 @@ import pytest
 from scipy.linalg import subspace_angles
 
 from sim.library.catalogue import find
-from sysid.estimation.base_fit import Fitted, fit_model
-from sysid.estimation.principal_angles import own_directions, principal_angles, stand_in_angle
+from sysid.estimation.fit import FittedModel, fit_model
+from sysid.estimation.identifiability import own_directions, principal_angles, substitution_angle
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Case
 from tests.sysid.slide import SIGN, VELOCITY, slide
@@ -42,13 +42,13 @@ def case(tmp_path: Path) -> Case:
     return slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, '"coulomb"')
 
 
-def added(case: Case, base: Fitted, effect: str) -> Fitted:
+def added(case: Case, base: FittedModel, effect: str) -> FittedModel:
     return fit_model(with_effect(base.model, find(effect), case.scales), case.fit_records, base.weights, 4)
 
 
 def angle(case: Case, one: str, other: str) -> float | None:
     base = fit_model(case.start, case.fit_records)
-    return stand_in_angle(added(case, base, one), added(case, base, other), base)
+    return substitution_angle(added(case, base, one), added(case, base, other), base)
 
 
 def test_two_names_for_one_thing_are_no_angle_apart(case: Case) -> None:
@@ -59,7 +59,7 @@ def test_two_names_for_one_thing_are_no_angle_apart(case: Case) -> None:
         asymmetry.effects, asymmetry.values, tuple(u for u in asymmetry.unknowns if "asymmetry.viscous" not in u.key)
     )
     one = fit_model(held, case.fit_records, base.weights, 4)
-    apart = stand_in_angle(one, added(case, base, "constant_bias"), base)
+    apart = substitution_angle(one, added(case, base, "constant_bias"), base)
     assert apart is not None
     assert apart < 0.2 * ONE_GROUP
 
@@ -77,7 +77,7 @@ def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> Non
     base = fit_model(case.start, case.fit_records)
     load = added(case, base, "load_dependent_friction")
     assert own_directions(load, base).shape[1] == 0
-    assert stand_in_angle(load, added(case, base, "viscous"), base) is None
+    assert substitution_angle(load, added(case, base, "viscous"), base) is None
 
 
 def test_a_law_with_more_values_may_stand_in_where_one_with_fewer_may_not(tmp_path: Path) -> None:
@@ -88,9 +88,9 @@ def test_a_law_with_more_values_may_stand_in_where_one_with_fewer_may_not(tmp_pa
         fit_model(added(case, base, n).model, case.fit_records, base.weights) for n in ("stribeck", "viscous")
     )
     # What the curve does is no straight line; drag cannot be negative, and does nothing here.
-    could = stand_in_angle(curve, drag, base)
+    could = substitution_angle(curve, drag, base)
     assert could is not None
     assert could > ONE_GROUP
     # Not only along its slope where it ended: all that it took.
-    assert stand_in_angle(curve, curve, base) == pytest.approx(0.0, abs=1e-3)
-    assert stand_in_angle(drag, curve, base) is None
+    assert substitution_angle(curve, curve, base) == pytest.approx(0.0, abs=1e-3)
+    assert substitution_angle(drag, curve, base) is None

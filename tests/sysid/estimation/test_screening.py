@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim.library.catalogue import find
-from sysid.estimation.base_fit import Fitted, fit_model, with_columns
-from sysid.estimation.score_test import grid_of, linear_scores, orthonormal, target_of
-from sysid.estimation.screening import try_effect
+from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
+from sysid.estimation.score_test import candidate_directions, orthonormal, profiled_residual, score_test
+from sysid.estimation.screening import screen_and_refit
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Case
 from tests.sysid.slide import POSITION, SIGN, STEP, VELOCITY, slide
@@ -19,14 +19,14 @@ PITCH = 1.1e-3
 RNG = np.random.default_rng(0)
 
 
-def fitted(case: Case) -> Fitted:
+def fitted(case: Case) -> FittedModel:
     return fit_model(case.start, case.fit_records)
 
 
 def scores(case: Case, effect: str) -> list:
     base = fitted(case)
-    grid = grid_of(base, find(effect), case.fit_records, case.scales)
-    return linear_scores(find(effect), grid, *target_of(base))
+    grid = candidate_directions(base, find(effect), case.fit_records, case.scales)
+    return score_test(find(effect), grid, *profiled_residual(base))
 
 
 def test_a_basis_spans_its_columns_and_leaves_out_the_dead_and_the_dependent() -> None:
@@ -46,7 +46,7 @@ def test_the_target_is_what_the_base_model_cannot_take_and_no_outlier_rules_it(t
     force = 1.5 * SIGN + 20.0 * VELOCITY
     force[700] += 1e4
     base = fitted(slide(tmp_path, force, '"coulomb"'))
-    basis, target = target_of(base)
+    basis, target = profiled_residual(base)
     assert basis.T @ target == pytest.approx(0.0, abs=1e-6 * np.linalg.norm(target))
     assert np.max(np.abs(target)) < 0.01 * np.max(np.abs(base.fit.residual))
 
@@ -56,12 +56,12 @@ def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) ->
     base = fitted(case)
     found = scores(case, "viscous")[0]
     # The same by hand: the residual regressed on the velocity and on what the base model moves.
-    pick = base.weights.picks[0]["friction_force"]
+    pick = base.weights.samples[0]["friction_force"]
     column = VELOCITY[pick] / base.weights.deviations[0]["friction_force"][pick]
     free = np.column_stack([column, base.fit.jacobian])
-    _, target = target_of(base)
+    _, target = profiled_residual(base)
     left = target - free @ np.linalg.lstsq(free, target, rcond=None)[0]
-    assert found.drop == pytest.approx(1.0 - (left @ left) / (target @ target), abs=1e-6)
+    assert found.predicted_reduction == pytest.approx(1.0 - (left @ left) / (target @ target), abs=1e-6)
     wanted = np.linalg.lstsq(free, target, rcond=None)[0][0]
     assert found.start["viscous.coefficient"] == pytest.approx(wanted, rel=1e-4)
 
@@ -69,10 +69,12 @@ def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) ->
 def test_a_pitch_and_its_phase_are_read_off_the_grid(tmp_path: Path) -> None:
     case = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), '"coulomb"')
     listed = scores(case, "magnetic_cogging")
-    assert [s.drop for s in listed] == sorted((s.drop for s in listed), reverse=True)
+    assert [s.predicted_reduction for s in listed] == sorted((s.predicted_reduction for s in listed), reverse=True)
     assert listed[0].start["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=0.06)
-    assert listed[0].drop > 0.5
-    found = try_effect(fitted(case), find("magnetic_cogging"), case.fit_records, case.scales, *target_of(fitted(case)))
+    assert listed[0].predicted_reduction > 0.5
+    found = screen_and_refit(
+        fitted(case), find("magnetic_cogging"), case.fit_records, case.scales, *profiled_residual(fitted(case))
+    )
     assert found is not None
     values = found.fitted.model.values
     assert values["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=1e-3)
@@ -85,8 +87,8 @@ def test_a_drag_that_would_drive_starts_at_its_bound_not_beyond(tmp_path: Path) 
     case = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), '"coulomb"')
     found = scores(case, "quadratic_drag")[0]
     # What it would take with that sign is said, and not counted.
-    assert found.barred > 0.5
-    assert found.drop < 0.01
+    assert found.blocked_reduction > 0.5
+    assert found.predicted_reduction < 0.01
     assert found.start["quadratic_drag.coefficient"] == 0.0
 
 
@@ -97,9 +99,9 @@ def test_an_effect_without_amplitude_is_put_in_as_it_is(tmp_path: Path) -> None:
     for k in range(1, force.size):
         lagged[k] += np.exp(-STEP / tau) * (lagged[k - 1] - force[k])
     case = slide(tmp_path, lagged, '"coulomb", "viscous"')
-    assert scores(case, "sensor_lag")[0].drop > 0.5
+    assert scores(case, "sensor_lag")[0].predicted_reduction > 0.5
     base = fitted(case)
-    found = try_effect(base, find("sensor_lag"), case.fit_records, case.scales, *target_of(base))
+    found = screen_and_refit(base, find("sensor_lag"), case.fit_records, case.scales, *profiled_residual(base))
     assert found is not None
     assert found.fitted.model.values["sensor_lag.time_constant"] == pytest.approx(tau, abs=0.5 * STEP)
 
@@ -118,10 +120,10 @@ def test_a_fit_begun_with_the_columns_of_another_ends_where_it_would_without(tmp
     alone = fit_model(start, case.fit_records, base.weights)
     near = fit_model(start, case.fit_records, base.weights, near=base)
     assert near.fit.cost == pytest.approx(alone.fit.cost, rel=1e-4)
-    short = fit_model(start, case.fit_records, base.weights, 3, near=base, last_word=False)
+    short = fit_model(start, case.fit_records, base.weights, 3, near=base, final_jacobian=False)
     assert not short.fit.measured
-    told = with_columns(short, case.fit_records)
-    assert told.fit.measured and with_columns(told, case.fit_records) is told
+    told = with_final_jacobian(short, case.fit_records)
+    assert told.fit.measured and with_final_jacobian(told, case.fit_records) is told
     assert told.fit.values == short.fit.values
     measured = fit_model(short.model, case.fit_records, base.weights, 0)
     assert told.fit.jacobian == pytest.approx(measured.fit.jacobian)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sim.library.catalogue import find
-from sysid.estimation.base_fit import fit_model
-from sysid.estimation.reference_fit import best_laws, clearly_better, open_laws
-from sysid.estimation.starting_points import searched, without_law
+from sysid.estimation.fit import fit_model
+from sysid.estimation.reference_fit import fits_clearly_better, select_variants, selectable_effects
+from sysid.estimation.variant_selection import fit_replacement, without_effect
 from sysid.prediction.problem import Case
 from tests.sysid.slide import POSITION, VELOCITY, slide
 
@@ -24,7 +24,7 @@ def curve(tmp_path: Path) -> Case:
 def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Case) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     assert stuck.model.values["stribeck.force"] == pytest.approx(0.0, abs=0.05)  # what this is for
-    found = searched(stuck, find("stribeck"), curve.fit_records, curve.scales).model.values
+    found = fit_replacement(stuck, find("stribeck"), curve.fit_records, curve.scales).model.values
     assert found["stribeck.force"] == pytest.approx(0.6, rel=0.01)
     assert found["stribeck.velocity"] == pytest.approx(4e-3, rel=0.02)
     assert found["viscous.coefficient"] == pytest.approx(8.0, rel=0.01)
@@ -32,18 +32,18 @@ def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Cas
 
 def test_the_familys_own_law_is_taken_unless_another_is_clearly_better(curve: Case) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
-    other = searched(stuck, find("stribeck:rational"), curve.fit_records, curve.scales)
-    found, chosen = best_laws(curve, other)
+    other = fit_replacement(stuck, find("stribeck:rational"), curve.fit_records, curve.scales)
+    found, chosen = select_variants(curve, other)
     assert chosen == ()
     assert {e.name for e in found.model.effects} == {"coulomb", "viscous", "stribeck"}
-    assert clearly_better(found, other)
-    assert not clearly_better(other, found)
+    assert fits_clearly_better(found, other)
+    assert not fits_clearly_better(other, found)
 
 
 def test_another_law_is_taken_where_the_curve_is_another(tmp_path: Path) -> None:
     level = 1.5 + 0.6 / (1.0 + np.abs(VELOCITY / 2e-3))
     case = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"')
-    _, chosen = best_laws(case, fit_model(case.start, case.fit_records))
+    _, chosen = select_variants(case, fit_model(case.start, case.fit_records))
     assert chosen == ("stribeck:rational",)
 
 
@@ -51,7 +51,7 @@ def test_a_pitch_is_found_among_hundreds(tmp_path: Path) -> None:
     force = 1.5 * np.sign(VELOCITY) + 0.2 * np.sin(2 * np.pi * POSITION / 0.83e-3 + 0.4)
     case = slide(tmp_path, force, '"coulomb"')
     alone = fit_model(case.start, case.fit_records)
-    found = searched(alone, find("magnetic_cogging"), case.fit_records, case.scales).model.values
+    found = fit_replacement(alone, find("magnetic_cogging"), case.fit_records, case.scales).model.values
     assert found["magnetic_cogging.pitch"] == pytest.approx(0.83e-3, rel=1e-3)
     assert found["magnetic_cogging.amplitude"] == pytest.approx(0.2, rel=0.01)
 
@@ -60,8 +60,10 @@ def test_a_start_that_was_given_is_kept_to(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     settings = '[model.parameters]\n"stribeck.velocity" = {start = "9 mm/s", fixed = true}\n'
     case = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
-    found = searched(fit_model(case.start, case.fit_records), find("stribeck"), case.fit_records, case.scales).model
-    assert open_laws(case) == ()
+    found = fit_replacement(
+        fit_model(case.start, case.fit_records), find("stribeck"), case.fit_records, case.scales
+    ).model
+    assert selectable_effects(case) == ()
     assert "stribeck.velocity" not in {u.key for u in found.unknowns}
     assert found.values["stribeck.velocity"] == 9e-3
 
@@ -71,12 +73,12 @@ def test_bounds_outlive_the_search(tmp_path: Path) -> None:
     settings = '[model.parameters]\n"stribeck.force" = {high = "0.5 N"}\n'
     case = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
     fitted = fit_model(case.start, case.fit_records)
-    again = searched(fitted, find("stribeck"), case.fit_records, case.scales)
+    again = fit_replacement(fitted, find("stribeck"), case.fit_records, case.scales)
     assert again.model.values["stribeck.force"] == pytest.approx(0.5)
     assert again.fit.at_bound == ("stribeck.force",)
 
 
 def test_an_effect_taken_out_takes_its_values_with_it(curve: Case) -> None:
-    rest = without_law(curve.start, "stribeck:rational")
+    rest = without_effect(curve.start, "stribeck:rational")
     assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
     assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])

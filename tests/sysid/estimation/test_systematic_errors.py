@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sysid.estimation.covariance import intervals
-from sysid.estimation.reference_fit import fit_case
-from sysid.estimation.systematic_errors import SKEW, systematic_changes
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.systematic_errors import CHANNEL_SKEW, systematic_errors
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.problem import Case, load_case
 
@@ -57,12 +57,12 @@ def test_a_motion_filtered_half_as_much_is_closer_to_the_motion_and_noisier(tmp_
 def test_a_short_pitch_is_blunted_by_the_filter_and_its_interval_says_so(tmp_path: Path) -> None:
     # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
     case = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
-    found = fit_case(case).fitted
+    found = fit_stated_model(case).fitted
     told = intervals(found, case.fit_records).by_key
     amplitude = told["magnetic_cogging.amplitude"]
     assert amplitude.value < 0.5  # blunted
     assert amplitude.low < 0.5 < amplitude.high
-    blunted = systematic_changes(found, case.fit_records)[-1]
+    blunted = systematic_errors(found, case.fit_records)[-1]
     assert np.linalg.norm(blunted) > 0.0
     assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
 
@@ -83,7 +83,7 @@ def test_a_lag_is_told_no_better_than_the_rows_are_simultaneous(tmp_path: Path) 
         '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "1 mN"\n'
     )
     case = load_case(tmp_path)
-    told = intervals(fit_case(case).fitted, case.fit_records).by_key
+    told = intervals(fit_stated_model(case).fitted, case.fit_records).by_key
     lag = told["sensor_lag.time_constant"]
-    assert lag.std == pytest.approx(SKEW * STEP, rel=0.3)
+    assert lag.std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)
     assert told["viscous.coefficient"].std < 1e-3 * told["viscous.coefficient"].value

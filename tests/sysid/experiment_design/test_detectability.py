@@ -11,8 +11,8 @@ from scipy.signal import lfilter
 from sim.library.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.diagnosis.verdict_limits import LEAST_GAIN
-from sysid.estimation.reference_fit import fit_case
-from sysid.experiment_design.detectability import Smallest, smallest_shown, smallest_sizes
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects, minimum_sizes
 from sysid.prediction.problem import Case
 from tests.sysid.slide import NOISE, SIGN, STEP, VELOCITY, slide
 
@@ -22,8 +22,8 @@ def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) ->
     return slide(folder, 1.5 * SIGN + extra, '"coulomb"', held_out=True, noise=noise)
 
 
-def sizes(case: Case, *names: str) -> dict[str, Smallest]:
-    found = smallest_sizes(fit_case(case).fitted, [find(n) for n in names], case.fit_records, case.scales)
+def sizes(case: Case, *names: str) -> dict[str, MinimumDetectableEffect]:
+    found = minimum_sizes(fit_stated_model(case).fitted, [find(n) for n in names], case.fit_records, case.scales)
     return {one.effect: one for one in found}
 
 
@@ -79,7 +79,7 @@ def test_a_relative_size_beyond_its_bound_is_no_size(tmp_path: Path) -> None:
 def test_a_diagnosis_tells_it_of_every_effect_but_the_one_it_found(tmp_path: Path) -> None:
     found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
     assert found.effect == "viscous"
-    told = {one.effect for one in smallest_shown(found)}
+    told = {one.effect for one in minimum_detectable_effects(found)}
     assert "viscous" not in told
     assert "coulomb" not in told
     assert {"stribeck", "presliding", "constant_bias", "sensor_lag", "sensor_drift"} <= told

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from sim.library.catalogue import find
-from sysid.estimation.misfit import weighting
+from sysid.estimation.misfit import residual_weights
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
-from sysid.experiment_design.suggest import columns_of, motion_record, motions_for, separation
+from sysid.experiment_design.t_optimal_design import columns_of, discrimination_distance, motion_record, motions_for
 from sysid.prediction.model import Model, predict, with_effect
 from sysid.prediction.problem import Case, load_case
 
@@ -50,7 +50,7 @@ def motion(case: Case, name: str) -> Motion:
 
 def apart(case: Case, one: Model, other: Model, name: str) -> float:
     record, count = motion_record(case, motion(case, name))
-    return count * separation(one, other, [record], weighting(one, [record], thin=False))
+    return count * discrimination_distance(one, other, [record], residual_weights(one, [record], thin=False))
 
 
 def test_a_model_is_not_apart_from_itself_at_other_values(case: Case) -> None:
@@ -87,7 +87,7 @@ def test_separation_of_linear_models_is_the_part_a_projection_leaves(case: Case)
     for y, columns in zip(truth, rivals, strict=True):
         best, *_ = np.linalg.lstsq(columns[ok], y[ok], rcond=None)
         left.append(np.linalg.norm((y - columns @ best)[ok]) / NOISE)
-    found = separation(linear, square, [record], weighting(linear, [record], thin=False))
+    found = discrimination_distance(linear, square, [record], residual_weights(linear, [record], thin=False))
     assert found == pytest.approx(min(left), rel=0.02)
 
 
@@ -100,7 +100,7 @@ def test_sampling_a_motion_more_coarsely_leaves_its_evidence(case: Case) -> None
     found = []
     for m in (fine, coarse):
         record, count = motion_record(case, m)
-        found.append(count * separation(one, other, [record], weighting(one, [record], thin=False)))
+        found.append(count * discrimination_distance(one, other, [record], residual_weights(one, [record], thin=False)))
     # Counted by samples, the finer one would seem 1.7 times as telling.
     assert found[0] == pytest.approx(found[1], rel=0.15)
 

@@ -13,9 +13,9 @@ from friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experi
 from sim.library.catalogue import find
 from stagecad.parameters.errors import InputError
 from sysid.estimation.misfit import misfit
-from sysid.estimation.reference_fit import fit_case
-from sysid.estimation.score_test import target_of
-from sysid.estimation.screening import try_effect
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.estimation.score_test import profiled_residual
+from sysid.estimation.screening import screen_and_refit
 from sysid.prediction.friction_drive.midpoint import follow
 from sysid.prediction.observable import candidates_of
 from sysid.prediction.problem import load_case
@@ -31,8 +31,8 @@ def over_noise(case, model) -> float:
 def tried(case, base, name: str):
     """The model with one effect more, fitted, and its misfit on the record held out; that of the base if it does
     nothing."""
-    basis, target = target_of(base.fitted)
-    found = try_effect(base.fitted, find(name), case.fit_records, case.scales, basis, target)
+    basis, target = profiled_residual(base.fitted)
+    found = screen_and_refit(base.fitted, find(name), case.fit_records, case.scales, basis, target)
     if found is None:
         return base.fitted.model, over_noise(case, base.fitted.model)
     return found.fitted.model, over_noise(case, found.fitted.model)
@@ -42,7 +42,7 @@ def tried(case, base, name: str):
 def plain(tmp_path_factory):
     """Nothing hidden: the model has all that the rig does."""
     case = load_case(write_experiment(tmp_path_factory.mktemp("plain"), Truth(), ["coulomb"]))
-    return case, fit_case(case)
+    return case, fit_stated_model(case)
 
 
 def test_a_complete_model_is_down_to_the_noise_with_the_rigs_own_values(plain):
@@ -78,7 +78,7 @@ def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect
     # Voltages that only oppose each other cannot tell a weaker stack from a smaller gain.
     lift = 15.0 if "mismatch" in hidden else 0.0
     case = load_case(write_experiment(tmp_path, Truth(**hidden), ["coulomb"], lift))
-    base = fit_case(case)
+    base = fit_stated_model(case)
     before = over_noise(case, base.fitted.model)
     assert before > 5.0
     model, after = tried(case, base, effect)
@@ -91,7 +91,7 @@ def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect
 def test_slip_that_goes_with_the_load(tmp_path):
     folder = write_experiment(tmp_path, Truth(slip=2.2, load_exponent=1.0), ["coulomb", "contact.coulomb"], lift=15.0)
     case = load_case(folder)
-    base = fit_case(case)
+    base = fit_stated_model(case)
     assert over_noise(case, base.fitted.model) > 20.0
     model, after = tried(case, base, "contact.load_dependent_friction")
     assert after < 2.0
@@ -143,7 +143,7 @@ def test_a_lifted_tip_carries_nothing_along():
 def test_a_core_without_bristles_of_its_own_is_refused(tmp_path):
     folder = write_experiment(tmp_path, Truth(), ["lugre"])
     with pytest.raises(InputError, match="its cores are 'coulomb' and 'presliding'"):
-        fit_case(load_case(folder))
+        fit_stated_model(load_case(folder))
 
 
 def test_a_tip_without_its_lengths_is_one_line(tmp_path, capsys):

@@ -12,7 +12,7 @@ import pytest
 
 import workbench.identification.design_values
 from sysid.estimation.covariance import intervals
-from sysid.estimation.reference_fit import fit_case
+from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue
 from sysid.prediction.problem import load_case
 from workbench.cli import run
@@ -91,7 +91,7 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: 
     written = json.loads(capsys.readouterr().out)["written_back"]["friction.breakaway"]
 
     case = load_case(rig)
-    found = intervals(fit_case(case).fitted, case.fit_records)
+    found = intervals(fit_stated_model(case).fitted, case.fit_records)
     one, two = found.by_key["coulomb.force"], found.by_key["stribeck.force"]
     together = found.correlation[found.keys.index("coulomb.force"), found.keys.index("stribeck.force")]
     assert written["value"] == pytest.approx(one.value + two.value)

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from sysid.diagnose import Diagnosis, diagnose
-from sysid.diagnosis.trials import Progress, Trial
+from sysid.diagnosis.trials import CandidateFit, Progress
 from sysid.estimation.least_squares import least_squares
-from sysid.estimation.misfit import Weighting, weighted_residual, weighting
+from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_ladder
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
@@ -41,7 +41,7 @@ SCORED = 4000
 
 
 @dataclass(frozen=True)
-class Pair:
+class Discrimination:
     """Two rivals, and how far apart a motion or the records at hand would set them.
 
     Args:
@@ -56,7 +56,7 @@ class Pair:
 
 
 @dataclass(frozen=True)
-class Worth:
+class DesignValue:
     """A motion with what it would separate.
 
     Args:
@@ -66,7 +66,7 @@ class Worth:
     """
 
     motion: Motion
-    pairs: tuple[Pair, ...]
+    pairs: tuple[Discrimination, ...]
     least: float = 0.0
 
     @property
@@ -91,7 +91,7 @@ class Suggestion:
     case: Case
     diagnosis: Diagnosis
     rivals: tuple[str, ...]
-    motions: tuple[Worth, ...]
+    motions: tuple[DesignValue, ...]
     inseparable: tuple[str, ...] = ()
     revisited: str | None = None
 
@@ -117,28 +117,28 @@ def suggest(
         again = diagnose(make_case(case.experiment, case.records, before), progress=progress)
         if again.verdict == "missing-effect":
             found, revisited = again, last
-    return weigh(found, motions_for(found.case), revisited, progress)
+    return rank_motions(found, motions_for(found.case), revisited, progress)
 
 
-def weigh(
+def rank_motions(
     found: Diagnosis, motions: Sequence[Motion], revisited: str | None = None, progress: Progress | None = None
 ) -> Suggestion:
     """Order motions by what they would separate of a diagnosis's rivals."""
-    rivals = rivals_of(found)
+    rivals = competing_models(found)
     filling, case = motions[-1], found.case
-    names = [t.family for t in rivals]
+    names = [t.public_name for t in rivals]
     if len(rivals) < 2:
-        return Suggestion(case, found, tuple(names), (Worth(filling, ()),), (), revisited)
-    models = [t.candidate.fitted.model for t in rivals]
+        return Suggestion(case, found, tuple(names), (DesignValue(filling, ()),), (), revisited)
+    models = [t.fitted.model for t in rivals]
     now = [_apart_on_records(case, models[0], other) for other in models[1:]]
-    found_pairs: list[list[Pair]] = []
+    found_pairs: list[list[Discrimination]] = []
     for k, motion in enumerate(motions):
         if progress is not None:
             progress(motion.name, k, len(motions))
         record, count = motion_record(case, motion)
-        weights = weighting(models[0], [record], thin=False)
-        apart = [count * separation(models[0], other, [record], weights) for other in models[1:]]
-        found_pairs.append([Pair((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
+        weights = residual_weights(models[0], [record], thin=False)
+        apart = [count * discrimination_distance(models[0], other, [record], weights) for other in models[1:]]
+        found_pairs.append([Discrimination((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
     if progress is not None:
         progress("", len(motions), len(motions))
     # Two names for one thing on this rig: no motion is to blame.
@@ -146,31 +146,31 @@ def weigh(
     worths = []
     for motion, pairs in zip(motions, found_pairs, strict=True):
         least = min((p.deviations for p in pairs if p.effects[1] not in same), default=0.0)
-        worths.append(Worth(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
+        worths.append(DesignValue(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
     ordered = sorted(worths[:-1], key=lambda w: -w.rate)
     return Suggestion(case, found, tuple(names), (*ordered, worths[-1]), tuple(same), revisited)
 
 
-def rivals_of(found: Diagnosis) -> list[Trial]:
+def competing_models(found: Diagnosis) -> list[CandidateFit]:
     """The best trial, those tied with it, and the others that come near it; none where nothing is missing."""
     best = found.best
-    if best is None or found.verdict != "missing-effect" or best.family == "sensor_quantisation":
+    if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
         # A grid is read off the values themselves: no motion is needed to tell it from anything.
         return []
-    usable = [t for t in found.trials if t is not best and t.candidate.fitted.fit.keys and t.fit_gain > 0.0]
-    tied = [t for t in usable if t.family in found.indistinguishable]
+    usable = [t for t in found.trials if t is not best and t.fitted.fit.keys and t.fit_gain > 0.0]
+    tied = [t for t in usable if t.public_name in found.indistinguishable]
     others = [t for t in usable if t not in tied and t.gain > 0.3 * best.gain]
     near = [t for t in others if t.error <= NEAR * max(best.error, 1.0)]
     # Where the records have settled it, the runner-up alone is kept, to show by how much.
     return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_RIVALS]
 
 
-def separation(one: Model, other: Model, records: Sequence[Prepared], weights: Weighting) -> float:
+def discrimination_distance(one: Model, other: Model, records: Sequence[Prepared], weights: ResidualWeights) -> float:
     """Deviations by which records tell two models apart, each refitted to the other, the lesser of the two."""
     return min(_unlike(one, other, records, weights), _unlike(other, one, records, weights))
 
 
-def _unlike(truth: Model, rival: Model, records: Sequence[Prepared], weights: Weighting) -> float:
+def _unlike(truth: Model, rival: Model, records: Sequence[Prepared], weights: ResidualWeights) -> float:
     posed = [replace(r, measured=predict(r, truth.effects, truth.values), memo={}) for r in records]
     keys = [u.key for u in rival.unknowns]
 
@@ -196,20 +196,20 @@ def _independent(case: Case, record: Prepared, step: float) -> float:
 def _apart_on_records(case: Case, one: Model, other: Model) -> float:
     """Deviations by which the records of the fit tell two models apart."""
     total = 0
-    full = weighting(one, case.fit_records)
-    for pick in full.picks:
+    full = residual_weights(one, case.fit_records)
+    for pick in full.samples:
         total += max((p.size for p in pick.values()), default=0)
     every = max(1, total // SCORED)
-    picks = tuple(
+    samples = tuple(
         {c: _away_from_turns(record, p)[::every] for c, p in pick.items()}
-        for record, pick in zip(case.fit_records, full.picks, strict=True)
+        for record, pick in zip(case.fit_records, full.samples, strict=True)
     )
-    thinned = replace(full, picks=picks)
+    thinned = replace(full, samples=samples)
     record = case.fit_records[0]
     gap = every * record.step
     if isinstance(record, Balance) and record.whole is not None:
         gap = every * max(1, int(record.whole.width / record.step)) * record.step
-    return _independent(case, record, gap) * separation(one, other, case.fit_records, thinned)
+    return _independent(case, record, gap) * discrimination_distance(one, other, case.fit_records, thinned)
 
 
 def _turning(record: Balance, reach: int) -> np.ndarray:

@@ -1,4 +1,5 @@
-"""How much of a residual a coordinate tells: learned on some samples, judged on others.
+"""The coordinates that a residual is held against, and the bins that they are cut into.
+How much of a residual a coordinate tells: learned on some samples, judged on others.
 
 A coordinate's table is the mean residual in bins of the coordinate, apart for the two directions of motion, over all
 records together: what depends on the coordinate looks the same whenever the axis comes by again, and is foretold by
@@ -14,10 +15,65 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sysid.diagnosis.coordinate_bins import cells_of, coordinates_of, edges_of, means_of
-from sysid.estimation.misfit import Weighting, misfit
+from sysid.estimation.misfit import ResidualWeights, misfit
+from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.model import Model, Prepared, predict
+
+
+def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
+    """The coordinates (n,) that a record's residual is held against, by the interface's names; `frequency` aside."""
+    if isinstance(record, TipRecord):
+        rate = np.gradient(np.mean(record.drives, axis=0), record.step)
+        out = {"time": record.time, "input": np.mean(record.drives, axis=0), "velocity": rate}
+        for name, signal in record.measured.items():
+            out[f"position@{name}"] = signal
+        out["acceleration"] = np.gradient(rate, record.step)
+        return out
+    axis = record.axis
+    out = {
+        "time": axis.time,
+        "position": axis.position,
+        "velocity": axis.velocity,
+        "direction": axis.direction,
+        "acceleration": axis.acceleration,
+        "distance_since_reversal": axis.reversal_distance,
+        "distance_travelled": axis.travelled,
+        "contact_age": axis.contact_age,
+    }
+    if np.ptp(axis.load) > 0:
+        out["normal_load"] = axis.load
+    if np.ptp(axis.temperature) > 0:
+        out["temperature"] = axis.temperature
+    return out
+
+
+_BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
+
+
+def edges_of(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
+    """Edges of a coordinate's bins, the outer ones open: even, or by rank where most samples share a few values."""
+    if coordinate == "direction":
+        return np.array([-np.inf, 0.0, np.inf])
+    if coordinate in _BY_RANK:
+        inner = np.unique(np.quantile(values, np.linspace(0, 1, bins + 1)[1:-1]))
+    else:
+        low, high = float(np.min(values)), float(np.max(values))
+        inner = np.linspace(low, high, bins + 1)[1:-1]
+    return np.concatenate([[-np.inf], inner, [np.inf]])
+
+
+def cells_of(values: np.ndarray, direction: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Number of each sample's bin (n,), the bins of motion backwards after those forwards."""
+    index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
+    return index + (edges.size - 1) * (direction < 0)
+
+
+def means_of(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
+    """Mean residual per cell, drawn towards zero where a cell holds few samples."""
+    number = np.bincount(cells, minlength=count)
+    return np.bincount(cells, residual, minlength=count) / (number + 3.0)
+
 
 BINS = 12
 """Bins on which a coordinate's share is judged, the same for all: with many, anything is a function of time."""
@@ -50,9 +106,9 @@ ALIAS = 0.9
 def compared(
     model: Model,
     fit_records: Sequence[Prepared],
-    fit_weights: Weighting,
+    fit_weights: ResidualWeights,
     held_out: Sequence[Prepared],
-    held_out_weights: Weighting,
+    held_out_weights: ResidualWeights,
 ) -> Iterator[tuple[str, Samples, Samples]]:
     """Each of the worst channels, with its samples in the records of the fit and in the held-out ones."""
     for channel in _worst_channels(model, [*fit_records, *held_out]):
@@ -74,13 +130,13 @@ def _worst_channels(model: Model, records: Sequence[Prepared]) -> list[str]:
 
 
 def _samples(
-    model: Model, records: Sequence[Prepared], weights: Weighting, channel: str
+    model: Model, records: Sequence[Prepared], weights: ResidualWeights, channel: str
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray] | None:
     """Coordinates, residual (n,) and block number (n,) at the scored samples of all records that hold the channel."""
     coordinates: dict[str, list[np.ndarray]] = {}
     residuals, block_numbers, start = [], [], 0
-    for record, deviations, picks in zip(records, weights.deviations, weights.picks, strict=True):
-        pick = picks.get(channel)
+    for record, deviations, samples in zip(records, weights.deviations, weights.samples, strict=True):
+        pick = samples.get(channel)
         if pick is None:
             continue
         predicted = predict(record, model.effects, model.values)
@@ -152,7 +208,7 @@ def told_by(name: str, learn: Samples, judge: Samples) -> Told:
     return Told(values, time, direction, residual, block, record, cells, foretold, drawn, share, pattern)
 
 
-def less_time(told: Told) -> float:
+def share_beyond_time(told: Told) -> float:
     """What a coordinate explains of what time leaves, less what time explains of what the coordinate leaves; shares of
     the residual's square."""
     residual = told.residual

@@ -8,18 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sysid.estimation.least_squares import FitResult, ResidualFunction, jacobian, least_squares
-from sysid.estimation.misfit import Weighting, huber_square, weighted_residual, weighting
+from sysid.estimation.misfit import ResidualWeights, huber_square, residual_weights, weighted_residual
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model, Prepared
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedModel:
     """A model at its best values, with the fit that found them."""
 
     model: Model
     fit: FitResult
-    weights: Weighting
+    weights: ResidualWeights
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
@@ -30,11 +30,11 @@ class Fitted:
 def fit_model(
     model: Model,
     records: Sequence[Prepared],
-    weights: Weighting | None = None,
+    weights: ResidualWeights | None = None,
     iterations: int = 25,
-    near: Fitted | None = None,
-    last_word: bool = True,
-) -> Fitted:
+    near: FittedModel | None = None,
+    final_jacobian: bool = True,
+) -> FittedModel:
     """Fit the model's unknowns to the records.
 
     Without `weights` the deviations are taken from the model's own start, and once more from its first fit.
@@ -53,28 +53,30 @@ def fit_model(
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
         residual = _residual_of(model, records, weights)
-        result = least_squares(residual, model.unknowns, iterations=iterations, known=known, last_word=last_word)
-        return Fitted(model.at(result.values), result, weights)
-    first = fit_model(model, records, weighting(model, records), iterations)
-    weights = weighting(first.model, records)
+        result = least_squares(
+            residual, model.unknowns, iterations=iterations, known=known, final_jacobian=final_jacobian
+        )
+        return FittedModel(model.at(result.values), result, weights)
+    first = fit_model(model, records, residual_weights(model, records), iterations)
+    weights = residual_weights(first.model, records)
     rescaled = _rescaled(first.weights, weights)
     known = {key: column * rescaled for key, column in first.columns.items()}
     residual = _residual_of(first.model, records, weights)
-    result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, as_measured=True)
-    return Fitted(first.model.at(result.values), result, weights)
+    result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, exact_jacobian=True)
+    return FittedModel(first.model.at(result.values), result, weights)
 
 
-def _rescaled(before: Weighting, after: Weighting) -> np.ndarray:
+def _rescaled(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
     """Deviations of the scored samples before over those after, all channels of all records end to end, (n,)."""
     parts = [
         earlier[channel] / later[channel]
-        for earlier, later in zip(before.at_picks, after.at_picks, strict=True)
+        for earlier, later in zip(before.scored_std, after.scored_std, strict=True)
         for channel in earlier
     ]
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _residual_of(model: Model, records: Sequence[Prepared], weights: Weighting) -> ResidualFunction:
+def _residual_of(model: Model, records: Sequence[Prepared], weights: ResidualWeights) -> ResidualFunction:
     """The weighted residual (n,) of a model at a point (p,) of its unknowns."""
     keys = [u.key for u in model.unknowns]
 
@@ -85,7 +87,7 @@ def _residual_of(model: Model, records: Sequence[Prepared], weights: Weighting) 
     return residual
 
 
-def with_columns(fitted: Fitted, records: Sequence[Prepared]) -> Fitted:
+def with_final_jacobian(fitted: FittedModel, records: Sequence[Prepared]) -> FittedModel:
     """The fit with what its unknowns do measured where it ended."""
     if fitted.fit.measured:
         return fitted
@@ -95,6 +97,6 @@ def with_columns(fitted: Fitted, records: Sequence[Prepared]) -> Fitted:
     return replace(fitted, fit=replace(fitted.fit, jacobian=columns, measured=True))
 
 
-def ranking_error(residual: np.ndarray) -> float:
+def root_mean_huber(residual: np.ndarray) -> float:
     """Error by which models are ranked: root mean Huber square of a residual in deviations."""
     return float(np.sqrt(np.mean(huber_square(residual)))) if residual.size else float("nan")
