@@ -1,8 +1,9 @@
-"""Every design check: the choices of the parameter file held against the calculators."""
+"""Every design check: the values of the parameter file compared with what the calculators require."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -22,16 +23,17 @@ from designcalc.checks import (
     ways,
     wear,
 )
-from designcalc.checks.check import Check, Input, Verdict
-from designcalc.checks.inputs import Reading, Weighed
+from designcalc.checks.check import Check, Verdict, at_most
+from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.errors import InputError
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import BodyMasses
 
-__all__ = ["SUBJECTS", "Check", "Input", "Verdict", "Weighed", "run_checks"]
+__all__ = ["SUBJECTS", "Check", "Verdict", "run_checks"]
 
-SUBJECTS: dict[str, Callable[[Reading], Iterator[partial[Check]]]] = {
+SUBJECTS: dict[str, Callable[[DesignInputs], Iterator[partial[Check]]]] = {
     "tip on stage": contact.checks,
     "bearing ways": ways.checks,
     "magnetic teeth": teeth.checks,
@@ -50,39 +52,36 @@ SUBJECTS: dict[str, Callable[[Reading], Iterator[partial[Check]]]] = {
 """Checks by subject, in the order of the report."""
 
 
-def run_checks(design: Design, weighed: Weighed | None = None, subjects: tuple[str, ...] | None = None) -> list[Check]:
+def run_checks(
+    design: Design, masses: BodyMasses | None = None, subjects: tuple[str, ...] | None = None
+) -> list[Check]:
     """Run every check on one design.
 
     Args:
         design: the design.
-        weighed: what the solids weigh; None estimates the stage from the plain volume of its plate and takes the tip at
-            its limit, and the inputs of the checks concerned say so.
+        masses: of the solids; None estimates the stage from the plain volume of its plate and takes the tip at its
+            limit, and the inputs of the checks concerned state it.
         subjects: names of `SUBJECTS` to run; all when left out.
 
     Returns:
         the checks, in the order of the subjects. A calculator that refuses its arguments gives the verdict
         `out_of_range`, with its message as the note.
     """
-    made: list[Check] = []
-    for subject, checks in SUBJECTS.items():
-        if subjects is not None and subject not in subjects:
-            continue
-        reading = Reading(design, weighed, subject)
-        for step in checks(reading):
+    found: list[Check] = []
+    for subject in SUBJECTS if subjects is None else (name for name in SUBJECTS if name in subjects):
+        inputs = DesignInputs(design, masses)
+        for run in SUBJECTS[subject](inputs):
             try:
-                made.append(step())
+                check = run()
             except InputError as error:
-                made.append(
-                    reading.check(
-                        f"{subject}: {step.func.__name__.replace('_', ' ')}",
-                        None,
-                        None,
-                        "",
-                        "at most",
-                        "the calculator's own range",
-                        "",
-                        note=str(error),
-                        trouble="out_of_range",
-                    )
+                check = Check(
+                    f"{subject}: {run.func.__name__.replace('_', ' ')}",
+                    at_most(None, None, ""),
+                    source="the calculator's own range",
+                    formula="",
+                    note=str(error),
+                    trouble="out_of_range",
                 )
-    return made
+            proposal = "" if check.verdict == "passes" else check.proposal
+            found.append(replace(check, subject=subject, inputs=inputs.take(), proposal=proposal))
+    return found

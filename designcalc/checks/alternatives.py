@@ -1,4 +1,4 @@
-"""The suspensions the thesis weighed, held against the same needs, and ranked by its own criteria."""
+"""The suspensions the thesis masses, held against the same needs, and ranked by its own criteria."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ import numpy as np
 
 from designcalc.bearing.porous_air import stiffness_of_gap
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import film, heaviest_pad, pads_stiffness, weight
+from designcalc.checks.check import Check, at_least, at_most, show
 from designcalc.contact.hertz import contact_modulus, load_at_pressure, load_at_stiffness, point_contact
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.drive.suspension import dipole_hessian, rank_sum
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import weight
+from designcalc.machine.pads import film, heaviest_pad, pads_stiffness
 
 _AIR_SOURCE = "thesis 2.4.1, catalogue point of a 1 in porous pad"
 _BALL_SOURCE = "thesis 2.4.3 and appendix A; Johnson (1985), section 4.2"
@@ -45,7 +46,7 @@ class Candidate:
     """sum of places over the criteria"""
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Each candidate passed over: a check passes where the reason to pass it over holds for this design."""
     yield partial(air_model, r)
     yield partial(air_surface, r)
@@ -58,67 +59,58 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(ball_smoothness, r)
 
 
-def _air_stiffness(r: Reading) -> float:
+def _air_stiffness(r: DesignInputs) -> float:
     """Of one pad at its catalogue point, worked out from its load there, N/m."""
     gap, load = r("candidates.air_bearing.gap"), r("candidates.air_bearing.load")
     diameter, supply = r("candidates.air_bearing.diameter"), r("candidates.air_bearing.supply")
     return float(stiffness_of_gap(gap, gap, load, diameter, supply))
 
 
-def air_model(r: Reading) -> Check:
+def air_model(r: DesignInputs) -> Check:
     found, stated = _air_stiffness(r), r("candidates.air_bearing.stiffness")
     load = heaviest_pad(r)
-    return r.check(
+    return Check(
         "air bearing: stiffness worked out against the catalogue's",
-        abs(found / stated - 1),
-        0.15,
-        "",
-        "at most",
-        "porous disc fed everywhere, isothermal viscous film; its feed fixed by the catalogue's load alone",
-        "|K_model/K_catalogue - 1|, K = -dW/dh",
-        f"{show(found, 'N/m')} against {show(stated, 'N/m')}",
-        "ask the maker: load and stiffness of the catalogue point do not belong together",
+        at_most(abs(found / stated - 1), 0.15, ""),
+        source="porous disc fed everywhere, isothermal viscous film; its feed fixed by the catalogue's load alone",
+        formula="|K_model/K_catalogue - 1|, K = -dW/dh",
+        substituted=f"{show(found, 'N/m')} against {show(stated, 'N/m')}",
+        proposal="ask the maker: load and stiffness of the catalogue point do not belong together",
         note=f"{_AIR_SOURCE}; a pad of the stage bears {show(load, 'N')}",
     )
 
 
-def air_surface(r: Reading) -> Check:
+def air_surface(r: DesignInputs) -> Check:
     """The way that the sliding pads need is smoother than an air bearing asks for: no reason against it, but noted."""
     rough = 4 * r("bearing.proposed_way_roughness")
     drawn = 4 * r("bearing.way_roughness")
     limit = r("candidates.air_bearing.gap") / 4
-    return r.check(
+    return Check(
         "air bearing: roughness of the lapped way",
-        rough,
-        limit,
-        "m",
-        "at most",
-        "Slocum (1992), chapter 9: peak to valley below a quarter of the gap",
-        "4 Ra <= gap/4",
-        f"{show(rough, 'm')} against {show(limit, 'm')}; as drawn {show(drawn, 'm')}",
-        f"Ra of {show(limit / 4, 'm')}",
+        at_most(rough, limit, "m"),
+        source="Slocum (1992), chapter 9: peak to valley below a quarter of the gap",
+        formula="4 Ra <= gap/4",
+        substituted=f"{show(rough, 'm')} against {show(limit, 'm')}; as drawn {show(drawn, 'm')}",
+        proposal=f"Ra of {show(limit / 4, 'm')}",
         note=_AIR_SOURCE,
     )
 
 
-def air_height(r: Reading) -> Check:
+def air_height(r: DesignInputs) -> Check:
     """The porous pad is an inch thick, and would lift the stage off the reach of magnets and tip."""
     room = r("pads.height")
     thick = r("candidates.air_bearing.height")
-    return r.check(
+    return Check(
         "air bearing passed over: height of its pads",
-        thick,
-        room,
-        "m",
-        "at least",
-        "geometry",
-        "pad thickness > height of the stage over the way: it does not fit between them",
-        f"{show(thick, 'm')} against {show(room, 'm')}",
-        "the air bearing would fit: weigh it again",
+        at_least(thick, room, "m"),
+        source="geometry",
+        formula="pad thickness > height of the stage over the way: it does not fit between them",
+        substituted=f"{show(thick, 'm')} against {show(room, 'm')}",
+        proposal="the air bearing would fit: weigh it again",
     )
 
 
-def earnshaw(r: Reading) -> Check:
+def earnshaw(r: DesignInputs) -> Check:
     """Stage magnets repelled by base magnets: the three stiffnesses add up to zero, so one direction is unstable."""
     side, moment = r("candidates.magnetic_levitation.pitch"), r("candidates.magnetic_levitation.moment")
     height = r("candidates.magnetic_levitation.flying_height")
@@ -130,20 +122,17 @@ def earnshaw(r: Reading) -> Check:
             total += dipole_hessian((0, 0, moment), (0, 0, -moment), (side / 5 - x, -y, height))
     values = np.linalg.eigvalsh(total)
     largest = float(np.abs(values).max())
-    return r.check(
+    return Check(
         "passive magnets passed over: softest direction",
-        float(values[0]) / largest,
-        0.0,
-        "",
-        "at most",
-        "Earnshaw: the Laplacian of a magnet's energy is zero outside its sources",
-        "K_x + K_y + K_z = 0, so the smallest eigenvalue of K lies below 0: unstable",
-        f"trace over largest {np.trace(total) / largest:.1e}; eigenvalues over largest "
+        at_most(float(values[0]) / largest, 0.0, ""),
+        source="Earnshaw: the Laplacian of a magnet's energy is zero outside its sources",
+        formula="K_x + K_y + K_z = 0, so the smallest eigenvalue of K lies below 0: unstable",
+        substituted=f"trace over largest {np.trace(total) / largest:.1e}; eigenvalues over largest "
         + ", ".join(f"{v / largest:.3f}" for v in values),
     )
 
 
-def _ball_modulus(r: Reading, label: str) -> float:
+def _ball_modulus(r: DesignInputs, label: str) -> float:
     ball = _BALLS[label]
     return float(
         contact_modulus(
@@ -155,7 +144,7 @@ def _ball_modulus(r: Reading, label: str) -> float:
     )
 
 
-def small_ball(r: Reading, label: str) -> Check:
+def small_ball(r: DesignInputs, label: str) -> Check:
     radius, modulus = r("candidates.ball_spring.small_diameter") / 2, _ball_modulus(r, label)
     load = weight(r) / 3
     pressure = float(point_contact(load, radius, np.inf, modulus).peak_pressure)
@@ -167,22 +156,19 @@ def small_ball(r: Reading, label: str) -> Check:
     first = min(limits, key=lambda name: limits[name])
     stated = r("candidates.ball_spring.stated_pressure")
     giga = float(load_at_pressure(stated, radius, np.inf, modulus))
-    return r.check(
+    return Check(
         f"ball on spring passed over: pressure of a 5 mm {label} ball",
-        pressure,
-        limits[first],
-        "Pa",
-        "at least",
-        _BALL_SOURCE + "; first yield, section 6.1",
-        "p0 above Sy/(largest von Mises stress over p0): ball or stage gives",
-        f"F = {show(load, 'N')} a ball: {show(pressure, 'Pa')} against {show(limits[first], 'Pa')}, where {first} gives"
-        f"; {show(stated, 'Pa')} at {show(giga, 'N')}",
-        "a small ball would do: weigh it again",
-        thesis=f"1 GPa is stated without a load: it is reached at {show(giga, 'N')}" if label == "steel" else "",
+        at_least(pressure, limits[first], "Pa"),
+        source=_BALL_SOURCE + "; first yield, section 6.1",
+        formula="p0 above Sy/(largest von Mises stress over p0): ball or stage gives",
+        substituted=f"F = {show(load, 'N')} a ball: {show(pressure, 'Pa')} against {show(limits[first], 'Pa')}, where "
+        f"{first} gives; {show(stated, 'Pa')} at {show(giga, 'N')}",
+        proposal="a small ball would do: weigh it again",
+        thesis=(f"1 GPa is stated without a load: it is reached at {show(giga, 'N')}" if label == "steel" else ""),
     )
 
 
-def ball_stiffness(r: Reading, label: str) -> Check:
+def ball_stiffness(r: DesignInputs, label: str) -> Check:
     radius, modulus = r("candidates.ball_spring.large_diameter") / 2, _ball_modulus(r, label)
     load = weight(r) / 3
     contact = point_contact(load, radius, np.inf, modulus)
@@ -190,42 +176,38 @@ def ball_stiffness(r: Reading, label: str) -> Check:
     slide = pads_stiffness(r).normal
     claimed = r("candidates.ball_spring.stated_stiffness")
     at = float(load_at_stiffness(claimed, radius, np.inf, modulus))
-    return r.check(
+    return Check(
         f"ball on spring passed over: stiffness of three 50 mm {label} balls",
-        stiffness,
-        slide,
-        "N/m",
-        "at most",
-        _BALL_SOURCE,
-        "3 dF/ddelta of a ball below the stiffness of the sliding pads",
-        f"F = {show(load, 'N')} a ball: {show(stiffness / 3, 'N/m')} each, {show(float(contact.peak_pressure), 'Pa')}; "
-        f"pads {show(slide, 'N/m')}",
-        "balls would be stiffer than the pads: weigh them again",
-        thesis=f"30 N/um is stated without a load: with a {label} ball it takes {show(at, 'N')}"
-        if label != "polymer"
-        else "",
+        at_most(stiffness, slide, "N/m"),
+        source=_BALL_SOURCE,
+        formula="3 dF/ddelta of a ball below the stiffness of the sliding pads",
+        substituted=f"F = {show(load, 'N')} a ball: {show(stiffness / 3, 'N/m')} each, "
+        f"{show(float(contact.peak_pressure), 'Pa')}; pads {show(slide, 'N/m')}",
+        proposal="balls would be stiffer than the pads: weigh them again",
+        thesis=(
+            f"30 N/um is stated without a load: with a {label} ball it takes {show(at, 'N')}"
+            if label != "polymer"
+            else ""
+        ),
     )
 
 
-def ball_smoothness(r: Reading) -> Check:
+def ball_smoothness(r: DesignInputs) -> Check:
     round_to = r("candidates.ball_spring.roundness")
-    return r.check(
+    return Check(
         "ball on spring passed over: roundness of its balls",
-        round_to,
-        r("requirements.smoothness"),
-        "m",
-        "at least",
-        "ISO 3290, grade 5; a ball's deviation passes into the motion whole",
-        "deviation from a sphere above 1 nm",
-        f"{show(round_to, 'm')}",
-        "such balls would be smooth enough: weigh them again",
+        at_least(round_to, r("requirements.smoothness"), "m"),
+        source="ISO 3290, grade 5; a ball's deviation passes into the motion whole",
+        formula="deviation from a sphere above 1 nm",
+        substituted=f"{show(round_to, 'm')}",
+        proposal="such balls would be smooth enough: weigh them again",
         thesis="'44 um variation for 127 um balls' is garbled: it would be a third of the ball; grade 5 balls are "
         f"round to {show(round_to, 'm')}, and still too coarse",
         requirement="Table 1: smoothness",
     )
 
 
-def ranking(r: Reading) -> list[Candidate]:
+def ranking(r: DesignInputs) -> list[Candidate]:
     """The suspensions by the criteria of thesis 2.3.2: stiffness, smoothness, resolution, repeatability, cost.
 
     Places in each are added up; what cannot stand (Earnshaw) or does not go with the drive comes after what can.

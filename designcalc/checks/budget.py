@@ -11,22 +11,15 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import (
-    film,
-    heaviest_pad,
-    holding_stiffness,
-    moved_mass,
-    pads_stiffness,
-    rail,
-    tip_load,
-    weight,
-)
+from designcalc.checks.check import Check, at_most, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import Contribution, budget
 from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import vibration_at_tip
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import moved_mass, tip_load, weight
+from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
+from designcalc.machine.tip_dynamics import holding_stiffness
 
 Array = NDArray[np.float64]
 AXES = {"along": 0, "across": 1, "normal": 2}
@@ -51,24 +44,24 @@ class Budget:
         return AXES[self.direction]
 
 
-def payload_point(r: Reading) -> tuple[float, float, float]:
+def payload_point(r: DesignInputs) -> tuple[float, float, float]:
     """Corner of the payload's pattern of holes, at the height of its centre over the stage's middle plane, m."""
     pitch = r("stage.payload_pitch")
     along, across = (r("stage.payload_columns") - 1) / 2 * pitch, (r("stage.payload_rows") - 1) / 2 * pitch
     return along, across, r("stage.thickness") / 2 + r("payload.height")
 
 
-def _pads_height(r: Reading, height: float) -> float:
+def _pads_height(r: DesignInputs, height: float) -> float:
     """Mean of the pads' heights that are each off by `height` at random, m."""
     return height / np.sqrt(r("pads.count"))
 
 
-def _vibration(r: Reading, stiffness: float) -> float:
+def _vibration(r: DesignInputs, stiffness: float) -> float:
     shake = r("environment.floor_velocity") * 2 * np.pi * r("environment.floor_frequency")
     return float(vibration_at_tip(shake, float(resonance(stiffness, moved_mass(r)))))
 
 
-def _roughness(r: Reading) -> float:
+def _roughness(r: DesignInputs) -> float:
     """What one pad feels of the lapped way's roughness, m."""
     side = 2 * float(film(r, heaviest_pad(r)).radius)
     return float(
@@ -76,7 +69,7 @@ def _roughness(r: Reading) -> float:
     )
 
 
-def resolution(r: Reading) -> list[Contribution]:
+def resolution(r: DesignInputs) -> list[Contribution]:
     """Smallest step along the travel, in closed loop with the stage at rest."""
     noise = filtered_noise(
         r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
@@ -89,7 +82,7 @@ def resolution(r: Reading) -> list[Contribution]:
     ]
 
 
-def smoothness(r: Reading) -> list[Contribution]:
+def smoothness(r: DesignInputs) -> list[Contribution]:
     """Error normal to the motion, shorter than the travel, while the drive gives the least acceleration asked for."""
     rough, wave = _roughness(r), r("bearing.way_waviness") / np.sqrt(2)
     lever = r("pads.spacing_along")
@@ -97,7 +90,7 @@ def smoothness(r: Reading) -> list[Contribution]:
     way = rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
     give = 1 / pads_stiffness(r).normal + 1 / (2 * float(total_stiffness(way, M, tau)))
-    turn = pulse * r("drive.friction") * r.centre_height() / pads_stiffness(r).pitch
+    turn = pulse * r("drive.friction") * r.centre_of_mass_height() / pads_stiffness(r).pitch
     return [
         Contribution("roughness", "averaged by each pad", (0, 0, _pads_height(r, rough))),
         Contribution("roughness, pitch", "pads unlike", rotation=(0, rough * np.sqrt(2) / lever, 0)),
@@ -109,7 +102,7 @@ def smoothness(r: Reading) -> list[Contribution]:
     ]
 
 
-def straightness(r: Reading) -> list[Contribution]:
+def straightness(r: DesignInputs) -> list[Contribution]:
     """Error normal to the motion over the travel."""
     bow, length = r("bearing.way_straightness"), r("bearing_way.length")
     share = (r("stage.travel") / length) ** 2  # of a bow over the way's length, what the travel covers
@@ -124,7 +117,7 @@ def straightness(r: Reading) -> list[Contribution]:
     ]
 
 
-def repeatability(r: Reading) -> list[Contribution]:
+def repeatability(r: DesignInputs) -> list[Contribution]:
     """Coming back to a place along the travel, after the temperature has changed."""
     change = r("environment.temperature_change")
     growth = r.material("base", "expansion") * r("stage.travel") / 2 * change
@@ -144,7 +137,7 @@ def repeatability(r: Reading) -> list[Contribution]:
     ]  # fmt: skip
 
 
-_KINDS: dict[str, tuple[str, str, str, Callable[[Reading], list[Contribution]]]] = {
+_KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs], list[Contribution]]]] = {
     "resolution": ("along", "resolution_coarse", "Table 1: resolution", resolution),
     "smoothness": ("normal", "smoothness", "Table 1: smoothness", smoothness),
     "straightness": ("normal", "straightness", "Section 2.3.2: straightness (Table 1 has none)", straightness),
@@ -158,7 +151,7 @@ _KINDS: dict[str, tuple[str, str, str, Callable[[Reading], list[Contribution]]]]
 """Budgets by name: the direction that is judged, the key of the limit, the requirement, the contributions."""
 
 
-def worked_out(r: Reading, name: str) -> Budget:
+def worked_out(r: DesignInputs, name: str) -> Budget:
     """One budget at the payload."""
     direction, key, requirement, parts = _KINDS[name]
     rows, total = budget(parts(r), payload_point(r))
@@ -169,30 +162,27 @@ def worked_out(r: Reading, name: str) -> Budget:
     return Budget(name, direction, key, requirement, tuple(rows), total)
 
 
-def budgets(r: Reading) -> list[Budget]:
+def budgets(r: DesignInputs) -> list[Budget]:
     """All of them."""
     return [worked_out(r, name) for name in _KINDS]
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """One check for each budget."""
     for name in _KINDS:
         yield partial(total_error, r, name)
 
 
-def total_error(r: Reading, name: str) -> Check:
+def total_error(r: DesignInputs, name: str) -> Check:
     found = worked_out(r, name)
     largest = found.rows[0][0]
     _, rest = budget([cause for cause, _ in found.rows[1:]], payload_point(r))
-    return r.check(
+    return Check(
         f"error budget at the payload: {name}",
-        float(found.total[found.axis]),
-        r(f"requirements.{found.key}"),
-        "m",
-        "at most",
-        "homogeneous transforms; random errors by squares, systematic ones by size",
-        f"sum |e_i| + sqrt(sum e_j^2) {found.direction} at the payload",
-        "; ".join(f"{cause.name} {show(abs(float(e[found.axis])), 'm')}" for cause, e in found.rows),
-        f"start with {largest.name} ({largest.source}): without it {show(float(rest[found.axis]), 'm')}",
+        at_most(float(found.total[found.axis]), r(f"requirements.{found.key}"), "m"),
+        source="homogeneous transforms; random errors by squares, systematic ones by size",
+        formula=f"sum |e_i| + sqrt(sum e_j^2) {found.direction} at the payload",
+        substituted="; ".join(f"{cause.name} {show(abs(float(e[found.axis])), 'm')}" for cause, e in found.rows),
+        proposal=f"start with {largest.name} ({largest.source}): without it {show(float(rest[found.axis]), 'm')}",
         requirement=found.requirement,
     )

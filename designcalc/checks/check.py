@@ -1,72 +1,105 @@
-"""One design check: a value held against a limit, with everything needed to believe it or to argue with it."""
+"""One design check: a value compared with a limit, with the formula, numbers and inputs behind both."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, SupportsFloat
 
+from designcalc.machine.inputs import Input
 from stagecad.parameters.units import as_json, format_quantity
 
 Verdict = Literal["passes", "fails", "out_of_range", "undecidable"]
 
 
+def show(value: SupportsFloat, unit: str = "") -> str:
+    """A number for a formula with numbers put in."""
+    return format_quantity(float(value), unit, 4)
+
+
+def ratio(value: SupportsFloat, divisor: SupportsFloat) -> float:
+    """`value/divisor`, infinite for a divisor of zero."""
+    return float(value) / float(divisor) if float(divisor) != 0 else math.inf
+
+
 @dataclass(frozen=True)
-class Input:
-    """A number that went into a check."""
+class Comparison:
+    """A value and the limit that it must not exceed, or must reach; None where a number is missing."""
 
-    value: float
-    """SI"""
+    value: float | None
+    limit: float | None
     unit: str
-    origin: str
-    """origin in the parameter file, or where else the number comes from"""
+    upper: bool
+    """True: the value must not exceed the limit; False: it must reach it"""
 
-    def text(self) -> str:
-        """For people, with a sensible prefix."""
-        return format_quantity(self.value, self.unit)
+    @property
+    def margin(self) -> float | None:
+        """``(limit - value)/|limit|`` for an upper limit, with the other sign for a lower one; negative beyond it.
+
+        With a limit of zero it is the distance itself, in the unit of the value. None without a value.
+        """
+        if self.value is None or self.limit is None or math.isnan(self.value) or math.isinf(self.limit):
+            return None
+        room = self.limit - self.value if self.upper else self.value - self.limit
+        return room / abs(self.limit) if self.limit != 0 else room
+
+
+def at_most(value: SupportsFloat | None, limit: SupportsFloat | None, unit: str) -> Comparison:
+    """The value must not exceed the limit."""
+    return Comparison(_float(value), _float(limit), unit, upper=True)
+
+
+def at_least(value: SupportsFloat | None, limit: SupportsFloat | None, unit: str) -> Comparison:
+    """The value must reach the limit."""
+    return Comparison(_float(value), _float(limit), unit, upper=False)
+
+
+def _float(value: SupportsFloat | None) -> float | None:
+    return None if value is None else float(value)
 
 
 @dataclass(frozen=True)
 class Check:
-    """A value, its limit, and the verdict.
-
-    `margin` is the part of the limit that is left: ``(limit - value)/|limit|`` where the value must stay below, with
-    the sign turned where it must reach the limit; negative when the check fails. With a limit of zero it is the
-    distance itself, in the unit of the value.
-    """
+    """A value, its limit, and the verdict; `run_checks` adds subject and inputs."""
 
     name: str
-    subject: str
-    value: float | None
-    limit: float | None
-    unit: str
-    at_most: bool
-    """True: the value must not exceed the limit; False: it must reach it"""
-    source: str
-    formula: str
+    comparison: Comparison
+    source: str = field(kw_only=True)
+    formula: str = field(kw_only=True)
     substituted: str = ""
-    inputs: dict[str, Input] = field(default_factory=dict)
+    """the formula with its numbers"""
     proposal: str = ""
-    """the change that would pass; empty when the check passes with room"""
+    """the change that would pass; empty when the check passes"""
     thesis: str = ""
-    """what the thesis says, where that is wrong or differs"""
+    """what the thesis states, where that is wrong or differs"""
     requirement: str = ""
     """entry of the thesis's Tables 1 and 2 that this check bears on"""
     note: str = ""
     trouble: Literal["", "out_of_range", "undecidable"] = ""
     """why there is no verdict: outside the formula's range, or a number is missing"""
+    subject: str = ""
+    inputs: dict[str, Input] = field(default_factory=dict)
+
+    @property
+    def value(self) -> float | None:
+        return self.comparison.value
+
+    @property
+    def limit(self) -> float | None:
+        return self.comparison.limit
+
+    @property
+    def unit(self) -> str:
+        return self.comparison.unit
 
     @property
     def margin(self) -> float | None:
-        """Part of the limit left, negative when the check fails; none without a value."""
-        if self.value is None or self.limit is None or math.isnan(self.value) or math.isinf(self.limit):
-            return None
-        room = self.limit - self.value if self.at_most else self.value - self.limit
-        return room / abs(self.limit) if self.limit != 0 else room
+        """Part of the limit left, negative when the check fails; None without a value."""
+        return self.comparison.margin
 
     @property
     def verdict(self) -> Verdict:
-        """Passes on the limit itself; a hair of rounding (1e-9 of it) does not fail a design."""
+        """Passes on the limit itself; rounding errors (1e-9 of the limit) do not fail a design."""
         if self.trouble:
             return self.trouble
         margin = self.margin
@@ -81,7 +114,7 @@ class Check:
             "subject": self.subject,
             "value": None if self.value is None else as_json(self.value, self.unit),
             "limit": None if self.limit is None else as_json(self.limit, self.unit),
-            "sense": "at most" if self.at_most else "at least",
+            "sense": "at most" if self.comparison.upper else "at least",
             "margin": self.margin,
             "verdict": self.verdict,
             "source": self.source,

@@ -7,15 +7,17 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import stack_stiffness, stroke_ellipse, tip_contact, tip_load
+from designcalc.checks.check import Check, at_least, at_most, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import tip_load
+from designcalc.machine.tip_contact import tip_contact
+from designcalc.machine.tip_dynamics import stack_stiffness, stroke_ellipse
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Every check of the tip's contact."""
     yield partial(pressure, r)
     yield partial(coating, r)
@@ -23,7 +25,7 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(contact_stiffness, r)
 
 
-def pressure(r: Reading) -> Check:
+def pressure(r: DesignInputs) -> Check:
     load = tip_load(r)
     contact = tip_contact(r, load)
     ratio = contact.semi_axis_minor / contact.semi_axis_major
@@ -35,23 +37,21 @@ def pressure(r: Reading) -> Check:
     shear = point_shear_peak(contact, r.material("stage", "poisson_ratio"))
     radius = r("tip.nose_radius")
     grow = radius * (peak / min(limits)) ** 1.5
-    return r.check(
+    return Check(
         "tip contact pressure",
-        peak,
-        min(limits),
-        "Pa",
-        "at most",
-        _JOHNSON + "; first yield below the surface, section 6.1",
-        "p0 = (6 F E*^2/(pi^3 R^2))^(1/3) <= Sy/(largest von Mises stress over p0)",
-        f"F = {show(load, 'N')}, R = {show(radius, 'm')}: p0 = {show(peak, 'Pa')}, limit {show(min(limits), 'Pa')}",
-        f"nose radius of at least {show(grow, 'm')} (pressure falls as R^(-2/3)), or a harder tip",
+        at_most(peak, min(limits), "Pa"),
+        source=_JOHNSON + "; first yield below the surface, section 6.1",
+        formula="p0 = (6 F E*^2/(pi^3 R^2))^(1/3) <= Sy/(largest von Mises stress over p0)",
+        substituted=f"F = {show(load, 'N')}, R = {show(radius, 'm')}: p0 = {show(peak, 'Pa')}, limit "
+        f"{show(min(limits), 'Pa')}",
+        proposal=f"nose radius of at least {show(grow, 'm')} (pressure falls as R^(-2/3)), or a harder tip",
         thesis=f"appendix A prints q = 3F/(3 pi c d), which gives {show(peak * 2 / 3, 'Pa')}; right is 3F/(2 pi c d), "
         f"{show(peak, 'Pa')}",
         note=f"peak shear {show(float(shear.shear), 'Pa')} at a depth of {show(float(shear.depth), 'm')}",
     )
 
 
-def coating(r: Reading) -> Check:
+def coating(r: DesignInputs) -> Check:
     """The nose's coating is thin beside the contact: it takes the strain of the body under it."""
     peak = float(tip_contact(r, tip_load(r)).peak_pressure)
     body, layer = (
@@ -59,41 +59,35 @@ def coating(r: Reading) -> Check:
         _coating(r, "youngs_modulus") / (1 - _coating(r, "poisson_ratio") ** 2),
     )
     tension = float(edge_tension(peak, r.material("tip", "poisson_ratio"))) * layer / body
-    return r.check(
+    return Check(
         "cracking of the tip's coating",
-        tension,
-        _coating(r, "strength"),
-        "Pa",
-        "at most",
-        "Johnson (1985), section 4.2(b): tension at the contact's edge; coating strained with the body",
-        "(1 - 2 nu) p0/3 x E'_coating/E'_tip <= strength",
-        f"p0 = {show(peak, 'Pa')}, E' ratio {layer / body:.3g}: {show(tension, 'Pa')}",
-        "a larger nose radius, or a softer coating",
+        at_most(tension, _coating(r, "strength"), "Pa"),
+        source="Johnson (1985), section 4.2(b): tension at the contact's edge; coating strained with the body",
+        formula="(1 - 2 nu) p0/3 x E'_coating/E'_tip <= strength",
+        substituted=f"p0 = {show(peak, 'Pa')}, E' ratio {layer / body:.3g}: {show(tension, 'Pa')}",
+        proposal="a larger nose radius, or a softer coating",
         requirement="Table 2: friction layer",
     )
 
 
-def _coating(r: Reading, quantity: str) -> float:
+def _coating(r: DesignInputs, quantity: str) -> float:
     return r(f"materials.{r.design.value('tip.coating_material')}.{quantity}")
 
 
-def swallowed_stroke(r: Reading) -> Check:
+def swallowed_stroke(r: DesignInputs) -> Check:
     contact = tip_contact(r, tip_load(r))
     rise = float(stroke_ellipse(r).normal)
     # The printed deflection is the law of the semi-axes, ~F^(1/3); as a force's potential it must go as F^(2/3).
     # On a flat, Re = R/2 and lambda = 0.75.
     printed = printed_approach(float(contact.load), r("tip.nose_radius"), float(contact.approach))
-    return r.check(
+    return Check(
         "tip stroke swallowed by contact",
-        float(contact.approach),
-        0.2 * rise,
-        "m",
-        "at most",
-        _JOHNSON + "; a fifth of the rise left as rule of thumb",
-        "delta = 3 F K/(2 pi a E*) <= 0.2 Y, Y the rise of the ellipse",
-        f"delta = {show(float(contact.approach), 'm')}, Y = {show(rise, 'm')}",
-        f"nose radius of {show(r('tip.nose_radius') * (float(contact.approach) / (0.2 * rise)) ** 3, 'm')}, or a "
-        "smaller phase (higher ellipse)",
+        at_most(float(contact.approach), 0.2 * rise, "m"),
+        source=_JOHNSON + "; a fifth of the rise left as rule of thumb",
+        formula="delta = 3 F K/(2 pi a E*) <= 0.2 Y, Y the rise of the ellipse",
+        substituted=f"delta = {show(float(contact.approach), 'm')}, Y = {show(rise, 'm')}",
+        proposal=f"nose radius of {show(r('tip.nose_radius') * (float(contact.approach) / (0.2 * rise)) ** 3, 'm')}, "
+        "or a smaller phase (higher ellipse)",
         thesis=f"appendix A prints delta = lambda (3 F Re/(2 Ee))^(1/3), which gives {show(printed, 'm')}; right is "
         f"lambda (2 F^2/(3 Re Ee^2))^(1/3), {show(float(contact.approach), 'm')}",
     )
@@ -108,18 +102,15 @@ def printed_approach(load: float, radius: float, approach: float) -> float:
     return float(0.75 * np.cbrt(3 * load * (radius / 2) / (2 * modulus)))
 
 
-def contact_stiffness(r: Reading) -> Check:
+def contact_stiffness(r: DesignInputs) -> Check:
     contact = tip_contact(r, tip_load(r))
     stack = stack_stiffness(r)
-    return r.check(
+    return Check(
         "tip contact against piezo stiffness",
-        float(contact.stiffness),
-        0.5 * stack,
-        "N/m",
-        "at least",
-        _JOHNSON + "; catalogue line of the piezo",
-        "dF/ddelta = 1.5 F/delta >= k_piezo/2, so that the contact takes less than two thirds of the give",
-        f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
-        f"nose radius of {show(r('tip.nose_radius') * (0.5 * stack / float(contact.stiffness)) ** 3, 'm')}, or more "
-        "preload (stiffness grows as (F R)^(1/3))",
+        at_least(float(contact.stiffness), 0.5 * stack, "N/m"),
+        source=_JOHNSON + "; catalogue line of the piezo",
+        formula="dF/ddelta = 1.5 F/delta >= k_piezo/2, so that the contact takes less than two thirds of the give",
+        substituted=f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
+        proposal=f"nose radius of {show(r('tip.nose_radius') * (0.5 * stack / float(contact.stiffness)) ** 3, 'm')}, "
+        "or more preload (stiffness grows as (F R)^(1/3))",
     )

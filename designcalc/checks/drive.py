@@ -7,18 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import (
-    PIEZOS,
-    pads,
-    preload_ratio,
-    stack_stiffness,
-    swinging_mass,
-    tip_resonance,
-    usable_ellipse,
-    weight,
-)
+from designcalc.checks.check import Check, at_least, at_most, show
 from designcalc.drive.friction_drive import (
     GRAVITY,
     acceleration_limit,
@@ -28,11 +17,15 @@ from designcalc.drive.friction_drive import (
     speed_of,
     tip_force_limit,
 )
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import preload_ratio, weight
+from designcalc.machine.pads import pad_positions
+from designcalc.machine.tip_dynamics import PIEZOS, mass_on_piezos, stack_stiffness, tip_resonance, usable_ellipse
 
 _SPEED = "kinematics of the elliptic tip: X f stopping, 2 X f coasting, pi X f at the apex"
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Every check of the drive."""
     yield partial(stroke, r)
     for law in ("stopping", "coasting", "apex"):
@@ -45,64 +38,58 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(sea_length, r)
 
 
-def stroke(r: Reading) -> Check:
+def stroke(r: DesignInputs) -> Check:
     amplitude, available = r("actuator.stroke_amplitude"), r("piezo.stroke")
-    return r.check(
+    return Check(
         "piezo stroke of the drive",
-        2 * amplitude,
-        available,
-        "m",
-        "at most",
-        "catalogue stroke of the piezo",
-        "2 A <= free stroke",
-        f"2 x {show(amplitude, 'm')} against {show(available, 'm')}",
-        f"amplitude of {show(available / 2, 'm')} about mid-voltage",
+        at_most(2 * amplitude, available, "m"),
+        source="catalogue stroke of the piezo",
+        formula="2 A <= free stroke",
+        substituted=f"2 x {show(amplitude, 'm')} against {show(available, 'm')}",
+        proposal=f"amplitude of {show(available / 2, 'm')} about mid-voltage",
         thesis="the simulated stroke of +-10 um is 20 um, more than the piezo's 17 um",
     )
 
 
-def frequency(r: Reading, law: str) -> Check:
+def frequency(r: DesignInputs, law: str) -> Check:
     X, _ = usable_ellipse(r)
     wanted = r("requirements.speed")
     needed = float(frequency_for(wanted, X)[law])
     first = tip_resonance(r)
     # "Usually in the order of several kilohertz": a tip of ordinary build rather than a light one.
     heavy = float(resonance(PIEZOS * stack_stiffness(r), 0.1))
-    return r.check(
+    return Check(
         f"drive frequency for the speed, {law}",
-        needed,
-        first / 3,
-        "Hz",
-        "at most",
-        _SPEED + "; a third of the first resonance as the usual limit",
-        "f = v/(c X) <= f_1/3, c = 1, 2, pi",
-        f"v = {show(wanted, 'm/s')}, X = {show(X, 'm')}: f = {show(needed, 'Hz')}; f_1 = {show(first, 'Hz')}",
-        f"a longer lever h/D that gives X = {show(X * needed / (first / 3), 'm')}, or a speed of "
+        at_most(needed, first / 3, "Hz"),
+        source=_SPEED + "; a third of the first resonance as the usual limit",
+        formula="f = v/(c X) <= f_1/3, c = 1, 2, pi",
+        substituted=f"v = {show(wanted, 'm/s')}, X = {show(X, 'm')}: f = {show(needed, 'Hz')}; f_1 = "
+        f"{show(first, 'Hz')}",
+        proposal=f"a longer lever h/D that gives X = {show(X * needed / (first / 3), 'm')}, or a speed of "
         f"{show(wanted * first / 3 / needed, 'm/s')}",
-        thesis=f"no frequency is stated; with a tip of 100 g, first resonance {show(heavy, 'Hz')}, 200 mm/s is out of "
-        "reach by any law"
-        if law == "apex"
-        else "",
+        thesis=(
+            f"no frequency is stated; with a tip of 100 g, first resonance {show(heavy, 'Hz')}, 200 mm/s is out of "
+            "reach by any law"
+            if law == "apex"
+            else ""
+        ),
         requirement="Table 1: speed",
     )
 
 
-def speed(r: Reading) -> Check:
+def speed(r: DesignInputs) -> Check:
     X, _ = usable_ellipse(r)
     first = tip_resonance(r)
     lever = r("actuator.piezo_spacing") / r("actuator.tip_height")
     reached = float(speed_of(X, first / 3)["coasting"])
     wanted = r("requirements.speed")
-    return r.check(
+    return Check(
         "speed at a third of the tip's resonance",
-        reached,
-        wanted,
-        "m/s",
-        "at least",
-        _SPEED,
-        "v = 2 X f_1/3",
-        f"2 x {show(X, 'm')} x {show(first / 3, 'Hz')}",
-        f"{show(swinging_mass(r) * (reached / wanted) ** 2, 'kg')} in all to move on the piezos, a lever h/D "
+        at_least(reached, wanted, "m/s"),
+        source=_SPEED,
+        formula="v = 2 X f_1/3",
+        substituted=f"2 x {show(X, 'm')} x {show(first / 3, 'Hz')}",
+        proposal=f"{show(mass_on_piezos(r) * (reached / wanted) ** 2, 'kg')} in all to move on the piezos, a lever h/D "
         f"{wanted / reached:.3g} times longer, or drive at resonance with the ellipse measured",
         thesis=f"(4.2) leaves out h/D: as printed the tip would travel {show(X * lever, 'm')}, {lever:.2f} times what "
         "the listing rightly has",
@@ -110,33 +97,30 @@ def speed(r: Reading) -> Check:
     )
 
 
-def acceleration(r: Reading, key: str, label: str) -> Check:
+def acceleration(r: DesignInputs, key: str, label: str) -> Check:
     wanted = r(f"requirements.{key}")
     mu, p = r("drive.friction"), preload_ratio(r)
     limit = float(acceleration_limit(mu, p))
     needed = float(preload_ratio_for(wanted, mu))
-    return r.check(
+    return Check(
         f"acceleration of {label} without lift-off",
-        limit,
-        wanted,
-        "m/s^2",
-        "at least",
-        "the tip presses at most with weight and preload",
-        "a <= mu (1 + p) g",
-        f"mu = {mu:.3g}, p = {p:.3g}: {limit / GRAVITY:.3g} g",
-        f"a preload of {needed:.3g} times the weight ({show(needed * weight(r), 'N')})",
-        thesis="a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3"
-        if key == "acceleration"
-        else "",
+        at_least(limit, wanted, "m/s^2"),
+        source="the tip presses at most with weight and preload",
+        formula="a <= mu (1 + p) g",
+        substituted=f"mu = {mu:.3g}, p = {p:.3g}: {limit / GRAVITY:.3g} g",
+        proposal=f"a preload of {needed:.3g} times the weight ({show(needed * weight(r), 'N')})",
+        thesis=(
+            "a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3" if key == "acceleration" else ""
+        ),
         requirement="Table 1: acceleration",
     )
 
 
-def tip_over(r: Reading) -> Check:
+def tip_over(r: DesignInputs) -> Check:
     mu, mu_pad, p = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r)
     end = r("stage.travel") / 2
-    places = pads(r)
-    centre = r.centre()
+    places = pad_positions(r)
+    centre = r.centre_of_mass()
     shares = [tip_force_limit(places, centre, (side * end, 0.0)) for side in (-1, 1)]
     share = min(shares)
     wanted = r("requirements.acceleration_low")
@@ -144,50 +128,42 @@ def tip_over(r: Reading) -> Check:
     # share needed, from a = g (1+p) [mu s - mu_pad (1-s)], and the half-span that gives it
     needed = (wanted / (GRAVITY * (1 + p)) + mu_pad) / (mu + mu_pad)
     span = needed * end / (1 - needed) if needed < 1 else np.inf
-    return r.check(
+    return Check(
         "acceleration at the end of the travel without tipping",
-        reached,
-        wanted,
-        "m/s^2",
-        "at least",
-        "moments about the pads' edge; F/W = s/(s + x)",
-        "a = g (1+p) [mu s/(s+x) - mu_pad x/(s+x)]",
-        f"x = {show(end, 'm')}: the tip may carry {share:.3g} of the load, and accelerates {reached / GRAVITY:.3g} g",
-        f"a half-span of the pads on the tip's line of {show(float(span), 'm')}, a preload that stays over the tip, "
-        "or pads on the base that stand still under the tip",
+        at_least(reached, wanted, "m/s^2"),
+        source="moments about the pads' edge; F/W = s/(s + x)",
+        formula="a = g (1+p) [mu s/(s+x) - mu_pad x/(s+x)]",
+        substituted=f"x = {show(end, 'm')}: the tip may carry {share:.3g} of the load, and accelerates "
+        f"{reached / GRAVITY:.3g} g",
+        proposal=f"a half-span of the pads on the tip's line of {show(float(span), 'm')}, a preload that stays over "
+        "the tip, or pads on the base that stand still under the tip",
         thesis="a tip force away from the pads tips the stage; the thesis looks at the middle of the travel only",
         requirement="Table 1: acceleration",
     )
 
 
-def travel_left(r: Reading) -> Check:
+def travel_left(r: DesignInputs) -> Check:
     way, travel = r("bearing_way.length"), r("stage.travel")
     envelope = r("pads.spacing_along") + r("pads.length")
-    return r.check(
+    return Check(
         "pads on the ways over the whole travel",
-        envelope,
-        way - travel,
-        "m",
-        "at most",
-        "geometry",
-        "pad spacing + pad length <= way - travel",
-        f"{show(envelope, 'm')} against {show(way, 'm')} - {show(travel, 'm')} = {show(way - travel, 'm')}",
-        f"pad spacing of at most {show(way - travel - r('pads.length'), 'm')}",
+        at_most(envelope, way - travel, "m"),
+        source="geometry",
+        formula="pad spacing + pad length <= way - travel",
+        substituted=f"{show(envelope, 'm')} against {show(way, 'm')} - {show(travel, 'm')} = {show(way - travel, 'm')}",
+        proposal=f"pad spacing of at most {show(way - travel - r('pads.length'), 'm')}",
         requirement="Table 1: travel",
     )
 
 
-def sea_length(r: Reading) -> Check:
+def sea_length(r: DesignInputs) -> Check:
     length, travel, margin = r("stage.length"), r("stage.travel"), r("sea.contact_margin")
-    return r.check(
+    return Check(
         "sea over the tip at both ends of the travel",
-        length,
-        travel + 2 * margin,
-        "m",
-        "at least",
-        "geometry",
-        "sea >= travel + 2 margins",
-        f"{show(length, 'm')} against {show(travel + 2 * margin, 'm')}",
-        f"a stage of {show(travel + 2 * margin, 'm')}",
+        at_least(length, travel + 2 * margin, "m"),
+        source="geometry",
+        formula="sea >= travel + 2 margins",
+        substituted=f"{show(length, 'm')} against {show(travel + 2 * margin, 'm')}",
+        proposal=f"a stage of {show(travel + 2 * margin, 'm')}",
         requirement="Table 1: travel",
     )

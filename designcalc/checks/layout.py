@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
+from designcalc.checks.check import Check, at_least, show
+from designcalc.machine.inputs import DesignInputs
 
 _SECTION = "thesis 2.2, 'other pertinent issues'"
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Two axes, replaceable piezos, symmetric base, payload and adjustments within reach."""
     yield partial(two_axes, r)
     yield partial(replaceable, r)
@@ -19,7 +19,7 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(payload_face, r)
 
 
-def two_axes(r: Reading) -> Check:
+def two_axes(r: DesignInputs) -> Check:
     """Every one of three tips stays under the stage: its whole underside is sea then."""
     places = r.design.derived.actuator_places
     far_along = r.given("farthest actuator along", max(abs(x) for x, _ in places) * 1e-3, "m", "layout of the pockets")
@@ -38,71 +38,59 @@ def two_axes(r: Reading) -> Check:
     }
     travel = 2 * min(room.values())
     wanted = r("requirements.travel")
-    return r.check(
+    return Check(
         "travel with three actuators, for two axes",
-        travel,
-        0.0,
-        "m",
-        "at least",
-        "geometry; thesis 2.5: the base is already capable of accommodating two more actuators",
-        "2 min(L/2 - |x|, W/2 - |y|, running face beside the pads) less margins > 0",
-        f"along {show(2 * room['along'], 'm')}, across {show(2 * room['across'], 'm')}",
-        f"a stage {show(2 * (far_along + margin), 'm')} long",
+        at_least(travel, 0.0, "m"),
+        source="geometry; thesis 2.5: the base is already capable of accommodating two more actuators",
+        formula="2 min(L/2 - |x|, W/2 - |y|, running face beside the pads) less margins > 0",
+        substituted=f"along {show(2 * room['along'], 'm')}, across {show(2 * room['across'], 'm')}",
+        proposal=f"a stage {show(2 * (far_along + margin), 'm')} long",
+        requirement="Section 2.2: open to two axes",
         note=f"the full {show(wanted, 'm')} would need a stage of {show(wanted + 2 * (far_along + margin), 'm')} by "
         f"{show(wanted + 2 * (far_across + margin), 'm')}, and ways whose running faces are "
         f"{show(wanted + 2 * half_pad, 'm')} wide",
-        requirement="Section 2.2: open to two axes",
     )
 
 
-def replaceable(r: Reading) -> Check:
+def replaceable(r: DesignInputs) -> Check:
     play = r("holder.bore_diameter") - r("piezo.diameter")
     fit = r("drawing.tolerance_x_xx")
-    return r.check(
+    return Check(
         "play of a piezo in its bore",
-        play,
-        2 * fit,
-        "m",
-        "at least",
-        _SECTION + "; worst case of bore and case, both within X.XX",
-        "bore - case >= 2 x tolerance: a stack slides out when it is defective",
-        f"{show(r('holder.bore_diameter'), 'm')} - {show(r('piezo.diameter'), 'm')} = {show(play, 'm')}",
-        f"a bore of {show(r('piezo.diameter') + 2 * fit, 'm')}",
+        at_least(play, 2 * fit, "m"),
+        source=_SECTION + "; worst case of bore and case, both within X.XX",
+        formula="bore - case >= 2 x tolerance: a stack slides out when it is defective",
+        substituted=f"{show(r('holder.bore_diameter'), 'm')} - {show(r('piezo.diameter'), 'm')} = {show(play, 'm')}",
+        proposal=f"a bore of {show(r('piezo.diameter') + 2 * fit, 'm')}",
         requirement="Section 2.2: modular",
     )
 
 
-def way_and_tip(r: Reading) -> Check:
+def way_and_tip(r: DesignInputs) -> Check:
     """Holder with piezos and tip comes out upwards: the clamp opens wider than the holder."""
     play = r("base.pocket_diameter") - r("holder.diameter")
     fit = r("drawing.tolerance_x_xx")
-    return r.check(
+    return Check(
         "play of the actuator in its pocket",
-        play,
-        2 * fit,
-        "m",
-        "at least",
-        _SECTION + "; worst case of pocket and holder, both within X.XX",
-        "pocket - holder >= 2 x tolerance: the actuator lifts out as a module",
-        f"{show(r('base.pocket_diameter'), 'm')} - {show(r('holder.diameter'), 'm')} = {show(play, 'm')}",
-        f"a pocket of {show(r('holder.diameter') + 2 * fit, 'm')}",
+        at_least(play, 2 * fit, "m"),
+        source=_SECTION + "; worst case of pocket and holder, both within X.XX",
+        formula="pocket - holder >= 2 x tolerance: the actuator lifts out as a module",
+        substituted=f"{show(r('base.pocket_diameter'), 'm')} - {show(r('holder.diameter'), 'm')} = {show(play, 'm')}",
+        proposal=f"a pocket of {show(r('holder.diameter') + 2 * fit, 'm')}",
         requirement="Section 2.2: modular",
     )
 
 
-def payload_face(r: Reading) -> Check:
+def payload_face(r: DesignInputs) -> Check:
     """Payloads are bolted from above: threads long enough, and a floor that keeps the sea flat below them."""
     thread, floor = r("stage.payload_thread_depth"), r("stage.payload_floor")
     size = r.given("payload thread", 6e-3, "m", "M6, as the drill and pitch in [threads]")
-    return r.check(
+    return Check(
         "thread for the payload from above",
-        thread,
-        size,
-        "m",
-        "at least",
-        _SECTION + "; one diameter of thread in aluminium under a payload that gravity holds",
-        "thread depth >= d",
-        f"M6: {show(thread, 'm')} over a floor of {show(floor, 'm')}",
-        f"a stage {show(r('stage.thickness') + size - thread, 'm')} thick",
+        at_least(thread, size, "m"),
+        source=_SECTION + "; one diameter of thread in aluminium under a payload that gravity holds",
+        formula="thread depth >= d",
+        substituted=f"M6: {show(thread, 'm')} over a floor of {show(floor, 'm')}",
+        proposal=f"a stage {show(r('stage.thickness') + size - thread, 'm')} thick",
         requirement="Section 2.2: access to payload and adjustments",
     )

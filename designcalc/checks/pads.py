@@ -9,15 +9,16 @@ from functools import partial
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import film, heaviest_pad, pad_forces, pads_stiffness, weight
+from designcalc.checks.check import Check, at_least, at_most, show
 from designcalc.drive.friction_drive import GRAVITY
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import weight
+from designcalc.machine.pads import film, heaviest_pad, pad_forces, pads_stiffness
 
 _FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Every check of the sliding bearing."""
     yield partial(lightest_pad, r)
     yield partial(pressure, r)
@@ -32,39 +33,34 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
         yield partial(yaw, r)
 
 
-def lightest_pad(r: Reading) -> Check:
+def lightest_pad(r: DesignInputs) -> Check:
     loads = pad_forces(r)
-    return r.check(
+    return Check(
         "lightest pad load over the mean",
-        float(np.min(loads) / np.mean(loads)),
-        0.5,
-        "",
-        "at least",
-        "statics of the plate on its pads",
-        "min N/mean N",
-        ", ".join(show(float(n), "N") for n in loads),
-        "pads nearer to equal shares of the load",
+        at_least(float(np.min(loads) / np.mean(loads)), 0.5, ""),
+        source="statics of the plate on its pads",
+        formula="min N/mean N",
+        substituted=", ".join(show(float(n), "N") for n in loads),
+        proposal="pads nearer to equal shares of the load",
     )
 
 
-def pressure(r: Reading) -> Check:
+def pressure(r: DesignInputs) -> Check:
     load = heaviest_pad(r)
     contact = film(r, load)
     peak, allowed = float(contact.peak_pressure), r("bearing.allowable_pressure")
-    return r.check(
+    return Check(
         "pad pressure",
-        peak,
-        allowed,
-        "Pa",
-        "at most",
-        _FILM,
-        "p0 = (1.5 to 2) F/(pi a^2) <= p_allowed",
-        f"F = {show(load, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius {show(float(contact.radius), 'm')}",
-        f"a crown radius of {show(crown_for(r, load, allowed), 'm')}, or a lighter pad load",
+        at_most(peak, allowed, "Pa"),
+        source=_FILM,
+        formula="p0 = (1.5 to 2) F/(pi a^2) <= p_allowed",
+        substituted=f"F = {show(load, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
+        f"{show(float(contact.radius), 'm')}",
+        proposal=f"a crown radius of {show(crown_for(r, load, allowed), 'm')}, or a lighter pad load",
     )
 
 
-def crown_for(r: Reading, load: float, allowed: float) -> float:
+def crown_for(r: DesignInputs, load: float, allowed: float) -> float:
     """Crown radius at which the peak pressure comes down to what is allowed, m; the present one where it is below."""
     here = r("pads.crown_radius")
 
@@ -77,136 +73,114 @@ def crown_for(r: Reading, load: float, allowed: float) -> float:
     return math.exp(root_scalar(excess, bracket=(low, high), xtol=1e-6).root)
 
 
-def pv(r: Reading) -> Check:
+def pv(r: DesignInputs) -> Check:
     load = heaviest_pad(r)
     contact = film(r, load)
     mean = load / (np.pi * float(contact.radius) ** 2)
     speed, allowed = r("requirements.speed"), r("bearing.allowable_pv")
-    return r.check(
+    return Check(
         "PTFE pressure times speed",
-        mean * speed,
-        allowed,
-        "W/m^2",
-        "at most",
-        "pv limit of the film",
-        "F/(pi a^2) v <= (pv)_allowed",
-        f"{show(mean, 'Pa')} x {show(speed, 'm/s')} = {mean * speed:.3g} W/m^2",
-        f"a crown radius of {show(r('pads.crown_radius') * (mean * speed / allowed) ** 1.5, 'm')}, or full speed for "
-        f"{100 * allowed / (mean * speed):.2g} % of the time",
+        at_most(mean * speed, allowed, "W/m^2"),
+        source="pv limit of the film",
+        formula="F/(pi a^2) v <= (pv)_allowed",
+        substituted=f"{show(mean, 'Pa')} x {show(speed, 'm/s')} = {mean * speed:.3g} W/m^2",
+        proposal=f"a crown radius of {show(r('pads.crown_radius') * (mean * speed / allowed) ** 1.5, 'm')}, or full "
+        f"speed for {100 * allowed / (mean * speed):.2g} % of the time",
         requirement="Table 1: speed",
     )
 
 
-def indentation(r: Reading) -> Check:
+def indentation(r: DesignInputs) -> Check:
     contact = film(r, heaviest_pad(r))
     thickness = r("bearing.film_thickness")
-    return r.check(
+    return Check(
         "indentation of the PTFE film",
-        float(contact.indentation),
-        0.25 * thickness,
-        "m",
-        "at most",
-        _FILM,
-        "delta = p0 t/M <= t/4",
-        f"{show(float(contact.indentation), 'm')} of {show(thickness, 'm')}",
-        "a larger crown radius",
+        at_most(float(contact.indentation), 0.25 * thickness, "m"),
+        source=_FILM,
+        formula="delta = p0 t/M <= t/4",
+        substituted=f"{show(float(contact.indentation), 'm')} of {show(thickness, 'm')}",
+        proposal="a larger crown radius",
         note="also the range of the film's formula",
     )
 
 
-def proportions(r: Reading) -> Check:
+def proportions(r: DesignInputs) -> Check:
     length, width = r("pads.length"), r("pads.width")
-    return r.check(
+    return Check(
         "pads twice as long as wide",
-        abs(length / width - 2),
-        0.1,
-        "",
-        "at most",
-        "thesis 2.3.2, rule of Slocum (1992)",
-        "|length/width - 2| <= 0.1",
-        f"{show(length, 'm')}/{show(width, 'm')}",
-        f"length of {show(2 * width, 'm')}",
+        at_most(abs(length / width - 2), 0.1, ""),
+        source="thesis 2.3.2, rule of Slocum (1992)",
+        formula="|length/width - 2| <= 0.1",
+        substituted=f"{show(length, 'm')}/{show(width, 'm')}",
+        proposal=f"length of {show(2 * width, 'm')}",
     )
 
 
-def stiction(r: Reading) -> Check:
+def stiction(r: DesignInputs) -> Check:
     static, dynamic = r("bearing.static_friction"), r("bearing.dynamic_friction")
-    return r.check(
+    return Check(
         "static over dynamic friction",
-        static / dynamic,
-        1.2,
-        "",
-        "at most",
-        "thesis 2.3.2: PTFE with static within 10-20 % of dynamic",
-        "mu_s/mu_d <= 1.2",
-        f"{static:.3g}/{dynamic:.3g}",
-        "run in for some thousand cycles; choose the filled PTFE grade for it",
+        at_most(static / dynamic, 1.2, ""),
+        source="thesis 2.3.2: PTFE with static within 10-20 % of dynamic",
+        formula="mu_s/mu_d <= 1.2",
+        substituted=f"{static:.3g}/{dynamic:.3g}",
+        proposal="run in for some thousand cycles; choose the filled PTFE grade for it",
         requirement="Table 1: resolution",
     )
 
 
-def preload(r: Reading) -> Check:
+def preload(r: DesignInputs) -> Check:
     wanted = r("preload.ratio") * weight(r)
     force = r("preload.force")
-    return r.check(
+    return Check(
         "preload against the share of the load asked for",
-        force,
-        wanted,
-        "N",
-        "at least",
-        "thesis 2.3.2: 10 % of the applied load",
-        "F >= ratio x (m + m_payload) g",
-        f"{show(force, 'N')} against {show(wanted, 'N')}",
-        f"preload of {show(wanted, 'N')}",
+        at_least(force, wanted, "N"),
+        source="thesis 2.3.2: 10 % of the applied load",
+        formula="F >= ratio x (m + m_payload) g",
+        substituted=f"{show(force, 'N')} against {show(wanted, 'N')}",
+        proposal=f"preload of {show(wanted, 'N')}",
     )
 
 
-def normal(r: Reading) -> Check:
+def normal(r: DesignInputs) -> Check:
     """Payloads come and go: what one that is a tenth heavier sinks the stage by."""
     springs = pads_stiffness(r)
     more = 0.1 * r("payload.mass") * GRAVITY
     sink = more / springs.normal
-    return r.check(
+    return Check(
         "give of the pads under a tenth of the payload",
-        sink,
-        r("requirements.resolution_coarse"),
-        "m",
-        "at most",
-        _FILM,
-        "0.1 m_payload g/K_z <= 10 nm",
-        f"{show(more, 'N')} on {show(springs.normal, 'N/m')}: {show(sink, 'm')}",
-        "more preload, or a larger crown radius",
+        at_most(sink, r("requirements.resolution_coarse"), "m"),
+        source=_FILM,
+        formula="0.1 m_payload g/K_z <= 10 nm",
+        substituted=f"{show(more, 'N')} on {show(springs.normal, 'N/m')}: {show(sink, 'm')}",
+        proposal="more preload, or a larger crown radius",
         requirement="Table 1: smoothness",
     )
 
 
-def pitch(r: Reading) -> Check:
+def pitch(r: DesignInputs) -> Check:
     springs = pads_stiffness(r)
-    lever = r.centre_height()
+    lever = r.centre_of_mass_height()
     force = (weight(r) + r("preload.force")) * r("drive.friction")
     tilt = force * lever / springs.pitch
     half = r("stage.travel") / 2
     drop = tilt * half
-    return r.check(
+    return Check(
         "pitch of the stage under its drive force",
-        drop,
-        r("requirements.smoothness"),
-        "m",
-        "at most",
-        "pads as springs; the tip pushes below the centre of mass of stage and payload",
-        "theta = mu N h/K_pitch; height error theta x travel/2 at the middle of the base",
-        f"h = {show(lever, 'm')}, K_pitch = {springs.pitch:.3g} N m/rad, K_roll = {springs.roll:.3g}, K_z = "
-        f"{show(springs.normal, 'N/m')}: {show(tilt, 'rad')}",
-        f"pads {show(r('pads.spacing_along') * np.sqrt(drop / r('requirements.smoothness')), 'm')} apart along the "
-        "travel (stiffness grows as the square), or a measurement while the drive rests",
+        at_most(drop, r("requirements.smoothness"), "m"),
+        source="pads as springs; the tip pushes below the centre of mass of stage and payload",
+        formula="theta = mu N h/K_pitch; height error theta x travel/2 at the middle of the base",
+        substituted=f"h = {show(lever, 'm')}, K_pitch = {springs.pitch:.3g} N m/rad, K_roll = {springs.roll:.3g}, K_z "
+        f"= {show(springs.normal, 'N/m')}: {show(tilt, 'rad')}",
+        proposal=f"pads {show(r('pads.spacing_along') * np.sqrt(drop / r('requirements.smoothness')), 'm')} apart "
+        "along the travel (stiffness grows as the square), or a measurement while the drive rests",
         requirement="Table 1: smoothness",
     )
 
 
-def yaw(r: Reading) -> Check:
+def yaw(r: DesignInputs) -> Check:
     """The teeth hold the stage straight against friction that the pads of one side have more of than the other."""
-    from designcalc.checks.machine import teeth
-    from designcalc.checks.teeth import CIRCUITS
+    from designcalc.machine.teeth import CIRCUITS, teeth
 
     work = teeth(r)
     reach = r("tooth_iron.length")
@@ -217,16 +191,13 @@ def yaw(r: Reading) -> Check:
     moment = unlike * r("pads.spacing_across") / 2
     angle = moment / turn
     limit = r("requirements.straightness") / (r("stage.length") / 2)
-    return r.check(
+    return Check(
         "yaw held by the teeth",
-        angle,
-        limit,
-        "rad",
-        "at most",
-        "lateral stiffness of the teeth spread along the irons, against friction that differs by a tenth across",
-        "theta = 0.1 mu N (w/2)/(K_x L^2/12) <= straightness/(half the stage's length)",
-        f"K_x = {show(hold, 'N/m')}, L = {show(reach, 'm')}: {show(angle, 'rad')}",
-        f"irons {show(reach * np.cbrt(angle / limit), 'm')} long (both stiffness and lever grow), or a tip that pushes "
-        "through the middle of friction",
+        at_most(angle, limit, "rad"),
+        source="lateral stiffness of the teeth spread along the irons, against friction that differs by a tenth across",
+        formula="theta = 0.1 mu N (w/2)/(K_x L^2/12) <= straightness/(half the stage's length)",
+        substituted=f"K_x = {show(hold, 'N/m')}, L = {show(reach, 'm')}: {show(angle, 'rad')}",
+        proposal=f"irons {show(reach * np.cbrt(angle / limit), 'm')} long (both stiffness and lever grow), or a tip "
+        "that pushes through the middle of friction",
         thesis="magnets are said to align the stage about its axis of motion: here is what they hold",
     )

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, over, show
+from designcalc.checks.check import Check, at_least, at_most, ratio, show
 from designcalc.errors.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
+from designcalc.machine.inputs import DesignInputs
 
 _DATASHEET = "thesis 2.3.4, data sheets"
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """LVDT, capacitive probe, interferometer."""
     yield partial(lvdt_range, r)
     yield partial(lvdt_resolution, r)
@@ -31,191 +31,159 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(cosine, r)
 
 
-def lvdt_range(r: Reading) -> Check:
-    return r.check(
+def lvdt_range(r: DesignInputs) -> Check:
+    return Check(
         "LVDT range",
-        r("sensors.lvdt.range"),
-        r("requirements.sensor_range"),
-        "m",
-        "at least",
-        _DATASHEET,
-        "range >= travel",
-        f"{show(r('sensors.lvdt.range'), 'm')} against {show(r('requirements.sensor_range'), 'm')}",
-        "a linear encoder, or the interferometer, over the whole travel",
+        at_least(r("sensors.lvdt.range"), r("requirements.sensor_range"), "m"),
+        source=_DATASHEET,
+        formula="range >= travel",
+        substituted=f"{show(r('sensors.lvdt.range'), 'm')} against {show(r('requirements.sensor_range'), 'm')}",
+        proposal="a linear encoder, or the interferometer, over the whole travel",
         thesis="the LVDT covers an eighth of the travel that Table 2 asks of the sensor",
         requirement="Table 2: sensor range",
     )
 
 
-def lvdt_resolution(r: Reading) -> Check:
+def lvdt_resolution(r: DesignInputs) -> Check:
     step = float(count_size(r("sensors.lvdt.range"), r("sensors.lvdt.bits")))
-    return r.check(
+    return Check(
         "LVDT count",
-        step,
-        r("requirements.resolution_coarse"),
-        "m",
-        "at most",
-        _DATASHEET,
-        "range/2^bits <= 10 nm",
-        show(step, "m"),
-        "use it for coarse position only",
+        at_most(step, r("requirements.resolution_coarse"), "m"),
+        source=_DATASHEET,
+        formula="range/2^bits <= 10 nm",
+        substituted=show(step, "m"),
+        proposal="use it for coarse position only",
         requirement="Table 2: sensor resolution",
     )
 
 
-def hand_over(r: Reading) -> Check:
+def hand_over(r: DesignInputs) -> Check:
     error = r("sensors.lvdt.linearity") * r("sensors.lvdt.range")
     fine = r("sensors.probe.range") / r("sensors.filtered_probe.gain")
-    return r.check(
+    return Check(
         "hand-over from LVDT to capacitive probe",
-        error,
-        fine / 2,
-        "m",
-        "at most",
-        "the coarse sensor must bring the stage into the fine one's range",
-        "linearity x range <= (probe range/gain)/2",
-        f"{show(error, 'm')} against {show(fine / 2, 'm')}",
-        "switch the gain off until the probe has taken over, and calibrate the LVDT there",
+        at_most(error, fine / 2, "m"),
+        source="the coarse sensor must bring the stage into the fine one's range",
+        formula="linearity x range <= (probe range/gain)/2",
+        substituted=f"{show(error, 'm')} against {show(fine / 2, 'm')}",
+        proposal="switch the gain off until the probe has taken over, and calibrate the LVDT there",
         thesis="with x25 gain the probe sees 1 um; the LVDT is off by 63 um: no hand-over",
         requirement="Table 2: sensor range",
     )
 
 
-def probe_noise(r: Reading) -> Check:
+def probe_noise(r: DesignInputs) -> Check:
     noise = float(
         filtered_noise(
             r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
         )
     )
-    return r.check(
+    return Check(
         "capacitive probe noise after its filter",
-        noise,
-        r("sensors.filtered_probe.claimed_resolution"),
-        "m",
-        "at most",
-        "white noise through an RC filter",
-        "25 nm sqrt(24 Hz/5 kHz) <= 1 nm",
-        show(noise, "m"),
-        f"a corner of {show(r('sensors.filtered_probe.filter_frequency') * (1e-9 / noise) ** 2, 'Hz')}",
+        at_most(noise, r("sensors.filtered_probe.claimed_resolution"), "m"),
+        source="white noise through an RC filter",
+        formula="25 nm sqrt(24 Hz/5 kHz) <= 1 nm",
+        substituted=show(noise, "m"),
+        proposal=f"a corner of {show(r('sensors.filtered_probe.filter_frequency') * (1e-9 / noise) ** 2, 'Hz')}",
         thesis="'1 nm' by gain: the filter, not the gain, lowers the noise, and white noise leaves 1.7 nm",
         requirement="Table 1: resolution",
     )
 
 
-def probe_count(r: Reading) -> Check:
+def probe_count(r: DesignInputs) -> Check:
     fine = r("sensors.probe.range") / r("sensors.filtered_probe.gain")
     step = float(count_size(fine, r("sensors.filtered_probe.bits")))
-    return r.check(
+    return Check(
         "capacitive probe count",
-        step,
-        r("sensors.filtered_probe.claimed_resolution"),
-        "m",
-        "at most",
-        "12-bit converter behind the gain",
-        "range/gain/2^bits <= 1 nm",
-        f"{show(fine, 'm')}/4096 = {show(step, 'm')}",
-        "more bits",
+        at_most(step, r("sensors.filtered_probe.claimed_resolution"), "m"),
+        source="12-bit converter behind the gain",
+        formula="range/gain/2^bits <= 1 nm",
+        substituted=f"{show(fine, 'm')}/4096 = {show(step, 'm')}",
+        proposal="more bits",
         requirement="Table 1: resolution",
     )
 
 
-def interferometer(r: Reading, key: str, label: str) -> Check:
+def interferometer(r: DesignInputs, key: str, label: str) -> Check:
     step = r("sensors.interferometer.resolution")
-    return r.check(
+    return Check(
         f"interferometer resolution, {label}",
-        step,
-        r(f"requirements.{key}"),
-        "m",
-        "at most",
-        _DATASHEET,
-        "0.62 nm <= resolution asked for",
-        show(step, "m"),
-        "a finer interpolation (lambda/2048 and beyond), or say 1 nm",
-        thesis="'meets the requirements': it misses 0.1 nm" if key == "resolution" else "",
+        at_most(step, r(f"requirements.{key}"), "m"),
+        source=_DATASHEET,
+        formula="0.62 nm <= resolution asked for",
+        substituted=show(step, "m"),
+        proposal="a finer interpolation (lambda/2048 and beyond), or say 1 nm",
+        thesis=("'meets the requirements': it misses 0.1 nm" if key == "resolution" else ""),
         requirement="Table 2: sensor resolution",
     )
 
 
-def interferometer_range(r: Reading) -> Check:
-    return r.check(
+def interferometer_range(r: DesignInputs) -> Check:
+    return Check(
         "interferometer range",
-        2 * r("sensors.interferometer.range"),
-        r("requirements.sensor_range"),
-        "m",
-        "at least",
-        _DATASHEET,
-        "2 x 1.328 m >= travel",
+        at_least(2 * r("sensors.interferometer.range"), r("requirements.sensor_range"), "m"),
+        source=_DATASHEET,
+        formula="2 x 1.328 m >= travel",
         requirement="Table 2: sensor range",
     )
 
 
-def interferometer_speed(r: Reading) -> Check:
-    return r.check(
+def interferometer_speed(r: DesignInputs) -> Check:
+    return Check(
         "interferometer speed",
-        r("sensors.interferometer.highest_speed"),
-        r("requirements.speed"),
-        "m/s",
-        "at least",
-        _DATASHEET,
-        "500 mm/s >= 200 mm/s",
+        at_least(r("sensors.interferometer.highest_speed"), r("requirements.speed"), "m/s"),
+        source=_DATASHEET,
+        formula="500 mm/s >= 200 mm/s",
         requirement="Table 1: speed",
     )
 
 
-def differencing(r: Reading) -> Check:
+def differencing(r: DesignInputs) -> Check:
     step = float(count_size(r("sensors.lvdt.range"), r("sensors.lvdt.bits")))
     rate = 2 * r("sensors.lvdt.bandwidth")
     noise = float(velocity_noise(step, rate))
     wanted = r("requirements.speed")
-    return r.check(
+    return Check(
         "velocity by differencing the LVDT",
-        noise,
-        0.01 * wanted,
-        "m/s",
-        "at most",
-        "two roundings, count/sqrt(6) x rate",
-        "count/sqrt(6) f_s <= 1 % of the speed",
-        f"{show(step, 'm')} at {show(rate, 'Hz')}: {show(noise, 'm/s')}",
-        "an observer, or a velocity sensor",
+        at_most(noise, 0.01 * wanted, "m/s"),
+        source="two roundings, count/sqrt(6) x rate",
+        formula="count/sqrt(6) f_s <= 1 % of the speed",
+        substituted=f"{show(step, 'm')} at {show(rate, 'Hz')}: {show(noise, 'm/s')}",
+        proposal="an observer, or a velocity sensor",
     )
 
 
-def lag(r: Reading) -> Check:
+def lag(r: DesignInputs) -> Check:
     speed, bandwidth = r("requirements.speed"), r("sensors.lvdt.bandwidth")
     late = float(lag_error(speed, bandwidth))
     window = r("sensors.probe.range") / 2
-    return r.check(
+    return Check(
         "lag of the LVDT at full speed",
-        late,
-        window,
-        "m",
-        "at most",
-        "first-order sensor of the bandwidth stated; half the probe's range must catch the stage",
-        "v/(2 pi f) <= probe range/2",
-        f"{show(speed, 'm/s')} at {show(bandwidth, 'Hz')}: {show(late, 'm')}",
-        f"enter the probe's range at {show(speed * window / late, 'm/s')} at most, or correct the known lag",
+        at_most(late, window, "m"),
+        source="first-order sensor of the bandwidth stated; half the probe's range must catch the stage",
+        formula="v/(2 pi f) <= probe range/2",
+        substituted=f"{show(speed, 'm/s')} at {show(bandwidth, 'Hz')}: {show(late, 'm')}",
+        proposal=f"enter the probe's range at {show(speed * window / late, 'm/s')} at most, or correct the known lag",
         requirement="Table 1: speed",
     )
 
 
-def probe_linearity(r: Reading) -> Check:
+def probe_linearity(r: DesignInputs) -> Check:
     error = r("sensors.probe.linearity") * r("sensors.probe.range")
     limit = r("requirements.resolution_coarse")
-    return r.check(
+    return Check(
         "capacitive probe linearity",
-        error,
-        limit,
-        "m",
-        "at most",
-        _DATASHEET,
-        "linearity x full range <= 10 nm",
-        show(error, "m"),
-        f"calibrate it against the interferometer, or use {show(limit / r('sensors.probe.linearity'), 'm')} of it",
+        at_most(error, limit, "m"),
+        source=_DATASHEET,
+        formula="linearity x full range <= 10 nm",
+        substituted=show(error, "m"),
+        proposal=f"calibrate it against the interferometer, or use {show(limit / r('sensors.probe.linearity'), 'm')} "
+        "of it",
         requirement="Table 2: sensor resolution",
     )
 
 
-def contactless(r: Reading) -> Check:
+def contactless(r: DesignInputs) -> Check:
     travel = r("requirements.sensor_range")
     sensors = r.design.sensors
     reach = {
@@ -223,54 +191,45 @@ def contactless(r: Reading) -> Check:
         "interferometer": (2 * r("sensors.interferometer.range"), sensors.interferometer.contactless),
     }
     fit = [name for name, (length, free) in reach.items() if free and length >= travel]
-    return r.check(
+    return Check(
         "sensors over the travel that do not touch",
-        len(fit),
-        1.0 if r.design.requirements.sensor_contactless else 0.0,
-        "",
-        "at least",
-        _DATASHEET,
-        "number of sensors that reach over the travel and let the stage move across their axis",
-        ", ".join(fit) or "none",
-        "an interferometer, or a grid encoder",
+        at_least(len(fit), 1.0 if r.design.requirements.sensor_contactless else 0.0, ""),
+        source=_DATASHEET,
+        formula="number of sensors that reach over the travel and let the stage move across their axis",
+        substituted=", ".join(fit) or "none",
+        proposal="an interferometer, or a grid encoder",
         requirement="Table 2: sensor without contact",
     )
 
 
-def cosine(r: Reading) -> Check:
+def cosine(r: DesignInputs) -> Check:
     travel, angle = r("stage.travel"), r("sensors.interferometer.misalignment")
     error = float(cosine_error(travel, angle))
     limit = r("requirements.resolution_coarse")
-    return r.check(
+    return Check(
         "cosine error of the interferometer",
-        error,
-        limit,
-        "m",
-        "at most",
-        "beam at an angle to the travel",
-        "travel (1 - cos(angle)) <= 10 nm",
-        f"{show(travel, 'm')} at {show(angle, 'rad')}: {show(error, 'm')}",
-        f"align the beam to {show(angle * over(limit, error) ** 0.5, 'rad')}",
-        note=f"the finest resolution, {show(r('requirements.resolution'), 'm')}, needs "
-        f"{show(angle * over(r('requirements.resolution'), error) ** 0.5, 'rad')}",
+        at_most(error, limit, "m"),
+        source="beam at an angle to the travel",
+        formula="travel (1 - cos(angle)) <= 10 nm",
+        substituted=f"{show(travel, 'm')} at {show(angle, 'rad')}: {show(error, 'm')}",
+        proposal=f"align the beam to {show(angle * ratio(limit, error) ** 0.5, 'rad')}",
         requirement="Table 2: sensor resolution",
+        note=f"the finest resolution, {show(r('requirements.resolution'), 'm')}, needs "
+        f"{show(angle * ratio(r('requirements.resolution'), error) ** 0.5, 'rad')}",
     )
 
 
-def abbe(r: Reading) -> Check:
+def abbe(r: DesignInputs) -> Check:
     offset = r("stage.thickness") / 2 + r("payload.height")
     straightness, way = r("bearing.way_straightness"), r("bearing_way.length")
     angle = 4 * straightness / way
     error = float(abbe_error(offset, angle))
-    return r.check(
+    return Check(
         "Abbe error at the payload",
-        error,
-        r("requirements.resolution_coarse"),
-        "m",
-        "at most",
-        "pitch of a way bowed by its straightness error; line of measurement at the middle of the plate",
-        "offset x 4 s/L <= 10 nm",
-        f"{show(offset, 'm')} x {show(angle, 'rad')} = {show(error, 'm')}",
-        "measure at the height of the payload, or measure the pitch as well and correct it",
+        at_most(error, r("requirements.resolution_coarse"), "m"),
+        source="pitch of a way bowed by its straightness error; line of measurement at the middle of the plate",
+        formula="offset x 4 s/L <= 10 nm",
+        substituted=f"{show(offset, 'm')} x {show(angle, 'rad')} = {show(error, 'm')}",
+        proposal="measure at the height of the payload, or measure the pitch as well and correct it",
         requirement="Table 1: resolution",
     )

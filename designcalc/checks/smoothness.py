@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import film, heaviest_pad, pads
+from designcalc.checks.check import Check, at_most, show
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.pads import film, heaviest_pad, pad_positions
 
 _AVERAGING = "averaging of a random surface over the pads' contact"
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Roughness under the film, smoothness of the way as drawn, as proposed, and with the waves that lapping leaves."""
     yield partial(roughness_under_film, r)
     yield partial(smoothness, r, "way_roughness", "way as drawn")
@@ -25,30 +25,27 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(ridden, r)
 
 
-def roughness_under_film(r: Reading) -> Check:
+def roughness_under_film(r: DesignInputs) -> Check:
     rough, thickness = r("bearing.way_roughness"), r("bearing.film_thickness")
     peak = 4 * rough
-    return r.check(
+    return Check(
         "way roughness against the PTFE film",
-        peak,
-        0.25 * thickness,
-        "m",
-        "at most",
-        "Rz about 4 Ra; a quarter of the film, so that no peak cuts through",
-        "4 Ra <= t/4",
-        f"4 x {show(rough, 'm')} against {show(thickness / 4, 'm')}",
-        f"lap the way to {show(r('bearing.proposed_way_roughness'), 'm')} Ra, as Nanosurf 2 did (nanometres)",
+        at_most(peak, 0.25 * thickness, "m"),
+        source="Rz about 4 Ra; a quarter of the film, so that no peak cuts through",
+        formula="4 Ra <= t/4",
+        substituted=f"4 x {show(rough, 'm')} against {show(thickness / 4, 'm')}",
+        proposal=f"lap the way to {show(r('bearing.proposed_way_roughness'), 'm')} Ra, as Nanosurf 2 did (nanometres)",
         thesis="Ra 1 um under a film of 1-2 um contradicts Nanosurf's way, lapped to nanometres",
         requirement="Table 1: smoothness",
     )
 
 
-def spot(r: Reading) -> float:
+def spot(r: DesignInputs) -> float:
     """Length along the travel over which a pad touches the way, m."""
     return 2 * float(film(r, heaviest_pad(r)).radius)
 
 
-def lapped_surface(r: Reading) -> Surface:
+def lapped_surface(r: DesignInputs) -> Surface:
     """The way lapped as proposed."""
     return Surface(
         roughness=r("bearing.proposed_way_roughness"),
@@ -58,23 +55,20 @@ def lapped_surface(r: Reading) -> Surface:
     )
 
 
-def smoothness(r: Reading, key: str, label: str) -> Check:
+def smoothness(r: DesignInputs, key: str, label: str) -> Check:
     side = spot(r)
     rough = r(f"bearing.{key}")
     number = int(r("pads.count"))
     left = float(averaged_roughness(rough, r("bearing.roughness_correlation"), side, side, number))
     limit = r("requirements.smoothness")
-    return r.check(
+    return Check(
         f"smoothness of the {label}",
-        left,
-        limit,
-        "m",
-        "at most",
-        _AVERAGING,
-        "Ra sqrt(pi/2) sqrt(pi) l/(2a sqrt(n)) <= 1 nm rms",
-        f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
-        f"Ra of {show(rough * limit / left, 'm')}, or flatter pads",
-        thesis=_printed_rule(rough) if key == "way_roughness" else "",
+        at_most(left, limit, "m"),
+        source=_AVERAGING,
+        formula="Ra sqrt(pi/2) sqrt(pi) l/(2a sqrt(n)) <= 1 nm rms",
+        substituted=f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
+        proposal=f"Ra of {show(rough * limit / left, 'm')}, or flatter pads",
+        thesis=(_printed_rule(rough) if key == "way_roughness" else ""),
         requirement="Table 1: smoothness",
     )
 
@@ -88,32 +82,30 @@ def _printed_rule(roughness: float) -> str:
     )
 
 
-def ridden(r: Reading) -> Check:
+def ridden(r: DesignInputs) -> Check:
     """The stage carried over profiles of roughness and waves, its bow left to the straightness."""
-    side, places = spot(r), pads(r)
+    side, places = spot(r), pad_positions(r)
     surface = lapped_surface(r)
     rough, waves = (_ridden_rms(r, one, side, places) for one in (surface.without_waves(), surface.without_roughness()))
     both = float(np.hypot(rough, waves))
     limit = r("requirements.smoothness")
     may = surface.waviness * np.sqrt(max(limit**2 - rough**2, 0.0)) / waves if waves > 0 else np.inf
-    return r.check(
+    return Check(
         "smoothness over a lapped way with its waves",
-        both,
-        limit,
-        "m",
-        "at most",
-        "profiles averaged over each pad's contact as its pressure weighs them; mean of the pads; rms over the travel",
-        "rms over x of mean over pads of the height averaged over 2a",
-        f"contact {show(side, 'm')} long, {len(places)} pads, Ra {show(surface.roughness, 'm')}, waves of "
+        at_most(both, limit, "m"),
+        source="profiles averaged over each pad's contact as its pressure weighs them; mean of the pads; rms over the "
+        "travel",
+        formula="rms over x of mean over pads of the height averaged over 2a",
+        substituted=f"contact {show(side, 'm')} long, {len(places)} pads, Ra {show(surface.roughness, 'm')}, waves of "
         f"{show(surface.waviness, 'm')} at {show(surface.wavelength, 'm')}: {show(waves, 'm')}, and "
         f"{show(rough, 'm')} of roughness",
-        f"waves of at most {show(may, 'm')}, or pads that touch over several of their lengths: a convex pad averages "
-        "roughness, not waves longer than its contact",
+        proposal=f"waves of at most {show(may, 'm')}, or pads that touch over several of their lengths: a convex pad "
+        "averages roughness, not waves longer than its contact",
         requirement="Table 1: smoothness",
     )
 
 
-def _ridden_rms(r: Reading, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
+def _ridden_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
     """Rms height of the stage over its travel, m; pads in one line ride the same track one after another.
 
     Nobody sets the waves of one way against the other's: the worse of in step and opposed counts.

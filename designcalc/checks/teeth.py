@@ -9,16 +9,16 @@ from functools import partial
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, show
-from designcalc.checks.machine import TeethWork, normal_stiffness, teeth
+from designcalc.checks.check import Check, at_least, at_most, show
 from designcalc.drive.magnetic_teeth import teeth_field, working_point
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.pads import pads_stiffness
+from designcalc.machine.teeth import CIRCUITS, TeethModel, teeth
 
 _FIELD = "field of one cell by mode matching (K_x = -d2W/dx2, K_z = d2W/de2)"
-CIRCUITS = 2  # one pocket with its magnet over each of the two bars
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Every check of the teeth; none where no teeth are fitted."""
     if not r.design.teeth.fitted:
         return
@@ -30,65 +30,56 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(against_pads, r)
 
 
-def ratio(r: Reading) -> Check:
+def ratio(r: DesignInputs) -> Check:
     """The thesis wants the ratio largest, and puts that at l/p = 0.4. The field says it rises towards thin teeth."""
     pitch, width, gap, depth = (r(f"teeth.{name}") for name in ("pitch", "width", "gap", "groove_depth"))
     here = teeth_field(pitch, width, gap, depth).lateral_over_normal
     at_rule = teeth_field(pitch, 0.4 * pitch, gap, depth).lateral_over_normal
     thin = teeth_field(pitch, 0.2 * pitch, gap, depth).lateral_over_normal
-    return r.check(
+    return Check(
         "ratio of lateral to normal stiffness of the teeth",
-        here / thin,
-        0.8,
-        "",
-        "at least",
-        _FIELD,
-        "K_x/K_z over that of l/p = 0.2, about the thinnest that iron saturation and machining bear",
-        f"e/p = {gap / pitch:.3g}: {here:.4g} at l/p = {width / pitch:.3g}, {thin:.4g} at 0.2",
-        f"tooth width of {show(0.24 * pitch, 'm')}, as far as the flux density in the teeth allows",
+        at_least(here / thin, 0.8, ""),
+        source=_FIELD,
+        formula="K_x/K_z over that of l/p = 0.2, about the thinnest that iron saturation and machining bear",
+        substituted=f"e/p = {gap / pitch:.3g}: {here:.4g} at l/p = {width / pitch:.3g}, {thin:.4g} at 0.2",
+        proposal=f"tooth width of {show(0.24 * pitch, 'm')}, as far as the flux density in the teeth allows",
         thesis=f"'l/p about 0.4 of the gap e' mixes up dimensions, and K_x/K_z has no optimum there: it rises steadily "
         f"as l/p falls, {at_rule:.4g} at 0.4, {thin:.4g} at 0.2",
     )
 
 
-def lateral(r: Reading) -> Check:
+def lateral(r: DesignInputs) -> Check:
     work = teeth(r)
     widths = np.arange(0.10, 0.81, 0.05)
     fields = [teeth_field(work.pitch, w * work.pitch, work.gap, work.depth, functions=8) for w in widths]
     values = np.array([f.lateral_stiffness for f in fields])
     best = int(np.argmax(values))
-    return r.check(
+    return Check(
         "lateral stiffness of the teeth against the best width",
-        work.field.lateral_stiffness / values[best],
-        0.85,
-        "",
-        "at least",
-        _FIELD,
-        "K_x(l)/max K_x over l/p at this gap",
-        f"l/p = {work.width / work.pitch:.3g}, e/p = {work.gap / work.pitch:.3g}: K_x/K_z = "
+        at_least(work.field.lateral_stiffness / values[best], 0.85, ""),
+        source=_FIELD,
+        formula="K_x(l)/max K_x over l/p at this gap",
+        substituted=f"l/p = {work.width / work.pitch:.3g}, e/p = {work.gap / work.pitch:.3g}: K_x/K_z = "
         f"{work.field.lateral_over_normal:.4g}; best K_x at l/p = {widths[best]:.2f}",
-        f"tooth width of {show(float(widths[best] * work.pitch), 'm')}",
+        proposal=f"tooth width of {show(float(widths[best] * work.pitch), 'm')}",
     )
 
 
-def preload(r: Reading) -> Check:
+def preload(r: DesignInputs) -> Check:
     work = teeth(r)
     pull = CIRCUITS * work.point.attraction
     wanted = r("preload.force")
-    return r.check(
+    return Check(
         "attraction of the magnets as preload",
-        pull,
-        wanted,
-        "N",
-        "at least",
-        _FIELD + ", magnet on its recoil line",
-        "F = -dV/de, V = F_m^2/2 P/(1 + R P)",
-        f"gap flux density {show(work.point.gap_flux_density, 'T')}, two pockets pull {show(pull, 'N')}",
-        "a smaller gap, a longer iron, or a stronger magnet",
+        at_least(pull, wanted, "N"),
+        source=_FIELD + ", magnet on its recoil line",
+        formula="F = -dV/de, V = F_m^2/2 P/(1 + R P)",
+        substituted=f"gap flux density {show(work.point.gap_flux_density, 'T')}, two pockets pull {show(pull, 'N')}",
+        proposal="a smaller gap, a longer iron, or a stronger magnet",
     )
 
 
-def preload_share(r: Reading) -> Check:
+def preload_share(r: DesignInputs) -> Check:
     work = teeth(r)
     pull = CIRCUITS * work.point.attraction
     wanted = r("preload.force")
@@ -99,21 +90,18 @@ def preload_share(r: Reading) -> Check:
         proposal = f"magnets {show(length, 'm')} long, {wider}, or ask for the preload that the magnets give"
     else:
         proposal = "no magnets (teeth.fitted = false), or ask for the preload that they give"
-    return r.check(
+    return Check(
         "attraction of the magnets beyond the preload asked for",
-        pull,
-        1.5 * wanted,
-        "N",
-        "at most",
-        _FIELD + ", magnet on its recoil line",
-        "F <= 1.5 x preload asked for (friction grows with it)",
-        f"two pockets pull {show(pull, 'N')}, asked for {show(wanted, 'N')}",
-        proposal,
+        at_most(pull, 1.5 * wanted, "N"),
+        source=_FIELD + ", magnet on its recoil line",
+        formula="F <= 1.5 x preload asked for (friction grows with it)",
+        substituted=f"two pockets pull {show(pull, 'N')}, asked for {show(wanted, 'N')}",
+        proposal=proposal,
         note="leakage beside the gap is left out: the real pull is smaller",
     )
 
 
-def gap_for(work: TeethWork, pull: float) -> float | None:
+def gap_for(work: TeethModel, pull: float) -> float | None:
     """Gap at which the magnets pull as much as `pull`, m; none up to five pitches."""
 
     def excess(logarithm: float) -> float:
@@ -127,7 +115,7 @@ def gap_for(work: TeethWork, pull: float) -> float | None:
     return float(np.exp(_root(excess, low, high)))
 
 
-def magnet_area_for(work: TeethWork, pull: float) -> float:
+def magnet_area_for(work: TeethModel, pull: float) -> float:
     """Cross-section of a magnet of the same thickness with which the magnets pull as much as `pull`, m^2."""
 
     def excess(logarithm: float) -> float:
@@ -143,33 +131,27 @@ def _root(function: Callable[[float], float], low: float, high: float) -> float:
     return float(root_scalar(function, bracket=(low, high), xtol=1e-3).root)
 
 
-def saturation(r: Reading) -> Check:
+def saturation(r: DesignInputs) -> Check:
     work = teeth(r)
-    return r.check(
+    return Check(
         "flux density in the teeth",
-        work.point.tooth_flux_density,
-        0.8 * r("teeth.saturation"),
-        "T",
-        "at most",
-        _FIELD + "; all flux of a pitch gathered in its tooth",
-        "B p/l <= 0.8 B_sat",
-        f"{show(work.point.gap_flux_density, 'T')} x {work.pitch / work.width:.3g}",
-        "wider teeth, or a thinner magnet",
+        at_most(work.point.tooth_flux_density, 0.8 * r("teeth.saturation"), "T"),
+        source=_FIELD + "; all flux of a pitch gathered in its tooth",
+        formula="B p/l <= 0.8 B_sat",
+        substituted=f"{show(work.point.gap_flux_density, 'T')} x {work.pitch / work.width:.3g}",
+        proposal="wider teeth, or a thinner magnet",
     )
 
 
-def against_pads(r: Reading) -> Check:
+def against_pads(r: DesignInputs) -> Check:
     work = teeth(r)
     soft = CIRCUITS * work.point.normal_stiffness
-    stiffness = normal_stiffness(r)
-    return r.check(
+    stiffness = pads_stiffness(r).normal
+    return Check(
         "negative stiffness of the teeth against the pads'",
-        soft,
-        0.1 * stiffness,
-        "N/m",
-        "at most",
-        _FIELD + "; pads as crowned contacts",
-        "K_z <= K_pads/10",
-        f"{show(soft, 'N/m')} against {show(stiffness, 'N/m')}",
-        "a wider gap",
+        at_most(soft, 0.1 * stiffness, "N/m"),
+        source=_FIELD + "; pads as crowned contacts",
+        formula="K_z <= K_pads/10",
+        substituted=f"{show(soft, 'N/m')} against {show(stiffness, 'N/m')}",
+        proposal="a wider gap",
     )

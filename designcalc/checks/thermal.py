@@ -6,14 +6,16 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, over, show
-from designcalc.checks.machine import holding_stiffness, moved_mass, pads_stiffness, rail, stroke_ellipse
+from designcalc.checks.check import Check, at_most, ratio, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.thermal import bow_of_layers, differential_growth, loop_drift, vibration_at_tip
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import moved_mass
+from designcalc.machine.pads import pads_stiffness, rail
+from designcalc.machine.tip_dynamics import holding_stiffness, stroke_ellipse
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Drift of the tip, the way on the base, magnetism, vibration; with the base's other material beside each."""
     yield partial(tip_drift, r)
     yield partial(way_growth, r)
@@ -26,12 +28,12 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(vibration, r, "normal")
 
 
-def _beside(r: Reading) -> tuple[str, str]:
+def _beside(r: DesignInputs) -> tuple[str, str]:
     """Of Invar 36 and SUS416, the one that the base is not made of: key and name."""
     return ("invar_36", "Invar 36") if r.design.value("base.material") == "sus416" else ("sus416", "SUS416")
 
 
-def tip_drift(r: Reading) -> Check:
+def tip_drift(r: DesignInputs) -> Check:
     """Gap between tip and stage: way and pads lift the stage; piezos and tip, in their clamped holder, fill it.
 
     The clamps take the height pins out of the loop; base and holder together span from the way's foot down to the
@@ -53,62 +55,54 @@ def tip_drift(r: Reading) -> Check:
     here, beside = drift(r.material("base", "expansion")), drift(r(f"materials.{key}.expansion"))
     rise = float(stroke_ellipse(r).normal)
     change = r("environment.temperature_change")
-    return r.check(
+    return Check(
         "drift of the tip against the stage",
-        here * change,
-        0.1 * rise,
-        "m",
-        "at most",
-        "growth of the loop way - pad - stage - tip - piezo - holder - base",
-        "|sum(alpha_i L_i)| dT <= Y/10",
-        f"{show(here, 'm')} per kelvin x {change:.3g} K; rise of the ellipse {show(rise, 'm')}",
-        "a tip and pads that grow alike, or a bias of the piezos that follows the temperature",
-        note=f"with a base and holder of {other}: {show(beside, 'm')} per kelvin",
+        at_most(here * change, 0.1 * rise, "m"),
+        source="growth of the loop way - pad - stage - tip - piezo - holder - base",
+        formula="|sum(alpha_i L_i)| dT <= Y/10",
+        substituted=f"{show(here, 'm')} per kelvin x {change:.3g} K; rise of the ellipse {show(rise, 'm')}",
+        proposal="a tip and pads that grow alike, or a bias of the piezos that follows the temperature",
         requirement="Table 2: low thermal expansion",
+        note=f"with a base and holder of {other}: {show(beside, 'm')} per kelvin",
     )
 
 
-def way_growth(r: Reading) -> Check:
+def way_growth(r: DesignInputs) -> Check:
     length, change = r("bearing_way.length"), r("environment.temperature_change")
     ceramic = r.material("bearing_way", "expansion")
     key, other = _beside(r)
     growth = float(differential_growth(length, ceramic, r.material("base", "expansion"))) * change
     beside = float(differential_growth(length, ceramic, r(f"materials.{key}.expansion"))) * change
-    return r.check(
+    return Check(
         "slip between way and base",
-        growth,
-        1e-6,
-        "m",
-        "at most",
-        "difference of free growth; 1 um, the finish of the joint, is taken up without a ratchet",
-        "|alpha_way - alpha_base| L dT <= 1 um",
-        f"{show(growth, 'm')} over {show(length, 'm')} and {change:.3g} K",
-        f"hold the temperature to {over(change * 1e-6, growth):.2g} K, or pin the way at its middle and let it slide",
-        note=f"on a base of {other}: {show(beside, 'm')}",
+        at_most(growth, 1e-6, "m"),
+        source="difference of free growth; 1 um, the finish of the joint, is taken up without a ratchet",
+        formula="|alpha_way - alpha_base| L dT <= 1 um",
+        substituted=f"{show(growth, 'm')} over {show(length, 'm')} and {change:.3g} K",
+        proposal=f"hold the temperature to {ratio(change * 1e-6, growth):.2g} K, or pin the way at its middle and let "
+        "it slide",
         requirement="Table 2: low thermal expansion",
+        note=f"on a base of {other}: {show(beside, 'm')}",
     )
 
 
-def base_expansion(r: Reading) -> Check:
+def base_expansion(r: DesignInputs) -> Check:
     steel, invar = r("materials.sus416.expansion"), r("materials.invar_36.expansion")
     chosen = r.material("base", "expansion")
-    return r.check(
+    return Check(
         "expansion of the base's material",
-        chosen,
-        2e-6,
-        "1/K",
-        "at most",
-        "thesis 2.3.3: chosen for its low expansion; the Invar family lies below 2e-6/K",
-        "alpha_base <= 2e-6/K",
-        f"Invar 36 {show(invar, '1/K')}, SUS416 {show(steel, '1/K')}",
-        "Invar 36",
+        at_most(chosen, 2e-6, "1/K"),
+        source="thesis 2.3.3: chosen for its low expansion; the Invar family lies below 2e-6/K",
+        formula="alpha_base <= 2e-6/K",
+        substituted=f"Invar 36 {show(invar, '1/K')}, SUS416 {show(steel, '1/K')}",
+        proposal="Invar 36",
         thesis=f"'INVAR SUS416': SUS416 is a martensitic stainless steel of {show(steel, '1/K')}, "
         f"{steel / invar:.2g} times Invar's",
         requirement="Table 2: low thermal expansion",
     )
 
 
-def magnetism(r: Reading) -> Check:
+def magnetism(r: DesignInputs) -> Check:
     """Invar 36 (up to some 230 degC) and SUS416 are both ferromagnetic: flux must not find a way through the base."""
     name = str(r.design.value("base.material"))
     attracted = r.given(
@@ -116,21 +110,18 @@ def magnetism(r: Reading) -> Check:
     )
     gap, clear = r("teeth.gap"), r("tooth_bar.height") - r("teeth.groove_depth")
     _, other = _beside(r)
-    return r.check(
+    return Check(
         "flux of the teeth leaking into the base",
-        attracted * gap / clear,
-        0.25,
-        "",
-        "at most",
-        "the iron below the teeth carries the flux in a section thick beside the gap",
-        "gap/(bar height - groove) <= 1/4 where the base is ferromagnetic",
-        f"{show(gap, 'm')}/{show(clear, 'm')}",
-        "higher bars, or a non-magnetic liner under them",
+        at_most(attracted * gap / clear, 0.25, ""),
+        source="the iron below the teeth carries the flux in a section thick beside the gap",
+        formula="gap/(bar height - groove) <= 1/4 where the base is ferromagnetic",
+        substituted=f"{show(gap, 'm')}/{show(clear, 'm')}",
+        proposal="higher bars, or a non-magnetic liner under them",
         note=f"ferromagnetic as well: {other}; neither material of the base frees it of the magnets",
     )
 
 
-def bow(r: Reading) -> Check:
+def bow(r: DesignInputs) -> Check:
     """Way and base as one bimetal: what a joint that never slips would do. The screws let it slip, and bow it less."""
     way, change = rail(r), r("environment.temperature_change")
     key, other = _beside(r)
@@ -143,44 +134,39 @@ def bow(r: Reading) -> Check:
     here = sagitta(way.bed_modulus, r.material("base", "expansion"))
     beside = sagitta(r(f"materials.{key}.youngs_modulus"), r(f"materials.{key}.expansion"))
     limit = r("requirements.straightness")
-    return r.check(
+    return Check(
         "bow of the way on its base by heat",
-        here,
-        limit,
-        "m",
-        "at most",
-        "Timoshenko (1925), two layers that cannot slip: an upper bound",
-        "sagitta = curvature L^2/8 <= straightness",
-        f"{show(here, 'm')} over {show(way.length, 'm')} and {change:.3g} K",
-        f"hold the temperature to {over(change * limit, here):.2g} K, or a base of silicon carbide or alumina",
-        note=f"on a base of {other}: {show(beside, 'm')}",
+        at_most(here, limit, "m"),
+        source="Timoshenko (1925), two layers that cannot slip: an upper bound",
+        formula="sagitta = curvature L^2/8 <= straightness",
+        substituted=f"{show(here, 'm')} over {show(way.length, 'm')} and {change:.3g} K",
+        proposal=f"hold the temperature to {ratio(change * limit, here):.2g} K, or a base of silicon carbide or "
+        "alumina",
         requirement="Table 2: low thermal expansion",
+        note=f"on a base of {other}: {show(beside, 'm')}",
     )
 
 
-def symmetry(r: Reading) -> Check:
+def symmetry(r: DesignInputs) -> Check:
     """Teeth and ways hold the stage in the middle plane of the base; a tip off that plane grows away from it."""
     off = max(abs(y) for _, y in r.design.derived.fitted_places[:1]) * 1e-3
     off = r.given("actuator 1 from the middle plane", off, "m", "layout of the pockets")
     change, alpha = r("environment.temperature_change"), r.material("base", "expansion")
     half = r("base.way_gap") / 2
-    return r.check(
+    return Check(
         "sideways drift by asymmetry of the base",
-        off * alpha * change,
-        r("requirements.resolution_coarse"),
-        "m",
-        "at most",
-        "growth of the base from its middle plane to the tip",
-        "alpha_base y dT <= 10 nm",
-        f"y = {show(off, 'm')}: {show(off * alpha * change, 'm')}",
-        "the actuator on the base's middle plane",
+        at_most(off * alpha * change, r("requirements.resolution_coarse"), "m"),
+        source="growth of the base from its middle plane to the tip",
+        formula="alpha_base y dT <= 10 nm",
+        substituted=f"y = {show(off, 'm')}: {show(off * alpha * change, 'm')}",
+        proposal="the actuator on the base's middle plane",
         thesis="'designed as asymmetrically as possible for thermal stability' must be symmetrically: with the "
         f"actuator beside a way, {show(half, 'm')} off, the tip would wander {show(half * alpha * change, 'm')}",
         requirement="Table 2: low thermal expansion",
     )
 
 
-def vibration(r: Reading, direction: str) -> Check:
+def vibration(r: DesignInputs, direction: str) -> Check:
     """The floor shakes the base; stage and payload follow through what holds them, below its resonance."""
     frequency = r("environment.floor_frequency")
     shake = r("environment.floor_velocity") * 2 * math.pi * frequency
@@ -192,20 +178,19 @@ def vibration(r: Reading, direction: str) -> Check:
         limit, requirement = r("requirements.smoothness"), "Table 1: smoothness"
     first = float(resonance(stiffness, moved_mass(r)))
     motion = float(vibration_at_tip(shake, first))
-    return r.check(
+    return Check(
         f"floor vibration between tip and stage, {direction}",
-        motion,
-        limit,
-        "m",
-        "at most",
-        f"base shaken below the resonance of stage and payload on {holder}",
-        "2 pi f_floor v/(2 pi f_1)^2",
-        f"{show(shake, 'm/s^2')} at {show(frequency, 'Hz')}, K = {show(stiffness, 'N/m')}, f_1 = {show(first, 'Hz')}: "
-        f"{show(motion, 'm')}",
-        "an isolation table, or a stiffer tip contact (larger nose radius)",
-        note=f"the finest resolution asked for, {show(r('requirements.resolution'), 'm')}, needs a floor "
-        f"{max(motion / r('requirements.resolution'), 1):.3g} times quieter"
-        if direction == "along"
-        else "",
+        at_most(motion, limit, "m"),
+        source=f"base shaken below the resonance of stage and payload on {holder}",
+        formula="2 pi f_floor v/(2 pi f_1)^2",
+        substituted=f"{show(shake, 'm/s^2')} at {show(frequency, 'Hz')}, K = {show(stiffness, 'N/m')}, f_1 = "
+        f"{show(first, 'Hz')}: {show(motion, 'm')}",
+        proposal="an isolation table, or a stiffer tip contact (larger nose radius)",
         requirement=requirement,
+        note=(
+            f"the finest resolution asked for, {show(r('requirements.resolution'), 'm')}, needs a floor "
+            f"{max(motion / r('requirements.resolution'), 1):.3g} times quieter"
+            if direction == "along"
+            else ""
+        ),
     )

@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from functools import partial
 
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading, over, show
-from designcalc.checks.machine import heaviest_pad, weight
+from designcalc.checks.check import Check, at_least, at_most, ratio, show
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import weight
+from designcalc.machine.pads import heaviest_pad
 
 
-def checks(r: Reading) -> Iterator[partial[Check]]:
+def checks(r: DesignInputs) -> Iterator[partial[Check]]:
     """Film, running in, life, heat."""
     yield partial(film_thickness, r)
     yield partial(running_in, r)
@@ -19,23 +20,20 @@ def checks(r: Reading) -> Iterator[partial[Check]]:
     yield partial(heat, r)
 
 
-def film_thickness(r: Reading) -> Check:
+def film_thickness(r: DesignInputs) -> Check:
     thickness = r("bearing.film_thickness")
-    return r.check(
+    return Check(
         "PTFE film as printed, '1 mm - 2 um'",
-        thickness,
-        r("bearing.thickest_film"),
-        "m",
-        "at most",
-        "thesis 2.3.2: keep the film thin, so that heat passes into the stage; Nanosurf 2 has 2 to 3 um",
-        "t <= 3 um",
-        show(thickness, "m"),
-        "1 to 2 um",
+        at_most(thickness, r("bearing.thickest_film"), "m"),
+        source="thesis 2.3.2: keep the film thin, so that heat passes into the stage; Nanosurf 2 has 2 to 3 um",
+        formula="t <= 3 um",
+        substituted=show(thickness, "m"),
+        proposal="1 to 2 um",
         thesis="'1 mm - 2 um' is a misprint for 1 - 2 um: a film of 1 mm would be 300 times too thick",
     )
 
 
-def running_in(r: Reading) -> Check:
+def running_in(r: DesignInputs) -> Check:
     """The film must outlive its own running in."""
     cycles, travel = r("bearing.run_in_cycles"), r("stage.travel")
     distance = 2 * travel * cycles
@@ -44,54 +42,45 @@ def running_in(r: Reading) -> Check:
     thickness = r("bearing.film_thickness")
     limit = thickness / 2
     hours = distance / r("requirements.speed") / 3600
-    return r.check(
+    return Check(
         "wear of the PTFE film by running in",
-        worn,
-        limit,
-        "m",
-        "at most",
-        "Archard on a crown over the thesis's several thousand cycles; half the film kept",
-        "h = sqrt(k F s/(pi R)) <= t/2, s = 2 travel x cycles",
-        f"{cycles:.0f} cycles, {show(distance, 'm')}, {hours:.2g} h at full speed: {show(worn, 'm')} of "
+        at_most(worn, limit, "m"),
+        source="Archard on a crown over the thesis's several thousand cycles; half the film kept",
+        formula="h = sqrt(k F s/(pi R)) <= t/2, s = 2 travel x cycles",
+        substituted=f"{cycles:.0f} cycles, {show(distance, 'm')}, {hours:.2g} h at full speed: {show(worn, 'm')} of "
         f"{show(thickness, 'm')}",
-        f"a crown radius of {show(radius * (worn / limit) ** 2, 'm')}, or run in over "
+        proposal=f"a crown radius of {show(radius * (worn / limit) ** 2, 'm')}, or run in over "
         f"{show(travel * (limit / worn) ** 2, 'm')} of travel",
     )
 
 
-def life(r: Reading) -> Check:
+def life(r: DesignInputs) -> Check:
     load = heaviest_pad(r)
     radius, depth = r("pads.crown_radius"), r("bearing.film_thickness") / 2
     distance = float(crown_wear_distance(depth, radius, r("bearing.wear_rate"), load))
     wanted = r("bearing.life")
-    return r.check(
+    return Check(
         "life of the PTFE film",
-        distance,
-        wanted,
-        "m",
-        "at least",
-        "Archard, the crown worn by half the film",
-        "s = pi R (t/2)^2/(k F)",
-        f"R = {show(radius, 'm')}, F = {show(load, 'N')}: {show(distance, 'm')}, "
+        at_least(distance, wanted, "m"),
+        source="Archard, the crown worn by half the film",
+        formula="s = pi R (t/2)^2/(k F)",
+        substituted=f"R = {show(radius, 'm')}, F = {show(load, 'N')}: {show(distance, 'm')}, "
         f"{distance / (2 * r('stage.travel')):.3g} strokes there and back",
-        f"a crown radius of {show(radius * wanted / distance, 'm')}",
+        proposal=f"a crown radius of {show(radius * wanted / distance, 'm')}",
     )
 
 
-def heat(r: Reading) -> Check:
+def heat(r: DesignInputs) -> Check:
     load = weight(r) + r("preload.force")
     watts = float(friction_heat(r("bearing.dynamic_friction"), load, r("requirements.speed")))
     limit = r("bearing.heat_limit")
-    return r.check(
+    return Check(
         "heat of sliding at full speed",
-        watts,
-        limit,
-        "W",
-        "at most",
-        "friction power",
-        "mu N v",
-        f"{show(load, 'N')}: {show(watts, 'W')}",
-        f"full speed for {100 * min(over(limit, watts), 1.0):.2g} % of the time, or less preload",
+        at_most(watts, limit, "W"),
+        source="friction power",
+        formula="mu N v",
+        substituted=f"{show(load, 'N')}: {show(watts, 'W')}",
+        proposal=f"full speed for {100 * min(ratio(limit, watts), 1.0):.2g} % of the time, or less preload",
         note=f"the worst friction the thesis allows, mu = {r('bearing.dynamic_friction_high'):.2g}, makes it "
         f"{show(watts * r('bearing.dynamic_friction_high') / r('bearing.dynamic_friction'), 'W')}",
     )

@@ -10,7 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from sim.stage.from_design import driven_alone, driven_by_three, stage_machine
 from sim.stage.machine import StageMachine
+from sim.stage.studies import STUDY_NAMES
 from sim.stage.studies.coupling import coupling_study
 from sim.stage.studies.ellipse import ellipse_search
 from sim.stage.studies.hunting import hunting_study
@@ -19,6 +21,8 @@ from sim.stage.studies.positioning import positioning_study
 from sim.stage.studies.speed import speed_study
 from sim.stage.studies.steps import step_study
 from sim.stage.studies.travel_map import travel_map
+from stagecad.parameters.design import Design
+from stagecad.parameters.mass_properties import BodyMasses
 
 RunAll = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
 
@@ -50,20 +54,38 @@ class StageDrive:
     frequency: float
 
 
+def stage_drive(design: Design, masses: BodyMasses) -> StageDrive:
+    """Machines and drive of a design; the amplitude is limited to half the piezo's stroke."""
+    machine = stage_machine(design, masses)
+    return StageDrive(
+        single=driven_alone(design, machine),
+        triple=driven_by_three(design, machine),
+        amplitude=min(design.si("actuator.stroke_amplitude"), 0.5 * machine.piezo.stroke),
+        phase=design.si("actuator.phase"),
+        frequency=design.si("actuator.frequency"),
+    )
+
+
 def _common(study: Callable[..., Study]) -> Callable[[StageDrive, RunAll], Study]:
     return lambda drive, run_all: study(drive.single, drive.amplitude, drive.phase, drive.frequency, run_all)
 
 
-STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = {
-    "steps": lambda drive, run_all: step_study(drive.single, run_all),
-    "speed": _common(speed_study),
-    "travel_map": _common(travel_map),
-    "ellipse": lambda drive, run_all: ellipse_search(drive.single, drive.amplitude, drive.frequency, run_all),
-    "coupling": _common(coupling_study),
-    "planar": lambda drive, run_all: planar_study(drive.triple, drive.amplitude, drive.phase, drive.frequency, run_all),
-    "positioning": _common(positioning_study),
-    "hunting": _common(hunting_study),
-}
+STUDIES: Mapping[str, Callable[[StageDrive, RunAll], Study]] = dict(
+    zip(
+        STUDY_NAMES,
+        (
+            lambda drive, run_all: step_study(drive.single, run_all),
+            _common(speed_study),
+            _common(travel_map),
+            lambda drive, run_all: ellipse_search(drive.single, drive.amplitude, drive.frequency, run_all),
+            _common(coupling_study),
+            lambda drive, run_all: planar_study(drive.triple, drive.amplitude, drive.phase, drive.frequency, run_all),
+            _common(positioning_study),
+            _common(hunting_study),
+        ),
+        strict=True,
+    )
+)
 """By name, in the order of a run."""
 
 

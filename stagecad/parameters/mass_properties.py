@@ -79,6 +79,16 @@ class MassProperties:
             raise InputError(f"mass properties: {error} is missing or not a quantity") from None
 
 
+@dataclass(frozen=True)
+class BodyMasses:
+    """Mass properties of the moving bodies, computed from their solids."""
+
+    moving: MassProperties
+    """stage, irons and magnets, in the assembly's coordinates at mid-travel"""
+    tip: MassProperties
+    """one tip, in its own coordinates (the piezos' ends at height zero)"""
+
+
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
     """Several bodies as one: masses add, inertias add about the common centre (parallel-axis theorem).
 

@@ -7,15 +7,10 @@ import json
 
 import pytest
 
-from sim.experiments.stage import STUDIES
+from sim.experiments.stage import stage_drive
 from stagecad.parameters.load import load_design
+from stagecad.solids.assembly.machine import body_masses
 from workbench.cli import run
-from workbench.commands.simulate import STUDIES as NAMED
-from workbench.simulation.stage import stage_drive
-
-
-def test_the_command_knows_every_study():
-    assert tuple(STUDIES) == NAMED
 
 
 def test_steps_and_coupling_with_data_and_figures(tmp_path):
@@ -90,11 +85,16 @@ def test_a_mistake_is_one_line(arguments, said, tmp_path, capsys):
 
 
 def test_without_teeth_the_preload_is_a_weight():
-    magnets = stage_drive(load_design(None, ())).single
-    alone = stage_drive(load_design(None, ("teeth.fitted=false",))).single
+    magnets = _drive().single
+    alone = _drive("teeth.fitted=false").single
     assert magnets.stage.preload == 3.0
     assert magnets.stage.guide_stiffness > 0.0
     assert alone.stage.preload == 0.0
     assert alone.stage.guide_stiffness == 0.0
     # The irons and magnets are gone, and 3 N of ballast has come.
     assert alone.stage.mass == pytest.approx(magnets.stage.mass + 3.0 / magnets.gravity, abs=0.15)
+
+
+def _drive(*overrides):
+    design = load_design(None, overrides)
+    return stage_drive(design, body_masses(design))

@@ -9,16 +9,16 @@ from workbench.calculators.catalogue import Calculator, Option, Values, constant
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
 
-def _pad_load(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import heaviest_pad
+def _pad_load(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.pads import heaviest_pad
 
     return heaviest_pad(r)
 
 
-def _contact(r: Reading, given: Values) -> float:
+def _contact(r: DesignInputs, given: Values) -> float:
     from designcalc.checks.smoothness import spot
 
     return spot(r)
@@ -87,7 +87,7 @@ def _levitation(run: Run, v: Values) -> dict[str, Any]:
 
 def _suspensions(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.checks.alternatives import ranking
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
     from stagecad.parameters.units import as_json
 
     rows = [
@@ -102,7 +102,7 @@ def _suspensions(run: Run, v: Values) -> dict[str, Any]:
             "stable": c.stable,
             "fits_drive": c.fits_drive,
         }
-        for c in ranking(Reading(run.design, None, "suspensions"))
+        for c in ranking(DesignInputs(run.design))
     ]
     return {"table": rows}
 
@@ -164,7 +164,7 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
         _levitation,
     ),
     "suspensions": Calculator(
-        "The suspensions that were weighed, ranked by stiffness, smoothness, friction, repeatability and cost.",
+        "The suspensions that were compared, ranked by stiffness, smoothness, friction, repeatability and cost.",
         {},
         _suspensions,
     ),

@@ -10,7 +10,7 @@ from stagecad.parameters.units import as_json
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
 Values = dict[str, Any]
 
@@ -21,7 +21,7 @@ class Option:
 
     unit: str
     meaning: str
-    default: Callable[[Reading, Values], float | None]
+    default: Callable[[DesignInputs, Values], float | None]
     """from the design and the options before it"""
 
 
@@ -36,19 +36,19 @@ class Calculator:
     """options that take a word: the words allowed, none for any text"""
 
 
-def from_key(key: str) -> Callable[[Reading, Values], float]:
+def from_key(key: str) -> Callable[[DesignInputs, Values], float]:
     return lambda r, given: r(key)
 
 
-def from_material(part: str, quantity: str) -> Callable[[Reading, Values], float]:
+def from_material(part: str, quantity: str) -> Callable[[DesignInputs, Values], float]:
     return lambda r, given: r.material(part, quantity)
 
 
-def same_as(name: str) -> Callable[[Reading, Values], float]:
+def same_as(name: str) -> Callable[[DesignInputs, Values], float]:
     return lambda r, given: given[name]
 
 
-def constant(value: float | None) -> Callable[[Reading, Values], float | None]:
+def constant(value: float | None) -> Callable[[DesignInputs, Values], float | None]:
     return lambda r, given: value
 
 
@@ -57,13 +57,13 @@ def quantities(**named: tuple[Any, str]) -> dict[str, Any]:
     return {name: as_json(float(value), unit) for name, (value, unit) in named.items()}
 
 
-def _tip_load(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import tip_load
+def _tip_load(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.loads import tip_load
 
     return tip_load(r)
 
 
-def _ratio(key: str) -> Callable[[Reading, Values], float]:
+def _ratio(key: str) -> Callable[[DesignInputs, Values], float]:
     return lambda r, given: r(key) / given["bolt_diameter"]
 
 
@@ -132,10 +132,9 @@ def _rail(run: Run, v: Values) -> dict[str, Any]:
 def _teeth(run: Run, v: Values) -> dict[str, Any]:
     from dataclasses import replace
 
-    from designcalc.checks.inputs import Reading
-    from designcalc.checks.machine import teeth
-    from designcalc.checks.teeth import CIRCUITS
     from designcalc.drive.magnetic_teeth import teeth_field, working_point
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.teeth import CIRCUITS, teeth
 
     field = teeth_field(v["pitch"], v["tooth_width"], v["gap"], v["groove_depth"])
     ratio = as_json(field.lateral_over_normal, "")
@@ -147,7 +146,7 @@ def _teeth(run: Run, v: Values) -> dict[str, Any]:
             "attraction": as_json(field.attraction, "N/m^2/A^2"),
             "error": as_json(field.error, ""),
         }
-    r = Reading(run.design, None, "magnetic teeth")
+    r = DesignInputs(run.design)
     # The irons keep their number of teeth: another pitch makes them wider.
     area = r("tooth_iron.length") * r("teeth.per_iron") * v["pitch"]
     circuit = replace(teeth(r).circuit, gap_area=area)

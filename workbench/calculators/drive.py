@@ -9,7 +9,7 @@ from workbench.calculators.catalogue import Calculator, Option, Values, constant
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
 
 def _drive(run: Run, v: Values) -> dict[str, Any]:
@@ -30,20 +30,20 @@ def _drive(run: Run, v: Values) -> dict[str, Any]:
     )
 
 
-def _swinging(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import swinging_mass
+def _swinging(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.tip_dynamics import mass_on_piezos
 
-    return swinging_mass(r)
+    return mass_on_piezos(r)
 
 
-def _rise(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import usable_ellipse
+def _rise(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.tip_dynamics import usable_ellipse
 
     return usable_ellipse(r)[1]
 
 
-def _side_force(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import tip_load
+def _side_force(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.loads import tip_load
 
     return r("drive.friction") * tip_load(r)
 
@@ -69,11 +69,11 @@ def _stack(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _tip_over(run: Run, v: Values) -> dict[str, Any]:
-    from designcalc.checks.inputs import Reading
-    from designcalc.checks.machine import pads
     from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.pads import pad_positions
 
-    places = pads(Reading(run.design, None, "friction drive"))
+    places = pad_positions(DesignInputs(run.design))
     share = tip_force_limit(places, (0.0, 0.0), (-v["position"], 0.0))
     return quantities(
         share_of_load=(share, ""),
@@ -99,13 +99,13 @@ def _clamp(run: Run, v: Values) -> dict[str, Any]:
     )
 
 
-def _wrap(r: Reading, given: Values) -> float:
+def _wrap(r: DesignInputs, given: Values) -> float:
     start = math.acos(r("base.clamp_slot_1") / (r("base.pocket_diameter") / 2))
     return r("base.clamp_neck_angle_1") - start
 
 
-def _pad_load(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import heaviest_pad
+def _pad_load(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.pads import heaviest_pad
 
     return heaviest_pad(r)
 

@@ -10,7 +10,7 @@ from workbench.calculators.catalogue import Calculator, Option, Values, from_key
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
 
 def _bow(run: Run, v: Values) -> dict[str, Any]:
@@ -24,14 +24,14 @@ def _bow(run: Run, v: Values) -> dict[str, Any]:
     return quantities(bow=(bow * v["change"], "m"), slip=(growth * v["change"], "m"))
 
 
-def _holding(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import holding_stiffness
+def _holding(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.tip_dynamics import holding_stiffness
 
     return holding_stiffness(r)
 
 
-def _moved(r: Reading, given: Values) -> float:
-    from designcalc.checks.machine import moved_mass
+def _moved(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.loads import moved_mass
 
     return moved_mass(r)
 
@@ -59,10 +59,10 @@ def _alignment(run: Run, v: Values) -> dict[str, Any]:
 
 def _budget(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.checks.budget import budgets
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
     found: dict[str, Any] = {}
-    for one in budgets(Reading(run.design, None, "error budget")):
+    for one in budgets(DesignInputs(run.design)):
         rows = [(cause.name, float(abs(e[one.axis])), cause.random) for cause, e in one.rows]
         found[one.name] = [
             {"contribution": name, "error": as_json(size, "m"), "adds": "by squares" if random else "in full"}

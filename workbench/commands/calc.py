@@ -16,7 +16,7 @@ from workbench.calculators.errors import ERROR_CALCULATORS
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
 ALL = {**CALCULATORS, **DRIVE_CALCULATORS, **BEARING_CALCULATORS, **ERROR_CALCULATORS}
 """By the name they are called with."""
@@ -76,17 +76,17 @@ def _written(name: str, calculator: Calculator, arguments: Sequence[str]) -> dic
 
 def _values(run: Run, name: str, calculator: Calculator, written: Mapping[str, str]) -> Values:
     """SI values of all options: as written, else from the design."""
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
     values: Values = {}
-    reading: Reading | None = None
+    inputs: DesignInputs | None = None
     for key, option in calculator.options.items():
         if key in written:
             values[key] = parse_quantity(written[key], option.unit, f"calc {name}: --{key.replace('_', '-')}")
             continue
-        if reading is None:
-            reading = Reading(run.design, None, name)
-        values[key] = option.default(reading, values)
+        if inputs is None:
+            inputs = DesignInputs(run.design)
+        values[key] = option.default(inputs, values)
     for key, allowed in calculator.words.items():
         word = written.get(key)
         if word is not None and allowed and word not in allowed:

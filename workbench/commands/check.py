@@ -12,10 +12,10 @@ from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from designcalc.checks import Weighed
+    from designcalc.checks.analysis.sweep import Point, Range
+    from designcalc.checks.analysis.tolerance import ToleranceStudy
     from designcalc.checks.check import Check
-    from designcalc.checks.sweep import Point, Range
-    from designcalc.checks.tolerance import ToleranceStudy
+    from stagecad.parameters.mass_properties import BodyMasses
 
 
 @click.command("check")
@@ -43,60 +43,60 @@ def command(
 ) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
     from designcalc.checks import run_checks
-    from designcalc.checks.sweep import read_range
+    from designcalc.checks.analysis.sweep import read_range
     from workbench.report.checks import write_check_files
 
     if scheduler is not None and swept is None and not tolerance:
         raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
     design = run.design
     wanted = read_range(swept, design) if swept is not None else None
-    weighed = weighed_solids(run) if solids else None
-    checks = run_checks(design, weighed)
+    masses = weighed_solids(run) if solids else None
+    checks = run_checks(design, masses)
     folder = run.out / "checks"
-    drawn = draw_figures(run, weighed, folder) if figures else {}
+    drawn = draw_figures(run, masses, folder) if figures else {}
     _print(run, checks)
     document: Any = [check.as_json() for check in checks]
     if wanted is not None or tolerance:
         document = {"checks": document}
     if wanted is not None:
-        from designcalc.checks.sweep import table
+        from designcalc.checks.analysis.sweep import table
         from workbench.machine.margins import sweep
 
-        points = sweep(run, wanted, weighed is not None, scheduler)
+        points = sweep(run, wanted, masses is not None, scheduler)
         document["sweep"] = table(wanted, points)
         drawn |= _print_sweep(run, wanted, points, folder)
     if tolerance:
         from workbench.machine.margins import tolerance as tolerance_study
 
-        study = tolerance_study(run, weighed, samples, scheduler)
+        study = tolerance_study(run, masses, samples, scheduler)
         document["tolerance"] = study.as_json()
         drawn |= _print_tolerance(run, study, folder)
     for path in drawn.values():
         run.say(f"figure {path}")
-    write_check_files(checks, design, weighed, folder, drawn)
+    write_check_files(checks, design, masses, folder, drawn)
     run.emit(document)
     return 1 if any(check.verdict == "fails" for check in checks) else 0
 
 
-def weighed_solids(run: Run) -> Weighed | None:
+def weighed_solids(run: Run) -> BodyMasses | None:
     """What the solids weigh, made when missing; None where they cannot be made."""
-    from workbench.machine.weighing import weigh
+    from stagecad.solids.assembly.machine import body_masses
 
     try:
-        return weigh(run.design)
+        return body_masses(run.design)
     except ImportError as error:
         run.note(f"no solids can be made here ({error}): masses are estimated from plain volumes")
         return None
 
 
-def draw_figures(run: Run, weighed: Weighed | None, folder: Path) -> dict[str, Path]:
+def draw_figures(run: Run, masses: BodyMasses | None, folder: Path) -> dict[str, Path]:
     """Every figure of the checks that this design has, by title."""
     from workbench.report.check_figures import FIGURES
 
     drawn: dict[str, Path] = {}
     for title, (name, draw) in FIGURES.items():
         path = folder / f"{name}.png"
-        if draw(run.design, weighed, path):
+        if draw(run.design, masses, path):
             drawn[title] = path
     return drawn
 
@@ -107,7 +107,7 @@ _STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "und
 def _print(run: Run, checks: Sequence[Check]) -> None:
     from rich.table import Table
 
-    from designcalc.checks.report import counted, shown, shown_limit, shown_margin
+    from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for column in ("check", "value", "limit", "margin", "verdict"):
@@ -137,8 +137,8 @@ def _print(run: Run, checks: Sequence[Check]) -> None:
 def _print_sweep(run: Run, wanted: Range, points: Sequence[Point], folder: Path) -> dict[str, Path]:
     from rich.table import Table
 
-    from designcalc.checks.report import shown, shown_margin
-    from designcalc.checks.sweep import moved
+    from designcalc.checks.analysis.report import shown, shown_margin
+    from designcalc.checks.analysis.sweep import moved
 
     names = moved(points)
     table = Table(title=f"margins over {wanted.key}", pad_edge=False)

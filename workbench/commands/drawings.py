@@ -10,9 +10,6 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from drawings.artefacts.sheets import MadeSheet
-    from drawings.procedure.figures import ProcedureValues
-    from stagecad.parameters.design import Design
-    from stagecad.solids.artefacts.store import Store
 
 MANIFEST = "drawings_manifest.json"
 
@@ -46,6 +43,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     from drawings.artefacts.tasks import make_sheets
     from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
     from stagecad.solids.artefacts.store import Store
+    from workbench.machine.procedure_values import procedure_values
 
     wanted = chosen_sheets(names, run.design)
     store = Store()
@@ -92,14 +90,6 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
 def _files(sheet: MadeSheet) -> tuple[str, ...]:
     """The sheet in its formats, and its part's model with tolerances where there is one."""
     return (*sheet.files, sheet.model) if sheet.model else sheet.files
-
-
-def procedure_values(store: Store, design: Design) -> ProcedureValues:
-    """The calculated numbers of the assembly procedure, kept in the store."""
-    from workbench.machine.procedure_values import stored_values
-    from workbench.machine.weighing import moving_and_tip
-
-    return stored_values(store, design, *moving_and_tip(design))
 
 
 def _tell(run: Run, document: dict[str, Any]) -> None:

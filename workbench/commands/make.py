@@ -13,7 +13,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from designcalc.checks import Weighed
+    from stagecad.parameters.mass_properties import BodyMasses
 
 SIMULATED = ("tip", "presliding", "hysteresis", "stick-slip")
 STAMP = "made_from.json"
@@ -27,9 +27,10 @@ def command(run: Run, simulations: bool) -> None:
 
     Exit status 0 once all is built, whatever the checks say.
     """
-    from designcalc.checks import Weighed, run_checks
-    from designcalc.checks.report import counted
+    from designcalc.checks import run_checks
+    from designcalc.checks.analysis.report import counted
     from drawings.procedure.procedure import procedure
+    from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.outputs import write_stored
     from stagecad.solids.artefacts.pictures import make_pictures
     from stagecad.solids.artefacts.store import Store
@@ -39,7 +40,7 @@ def command(run: Run, simulations: bool) -> None:
     from stagecad.solids.modelling.registry import chosen
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
-    from workbench.machine.procedure_values import procedure_values
+    from workbench.machine.procedure_values import stored_values
     from workbench.report.checks import write_check_files
     from workbench.report.machine import write_report
 
@@ -60,14 +61,14 @@ def command(run: Run, simulations: bool) -> None:
     drawings = write_drawings(run)
     hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
     run.say(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
-    weighed = Weighed(machine.moving_body, machine.masses["tip"])
-    checks = run_checks(design, weighed)
+    masses = BodyMasses(machine.moving_body, machine.masses["tip"])
+    checks = run_checks(design, masses)
     run.say(f"checks: {counted(checks)}")
-    check_figures = _check_figures(run, weighed)
-    write_check_files(checks, design, weighed, run.out / "checks", check_figures)
+    check_figures = _check_figures(run, masses)
+    write_check_files(checks, design, masses, run.out / "checks", check_figures)
     figures = _simulate(run) if simulations else []
     bill = machine.bill_of_materials
-    steps = procedure(design, bill, procedure_values(design, weighed))
+    steps = procedure(design, bill, stored_values(store, design, masses))
     page = write_report(
         run, document, pictures, checks, check_figures, figures, bill_document(bill), meetings, steps, drawings
     )
@@ -115,7 +116,7 @@ def _source_of(*packages: str) -> str:
     return digest.hexdigest()
 
 
-def _check_figures(run: Run, weighed: Weighed) -> dict[str, Path]:
+def _check_figures(run: Run, masses: BodyMasses) -> dict[str, Path]:
     from workbench.report.check_figures import FIGURES
 
     folder = run.out / "checks"
@@ -125,7 +126,7 @@ def _check_figures(run: Run, weighed: Weighed) -> dict[str, Path]:
         del files["map of the magnetic teeth"]
     if not _stamped(folder, inputs, list(files.values())):
         for title, path in files.items():
-            FIGURES[title][1](run.design, weighed, path)
+            FIGURES[title][1](run.design, masses, path)
         _stamp(folder, inputs, list(files.values()))
     return files
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.errors import InputError, nearest
 from workbench.console.feature_text import feature_text
 from workbench.options import Run, common_options
@@ -18,8 +19,6 @@ from workbench.simulation.sweep import Wanted
 EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
 EXTRA = ("passivity",)
 """Run only when named."""
-STUDIES = ("steps", "speed", "travel_map", "ellipse", "coupling", "planar", "positioning", "hunting")
-"""Of the stage; as `sim.experiments.stage.STUDIES`, which loads numba."""
 
 
 @click.command("simulate")
@@ -33,7 +32,7 @@ STUDIES = ("steps", "speed", "travel_map", "ellipse", "coupling", "planar", "pos
     "studies",
     multiple=True,
     metavar="NAME",
-    help=f"Study of the stage; may be repeated (default: all of {', '.join(STUDIES)}).",
+    help=f"Study of the stage; may be repeated (default: all of {', '.join(STUDY_NAMES)}).",
 )
 @click.option(
     "--sweep", "swept", default=None, metavar="KEY=LOW:HIGH[:N]", help="Features over the values of a parameter."
@@ -86,8 +85,8 @@ def command(
         if model not in MODELS:
             raise InputError(f"--model {model}: no such friction model{nearest(model, MODELS)}")
     for study in studies:
-        if study not in STUDIES:
-            raise InputError(f"--study {study}: no such study of the stage{nearest(study, STUDIES)}")
+        if study not in STUDY_NAMES:
+            raise InputError(f"--study {study}: no such study of the stage{nearest(study, STUDY_NAMES)}")
     if mass is not None and mass != "design":
         mass_given(mass)
     wanted = tuple(name for name in (*EXPERIMENTS, *EXTRA) if name in names) if names else EXPERIMENTS
@@ -99,7 +98,7 @@ def command(
         raise InputError("--sweep and --draws: one or the other")
     folder = run.out / "simulate"
     chosen_models = tuple(m for m in MODELS if not models or m in models)
-    chosen_studies = tuple(study for study in STUDIES if not studies or study in studies)
+    chosen_studies = tuple(study for study in STUDY_NAMES if not studies or study in studies)
     forms = {"both": ("csv", "parquet"), "none": ()}.get(kinds, (kinds,))
     if swept is not None:
         _sweep(run, swept, Wanted(wanted, chosen_models, mass, chosen_studies), scheduler, folder, forms)
@@ -140,9 +139,11 @@ def command(
 
 def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, progress: Any) -> dict[str, Any]:
     """The studies of the stage, written and drawn; their features."""
-    from workbench.simulation.stage import run_studies, stage_drive
+    from sim.experiments.stage import stage_drive
+    from stagecad.solids.assembly.machine import body_masses
+    from workbench.simulation.stage import run_studies
 
-    drive = stage_drive(run.design)
+    drive = stage_drive(run.design, body_masses(run.design))
     task = progress.add_task("stage: cases", total=None)
     found = run_studies(
         drive, studies, scheduler, lambda done, total: progress.update(task, completed=done, total=total)
@@ -168,7 +169,7 @@ def _sweep(
     forms: tuple[str, ...],
 ) -> None:
     """Features at every value of a range; the table goes to OUT/simulate/sweep."""
-    from designcalc.checks.sweep import read_range
+    from designcalc.checks.analysis.sweep import read_range
     from workbench.simulation.data import write_table
     from workbench.simulation.sweep import sweep, sweep_columns, sweep_document
 

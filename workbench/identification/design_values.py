@@ -48,9 +48,10 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
             return DesignValue(mass, MASS_DEVIATION * mass)
         if name == "contact_stiffness":
             # Its elliptic integrals come from a library that takes a third of a second to load.
-            from workbench.machine.design_contact import tip_contact
+            from designcalc.machine.inputs import DesignInputs
+            from designcalc.machine.tip_contact import contact_without_payload
 
-            contact = tip_contact(run.design, design_mass(run))
+            contact = contact_without_payload(DesignInputs(run.design), design_mass(run))
             run.note(
                 f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "
                 f"{format_quantity(contact.normal, 'N/m')} across it (Hertz), under the {contact.load:.3g} N of weight "

@@ -11,10 +11,10 @@ from workbench.cluster import run_all
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.checks import Weighed
-    from designcalc.checks.sweep import Point, Range
-    from designcalc.checks.tolerance import ToleranceStudy
+    from designcalc.checks.analysis.sweep import Point, Range
+    from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import BodyMasses
 
 
 @dataclass(frozen=True)
@@ -48,10 +48,10 @@ def source_of(run: Run) -> Source:
 
 def swept_point(source: Source, swept: Range, base: Design, solids: bool, value: float) -> Point:
     """The checks at one value of a sweep, weighed anew on its own solids (or on plain volumes)."""
-    from designcalc.checks.sweep import run_point
-    from workbench.machine.weighing import weigh
+    from designcalc.checks.analysis.sweep import run_point
+    from stagecad.solids.assembly.machine import body_masses
 
-    return run_point(swept, value, source.design, base, weigh if solids else _unweighed)
+    return run_point(swept, value, source.design, base, body_masses if solids else _unweighed)
 
 
 def _unweighed(design: Design) -> None:
@@ -71,9 +71,11 @@ def sweep(run: Run, swept: Range, solids: bool, scheduler: str | None) -> list[P
         )
 
 
-def tolerance(run: Run, weighed: Weighed | None, samples: int, scheduler: str | None, seed: int = 1) -> ToleranceStudy:
-    """Monte-Carlo over the tolerances; what each dimension does is worked out side by side."""
-    from designcalc.checks.tolerance import tolerance_study
+def tolerance(
+    run: Run, masses: BodyMasses | None, samples: int, scheduler: str | None, seed: int = 1
+) -> ToleranceStudy:
+    """Monte-Carlo study of the margins over the tolerances, the dimensions side by side."""
+    from designcalc.checks.analysis.tolerance import tolerance_study
 
     load = partial(source_of(run).design, rules=False)
     with run.progress() as progress:
@@ -83,4 +85,4 @@ def tolerance(run: Run, weighed: Weighed | None, samples: int, scheduler: str | 
             progress.update(task, total=len(keys))
             return run_all(job, keys, scheduler, lambda: progress.update(task, advance=1))
 
-        return tolerance_study(run.design, load, weighed, samples, seed, run_all=side_by_side)
+        return tolerance_study(run.design, load, masses, samples, seed, run_all=side_by_side)

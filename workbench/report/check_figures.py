@@ -11,23 +11,23 @@ import numpy as np
 from stagecad.parameters.atomic import atomic_path
 
 if TYPE_CHECKING:
-    from designcalc.checks import Weighed
-    from designcalc.checks.sweep import Point, Range
-    from designcalc.checks.tolerance import ToleranceStudy
+    from designcalc.checks.analysis.sweep import Point, Range
+    from designcalc.checks.analysis.tolerance import ToleranceStudy
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import BodyMasses
 
 
-def rail_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+def rail_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
     from dataclasses import replace
 
     from matplotlib.figure import Figure
 
     from designcalc.bearing.bolted_rail import best_spacing_ratio, total_stiffness
-    from designcalc.checks.inputs import Reading
-    from designcalc.checks.machine import rail
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.pads import rail
 
-    r = Reading(design, weighed, "bearing ways")
+    r = DesignInputs(design, masses)
     way, diameter = rail(r), r("screws.way.diameter")
     here, tau = r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
     steel = replace(way, rail_modulus=207e9, bed_modulus=207e9, bolt_modulus=207e9, poisson=0.3)
@@ -48,7 +48,7 @@ def rail_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
     return True
 
 
-def teeth_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+def teeth_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; False without teeth."""
     if not design.teeth.fitted:
         return False
@@ -81,15 +81,15 @@ def teeth_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
     return True
 
 
-def speed_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+def speed_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
     from matplotlib.figure import Figure
 
-    from designcalc.checks.inputs import Reading
-    from designcalc.checks.machine import tip_resonance, usable_ellipse
     from designcalc.drive.friction_drive import speed_of
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.tip_dynamics import tip_resonance, usable_ellipse
 
-    r = Reading(design, weighed, "friction drive")
+    r = DesignInputs(design, masses)
     travel, first, wanted = usable_ellipse(r)[0], tip_resonance(r), r("requirements.speed")
     frequency = np.linspace(0, 1.9 * first, 50)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
@@ -113,16 +113,17 @@ def speed_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
     return True
 
 
-def travel_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+def travel_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
     from matplotlib.figure import Figure
 
-    from designcalc.checks.inputs import Reading
-    from designcalc.checks.machine import pads, preload_ratio
     from designcalc.drive.friction_drive import GRAVITY, acceleration_limit, tip_force_limit
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.loads import preload_ratio
+    from designcalc.machine.pads import pad_positions
 
-    r = Reading(design, weighed, "friction drive")
-    half, places, centre = r("stage.travel") / 2, pads(r), r.centre()
+    r = DesignInputs(design, masses)
+    half, places, centre = r("stage.travel") / 2, pad_positions(r), r.centre_of_mass()
     x = np.linspace(-half, half, 161)
     # The stage at x stands with the tip at -x on it.
     share = np.array([tip_force_limit(places, centre, (-place, 0.0)) for place in x])
@@ -145,16 +146,16 @@ def travel_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
     return True
 
 
-def profile_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+def profile_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     """The lapped way with its waves under one pad, and the height of the pad that rides it."""
     from matplotlib.figure import Figure
 
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.checks.inputs import Reading
     from designcalc.checks.smoothness import lapped_surface, spot
+    from designcalc.machine.inputs import DesignInputs
 
-    r = Reading(design, weighed, "smoothness")
+    r = DesignInputs(design, masses)
     surface, side = lapped_surface(r), spot(r)
     profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, side, 1)
     height = averaged_profile(profiles[0], step, side)
@@ -174,14 +175,14 @@ def profile_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
     return True
 
 
-def budget_figure(design: Design, weighed: Weighed | None, path: Path) -> bool:
+def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     """Contributions to the error budgets at the payload."""
     from matplotlib.figure import Figure
 
     from designcalc.checks.budget import budgets
-    from designcalc.checks.inputs import Reading
+    from designcalc.machine.inputs import DesignInputs
 
-    r = Reading(design, weighed, "error budget")
+    r = DesignInputs(design, masses)
     found = budgets(r)
     heights = [len(one.rows) + 1 for one in found]
     figure = Figure(figsize=(6.8, 0.28 * sum(heights) + 1.8), layout="constrained")

@@ -13,14 +13,15 @@ from stagecad.parameters.atomic import atomic_write_text
 from workbench.options import finite
 
 if TYPE_CHECKING:
-    from designcalc.checks import Check, Weighed
+    from designcalc.checks import Check
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import BodyMasses
 
 
 def write_check_files(
     checks: Sequence[Check],
     design: Design,
-    weighed: Weighed | None,
+    masses: BodyMasses | None,
     folder: Path,
     figures: Mapping[str, Path] | None = None,
 ) -> None:
@@ -29,17 +30,17 @@ def write_check_files(
     Args:
         checks: every check, in the order of the report.
         design: what was checked; suspensions and error budgets are worked out on it.
-        weighed: what its solids weigh, or None.
+        masses: what its solids weigh, or None.
         folder: where to.
         figures: PNG by title, to be put into the page.
     """
     from designcalc.checks.alternatives import ranking
+    from designcalc.checks.analysis.report import markdown
     from designcalc.checks.budget import budgets
-    from designcalc.checks.inputs import Reading
-    from designcalc.checks.report import markdown
+    from designcalc.machine.inputs import DesignInputs
 
-    ranked = ranking(Reading(design, weighed, "candidates"))
-    found = budgets(Reading(design, weighed, "error budget"))
+    ranked = ranking(DesignInputs(design, masses))
+    found = budgets(DesignInputs(design, masses))
     atomic_write_text(folder / "checks.md", markdown(checks, ranked, found))
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
@@ -49,7 +50,7 @@ def write_check_files(
 def _page(checks, design, ranked, found, figures) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    from designcalc.checks import report
+    from designcalc.checks.analysis import report
 
     environment = Environment(
         loader=PackageLoader("workbench"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,

@@ -57,7 +57,7 @@ def write_report(
     """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    from designcalc.checks.report import counted, shown, shown_limit, shown_margin
+    from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 
     environment = Environment(
         loader=PackageLoader("workbench"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,

@@ -17,8 +17,8 @@ from workbench.simulation.sweep import Wanted, run_of
 from workbench.simulation.uncertain_parameters import Open, open_parameters, reads
 
 if TYPE_CHECKING:
-    from designcalc.checks import Weighed
     from stagecad.parameters.design import Design
+    from stagecad.parameters.mass_properties import BodyMasses
 
 Way = tuple[str, ...]
 """Experiment, model, perhaps case, and feature."""
@@ -136,9 +136,9 @@ def draw_machines(run: Run, wanted: Wanted, count: int, seed: int, scheduler: st
         )
     random = np.random.default_rng(seed)
     values = np.column_stack([one.drawn(random, count) for one in opened])
-    source, wanted, weighed = source_of(run), _with_mass(run, wanted), _weighed(run, wanted)
-    nominal, abscissae = _simulated(run.design, wanted, weighed)
-    common = _Common(source, wanted, opened, run.design, weighed)
+    source, wanted, masses = source_of(run), _with_mass(run, wanted), _masses(run, wanted)
+    nominal, abscissae = _simulated(run.design, wanted, masses)
+    common = _Common(source, wanted, opened, run.design, masses)
     with run.progress() as progress:
         task = progress.add_task("draws", total=count)
         # A few draws at a time: each is short beside the sending.
@@ -159,12 +159,12 @@ class _Common:
     wanted: Wanted
     opened: tuple[Open, ...]
     base: Design
-    weighed: Weighed | None
+    masses: BodyMasses | None
 
 
 def drawn(common: _Common, rows: np.ndarray) -> list[Draw]:
     """What the machines with the values of each row do, (k, parameters)."""
-    from designcalc.checks.tolerance import weighed_of
+    from designcalc.checks.analysis.tolerance import scaled_masses
     from sim.integration.simulate import SimulationError
 
     found = []
@@ -173,8 +173,8 @@ def drawn(common: _Common, rows: np.ndarray) -> list[Draw]:
         try:
             # As in a study of tolerances: rules across values speak of what is drawn, not of what is made.
             design = common.source.design(*more, rules=False)
-            weighed = weighed_of(design, common.base, common.weighed)
-            found.append(_simulated(design, common.wanted, weighed)[0])
+            masses = scaled_masses(design, common.base, common.masses)
+            found.append(_simulated(design, common.wanted, masses)[0])
         except (InputError, SimulationError) as refused:
             found.append(Draw({}, {}, " ".join(str(refused).split())))
     return found
@@ -189,13 +189,13 @@ def _with_mass(run: Run, wanted: Wanted) -> Wanted:
     return replace(wanted, mass=f"{moving_mass(run, wanted.mass)!r} kg")
 
 
-def _weighed(run: Run, wanted: Wanted) -> Weighed | None:
-    from workbench.machine.weighing import weigh
+def _masses(run: Run, wanted: Wanted) -> BodyMasses | None:
+    from stagecad.solids.assembly.machine import body_masses
 
-    return weigh(run.design) if "stage" in wanted.names else None
+    return body_masses(run.design) if "stage" in wanted.names else None
 
 
-def _simulated(design: Design, wanted: Wanted, weighed: Weighed | None) -> tuple[Draw, dict[Way, np.ndarray]]:
+def _simulated(design: Design, wanted: Wanted, masses: BodyMasses | None) -> tuple[Draw, dict[Way, np.ndarray]]:
     """One machine: its features and curves, and the abscissae of the curves."""
     from workbench.simulation.inputs import moving_mass
     from workbench.simulation.jobs import features_document, features_of, simulated
@@ -206,10 +206,10 @@ def _simulated(design: Design, wanted: Wanted, weighed: Weighed | None) -> tuple
     curves: dict[Way, Curve] = {}
     for name in wanted.names:
         if name == "stage":
-            from sim.experiments.stage import STUDIES, run_serially
-            from workbench.simulation.stage import stage_drive
+            from sim.experiments.stage import STUDIES, run_serially, stage_drive
 
-            drive = stage_drive(design, weighed)
+            assert masses is not None
+            drive = stage_drive(design, masses)
             document[name] = features_document({one: STUDIES[one](drive, run_serially) for one in wanted.studies})
             continue
         results = simulated(run, name, wanted.models, mass)

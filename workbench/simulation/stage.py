@@ -7,29 +7,10 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from designcalc.checks import Weighed
     from sim.experiments.stage import StageDrive
-    from stagecad.parameters.design import Design
 
 Tell = Callable[[int, int], None]
 """Told how many cases are done, and of how many."""
-
-
-def stage_drive(design: Design, weighed: Weighed | None = None) -> StageDrive:
-    """Machines and drive of the design, `weighed` or else weighed on its solids (made where the cache lacks them)."""
-    from sim.experiments.stage import StageDrive
-    from workbench.machine.weighing import weigh
-    from workbench.simulation.stage_inputs import driven_alone, driven_by_three, stage_machine
-
-    weighed = weigh(design) if weighed is None else weighed
-    machine = stage_machine(design, weighed.moving, weighed.tip)
-    return StageDrive(
-        single=driven_alone(design, machine),
-        triple=driven_by_three(design, machine),
-        amplitude=min(design.si("actuator.stroke_amplitude"), 0.5 * machine.piezo.stroke),
-        phase=design.si("actuator.phase"),
-        frequency=design.si("actuator.frequency"),
-    )
 
 
 def run_studies(

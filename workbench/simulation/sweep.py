@@ -17,7 +17,7 @@ from workbench.options import Run
 if TYPE_CHECKING:
     import numpy as np
 
-    from designcalc.checks.sweep import Range
+    from designcalc.checks.analysis.sweep import Range
     from stagecad.parameters.design import Design
 
 
@@ -61,10 +61,10 @@ def simulated_point(source: Source, wanted: Wanted, override: str) -> dict[str, 
             name: features_of(simulated(run, name, wanted.models, mass)) for name in wanted.names if name != "stage"
         }
         if "stage" in wanted.names:
-            from sim.experiments.stage import STUDIES, run_serially
-            from workbench.simulation.stage import stage_drive
+            from sim.experiments.stage import STUDIES, run_serially, stage_drive
+            from stagecad.solids.assembly.machine import body_masses
 
-            drive = stage_drive(run.design)
+            drive = stage_drive(run.design, body_masses(run.design))
             found["stage"] = features_document({name: STUDIES[name](drive, run_serially) for name in wanted.studies})
         return found
     except (InputError, SimulationError) as refused:

@@ -11,14 +11,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from stagecad.parameters.mass_properties import MassProperties, combined
+from stagecad.parameters.dimension import Datum
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
 from stagecad.solids.artefacts.assembly import MadeAssembly, find_assembly, make_assembly
-from stagecad.solids.artefacts.part import MadePart, find_part, make_parts
+from stagecad.solids.artefacts.part import MadePart, find_part, make_part, make_parts
 from stagecad.solids.artefacts.store import Store
 from stagecad.solids.assembly.assemble import Instance
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
 from stagecad.solids.assembly.mass import MM, density_of, mass_properties, placed
-from stagecad.solids.modelling.frame import subtract
+from stagecad.solids.modelling.frame import UNMOVED, mate, subtract
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
 MOVING = ("stage", "tooth_iron", "magnet")
@@ -124,3 +125,25 @@ def make_machine(
     assembly = make_assembly(store, parts, design)
     advance(ASSEMBLY)
     return Machine(design, parts, assembly)
+
+
+def body_masses(design: Any) -> BodyMasses:
+    """Mass properties of the moving body (stage with irons and magnets, at mid-travel) and of the tip, SI.
+
+    Only the solids of these parts are needed; they come from the cache or are made now. The positions of irons and
+    magnets follow from the stage's own datums, so that the result equals that of the whole assembly.
+    """
+    riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
+    store = Store()
+    # One after another: other processes for so few parts cost more than they save, and a cluster's may start none.
+    parts = {name: make_part(store, name, design) for name in ("stage", "tip", *riders)}
+    plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    stage = parts["stage"]
+    frame = mate(stage.datums["pads"], UNMOVED, plane)
+    bodies = [placed(part_mass(stage, design), frame)]
+    for rider in riders:
+        mass = part_mass(parts[rider], design)
+        for name, seat in stage.datums.items():
+            if name.rpartition("_")[0] == rider:
+                bodies.append(placed(mass, mate(parts[rider].datums["seat"], frame, seat)))
+    return BodyMasses(combined(bodies), part_mass(parts["tip"], design))

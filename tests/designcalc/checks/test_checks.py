@@ -10,23 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from designcalc.checks import SUBJECTS, Weighed, run_checks
+from designcalc.checks import SUBJECTS, run_checks
 from designcalc.checks.alternatives import ranking
+from designcalc.checks.analysis.report import corrections, markdown, requirements
+from designcalc.checks.analysis.sweep import moved, read_range, run_point, table
+from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
 from designcalc.checks.budget import budgets
-from designcalc.checks.check import Check
-from designcalc.checks.inputs import Reading
-from designcalc.checks.report import corrections, markdown, requirements
-from designcalc.checks.sweep import moved, read_range, run_point, table
-from designcalc.checks.tolerance import tolerance_study, weighed_of
+from designcalc.checks.check import Check, Comparison
+from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
-from stagecad.parameters.mass_properties import MassProperties
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 from workbench.options import finite
 
 CASES = tomllib.loads((Path(__file__).parents[2] / "reference" / "contradictions.toml").read_text())["check"]
 BODY = MassProperties(8e-4, 2.1, (0.0, 0.0, 0.033), np.eye(3) * 0.01, ((-0.115, -0.135, 0.02), (0.115, 0.135, 0.04)))
 TIP = MassProperties(8.5e-6, 0.023, (0.0, 0.0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0.0), (0.03, 0.03, 0.02)))
-WEIGHED = Weighed(BODY, TIP)
+MASSES = BodyMasses(BODY, TIP)
 
 
 def load(*overrides):
@@ -86,7 +86,7 @@ def test_every_check_can_be_argued_with():
     ],
 )
 def test_margin_and_verdict(value, limit, at_most, margin, verdict):
-    check = Check("n", "s", value, limit, "m", at_most, "source", "f")
+    check = Check("n", Comparison(value, limit, "m", at_most), source="source", formula="f")
     assert check.margin == (None if margin is None else pytest.approx(margin))
     assert check.verdict == verdict
 
@@ -113,7 +113,7 @@ def test_a_calculator_out_of_its_range_says_so_and_the_rest_goes_on():
 )
 def test_extreme_designs_get_their_verdicts(override):
     """Nothing to heat, to shake or to preload: the checks still say something, and no check gets lost."""
-    checks = run_checks(load(*override), WEIGHED)
+    checks = run_checks(load(*override), MASSES)
     lost = 0 if "teeth.fitted=false" not in override else 8
     assert len(checks) == len(named()) - lost
     json.dumps([finite(check.as_json()) for check in checks], allow_nan=False)
@@ -123,7 +123,7 @@ def test_extreme_designs_get_their_verdicts(override):
 def test_mass_from_the_solids_is_used_and_named():
     design = load()
     name = "preload against the share of the load asked for"
-    measured = next(c for c in run_checks(design, WEIGHED) if c.name == name)
+    measured = next(c for c in run_checks(design, MASSES) if c.name == name)
     estimated = named()[name]
     assert measured.inputs["moving body mass"].value == 2.1
     assert "measured" in measured.inputs["moving body mass"].origin
@@ -147,13 +147,13 @@ def test_four_pads_without_teeth_are_checked_as_well():
 
 def test_report_traces_the_requirements_and_names_the_corrections():
     checks = run_checks(load())
-    ranked = ranking(Reading(load(), None, "candidates"))
+    ranked = ranking(DesignInputs(load()))
     assert ranked[0].name == "sliding pads" and ranked[-1].name == "passive magnets"
     text = markdown(checks, ranked)
     assert "## Suspensions by rank" in text
     for check in checks:
         assert f"### {check.name}: {check.verdict}" in text
-    assert "## Error budget: smoothness, normal" in markdown(checks, budgets=budgets(Reading(load(), None, "budget")))
+    assert "## Error budget: smoothness, normal" in markdown(checks, budgets=budgets(DesignInputs(load())))
     # every entry of both tables has a check, and no check bears on an entry that is in neither
     assert all(requirements(checks).values())
     assert {check.requirement for check in checks} - {""} == set(requirements(checks))
@@ -164,7 +164,7 @@ def test_report_traces_the_requirements_and_names_the_corrections():
 
 def test_suspensions_are_ranked_by_the_sum_of_their_places():
     """Places worked out by hand: stiffness 1 2 3 4, smoothness 1 2 3 4, friction 4 1.5 3 1.5 and so on."""
-    ranked = ranking(Reading(load(), None, "candidates"))
+    ranked = ranking(DesignInputs(load()))
     assert {c.name: c.places for c in ranked} == {
         "sliding pads": 1 + 1 + 4 + 2 + 1,
         "porous air bearing": 2 + 2 + 1.5 + 1 + 3,
@@ -175,7 +175,7 @@ def test_suspensions_are_ranked_by_the_sum_of_their_places():
 
 def test_budget_at_the_payload_is_the_sum_of_its_rows_and_turns_about_the_stage():
     design = load()
-    found = {one.name: one for one in budgets(Reading(design, None, "budget"))}
+    found = {one.name: one for one in budgets(DesignInputs(design))}
     straight = {cause.name: e for cause, e in found["straightness"].rows}
     # a bow of 1 um over 280 mm, seen over 200 mm: sag (200/280)^2 um, slope 4 sag/200 mm at the pattern's corner, 75 mm
     sag = 1e-6 * (200 / 280) ** 2
@@ -239,12 +239,12 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
 
 def test_moving_body_of_a_thicker_plate_gains_the_plates_mass():
     design, thick = load(), load("stage.thickness=15 mm")
-    heavier = weighed_of(thick, design, WEIGHED)
+    heavier = scaled_masses(thick, design, MASSES)
     assert heavier is not None
     assert heavier.moving.mass - BODY.mass == pytest.approx(0.230 * 0.270 * 0.003 * 2700)
     assert heavier.tip is TIP
-    assert weighed_of(design, design, WEIGHED) == WEIGHED
-    assert weighed_of(thick, design, None) is None
+    assert scaled_masses(design, design, MASSES) == MASSES
+    assert scaled_masses(thick, design, None) is None
 
 
 def test_tolerances_spread_a_margin_as_its_closed_form():

@@ -202,7 +202,7 @@ DRAW = """
 import sys
 from pathlib import Path
 from drawings.artefacts.sheets import draw_whole
-from stagecad.parameters.design import load_design
+from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import Store
 draw_whole(Store(Path(sys.argv[1])), "assembly", load_design())
 """

@@ -21,7 +21,7 @@ from stagecad.solids.artefacts.store import Store
 from stagecad.solids.artefacts.tracked_design import Reading, walk
 from stagecad.solids.modelling.registry import MADE, module_of
 from tests.drawings.drawn import described, thesis
-from workbench.commands.drawings import procedure_values
+from workbench.machine.procedure_values import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10
 

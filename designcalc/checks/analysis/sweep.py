@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from designcalc.checks import Weighed, run_checks
+from designcalc.checks import run_checks
 from designcalc.checks.check import Check
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.mass_properties import BodyMasses
 from stagecad.parameters.units import from_si, parse_quantity, to_si
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ def run_point(
     value: float,
     load: Callable[[str], Design],
     base: Design,
-    weigh: Callable[[Design], Weighed | None],
+    weigh: Callable[[Design], BodyMasses | None],
 ) -> Point:
     """The checks at one value of a sweep.
 

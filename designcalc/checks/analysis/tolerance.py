@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from designcalc.checks import SUBJECTS, Weighed, run_checks
-from stagecad.parameters.mass_properties import MassProperties
+from designcalc.checks import SUBJECTS, run_checks
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -93,7 +93,7 @@ def _influence(item: Influence) -> dict[str, Any]:
 def tolerance_study(
     design: Design,
     load: Callable[[str], Design],
-    weighed: Weighed | None,
+    masses: BodyMasses | None,
     samples: int = 10_000,
     seed: int = 1,
     subjects: tuple[str, ...] | None = None,
@@ -109,7 +109,7 @@ def tolerance_study(
     Args:
         design: the design.
         load: design with one more override `KEY=VALUE`, without the rules across values.
-        weighed: what the solids of the design as it stands weigh, or None.
+        masses: what the solids of the design as it stands weigh, or None.
         samples: number of machines.
         seed: of the random numbers.
         subjects: of the checks to look at; all but the candidates when left out.
@@ -117,7 +117,7 @@ def tolerance_study(
     """
     # A candidate passed over is not made: no tolerance of it matters.
     wanted = tuple(name for name in subjects or SUBJECTS if name != "candidates")
-    base = run_checks(design, weighed, wanted)
+    base = run_checks(design, masses, wanted)
     named = {check.name: check.margin for check in base if check.margin is not None}
     readers: dict[str, set[str]] = {}
     for check in base:
@@ -127,7 +127,7 @@ def tolerance_study(
     names = list(named)
     nominal = np.array([named[n] for n in names], float)
     slope, bend = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
-    found = run_all(partial(_ends, design, load, weighed, readers, named), keys)
+    found = run_all(partial(_ends, design, load, masses, readers, named), keys)
     for row, ends in enumerate(found):
         slope[row] = (ends[1] - ends[0]) / 2
         bend[row] = (ends[1] + ends[0]) / 2 - nominal
@@ -165,7 +165,7 @@ def tolerance_study(
 def _ends(
     design: Design,
     load: Callable[[str], Design],
-    weighed: Weighed | None,
+    masses: BodyMasses | None,
     readers: Mapping[str, set[str]],
     nominal: Mapping[str, float],
     key: str,
@@ -176,26 +176,26 @@ def _ends(
         # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
         value = float(design.value(key)) + sign * design.plus_minus(key)
         changed = load(f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
-        checks = run_checks(changed, weighed_of(changed, design, weighed), tuple(sorted(readers[key])))
+        checks = run_checks(changed, scaled_masses(changed, design, masses), tuple(sorted(readers[key])))
         found = {check.name: check.margin for check in checks}
         values = [(found.get(name), base) for name, base in nominal.items()]
         ends.append(np.array([base if value is None else value for value, base in values], float))
     return ends
 
 
-def weighed_of(design: Design, base: Design, weighed: Weighed | None) -> Weighed | None:
+def scaled_masses(design: Design, base: Design, masses: BodyMasses | None) -> BodyMasses | None:
     """What a design that differs by tolerances weighs, without making its solids.
 
     The base design's body with the mass of the plain plate's change added: exact for a longer, wider or thicker plate
     but for the features cut through it, a tenth of a change that is itself a hundredth of the mass.
     """
-    if weighed is None:
+    if masses is None:
         return None
-    change, body = _plate(design) - _plate(base), weighed.moving
+    change, body = _plate(design) - _plate(base), masses.moving
     scale = (body.mass + change) / body.mass
     inertia = np.asarray(body.inertia, float) * scale
     moving = MassProperties(body.volume * scale, body.mass + change, body.centre_of_mass, inertia, body.bounding_box)
-    return Weighed(moving, weighed.tip)
+    return BodyMasses(moving, masses.tip)
 
 
 def _plate(design: Design) -> float:

@@ -30,7 +30,7 @@ def shown_limit(check: Check) -> str:
     """The limit with its sense."""
     if check.limit is None:
         return "-"
-    return f"{'at most' if check.at_most else 'at least'} {shown(check.limit, check.unit)}"
+    return f"{'at most' if check.comparison.upper else 'at least'} {shown(check.limit, check.unit)}"
 
 
 def shown_margin(check: Check) -> str:

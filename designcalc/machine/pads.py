@@ -1,0 +1,72 @@
+"""The sliding bearing of the design: pad positions and loads, film contact, stiffness; and the bolted way below."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from designcalc.bearing.bolted_rail import Rail
+from designcalc.bearing.sliding import (
+    FilmContact,
+    PadStiffness,
+    confined_modulus,
+    film_contact,
+    pad_loads,
+    pad_stiffness,
+)
+from designcalc.contact.hertz import contact_modulus
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import weight
+from designcalc.machine.tip_contact import elastic_constants
+
+Array = NDArray[np.float64]
+
+
+def pad_positions(r: DesignInputs) -> Array:
+    """Pad centres (n, 2), x along the travel and y across, from the middle of the stage, m."""
+    along, across, count = r("pads.spacing_along") / 2, r("pads.spacing_across") / 2, r("pads.count")
+    far = [(0.0, -across)] if count == 3 else [(-along, -across), (along, -across)]
+    return np.array([(-along, across), (along, across), *far])
+
+
+def film(r: DesignInputs, load: float, crown_radius: float | None = None) -> FilmContact:
+    """One crowned pad on the way under `load`, N, the PTFE film between them; by default with the design's crown."""
+    modulus = confined_modulus(r("materials.ptfe.youngs_modulus"), r("materials.ptfe.poisson_ratio"))
+    bodies = contact_modulus(*elastic_constants(r, "stage", "bearing_way"))
+    return film_contact(
+        load, crown_radius or r("pads.crown_radius"), r("bearing.film_thickness"), modulus, float(bodies)
+    )
+
+
+def pad_forces(r: DesignInputs) -> Array:
+    """Load of each pad under weight and preload, N."""
+    return pad_loads(pad_positions(r), weight(r) + r("preload.force"), r.centre_of_mass())
+
+
+def heaviest_pad(r: DesignInputs) -> float:
+    """Largest pad load, N."""
+    return r.given("heaviest pad load", float(np.max(pad_forces(r))), "N", "statics of weight and preload on the pads")
+
+
+def pads_stiffness(r: DesignInputs) -> PadStiffness:
+    """Normal, pitch and roll stiffness of the stage on its pads, each at its own load."""
+    loads = pad_forces(r)
+    # A pad about to lift has next to no stiffness; a load of zero is out of its formula's range.
+    return pad_stiffness(pad_positions(r), np.array([float(film(r, max(float(n), 1e-3)).stiffness) for n in loads]))
+
+
+def rail(r: DesignInputs) -> Rail:
+    """The bearing way on the base, with its real materials."""
+    edge, width = r("bearing_way.bolt_edge"), r("bearing_way.width")
+    return Rail(
+        length=r("bearing_way.length"),
+        overhang_a=edge,
+        overhang_b=width - edge,
+        height=r("bearing_way.height"),
+        bolt_diameter=r("screws.way.diameter"),
+        rail_modulus=r.material("bearing_way", "youngs_modulus"),
+        bed_modulus=r.material("base", "youngs_modulus"),
+        bolt_modulus=r("materials.alloy_steel.youngs_modulus"),
+        poisson=r.material("bearing_way", "poisson_ratio"),
+        joint_ratio=r("bearing_way.joint_ratio"),
+    )
