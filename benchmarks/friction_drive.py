@@ -3,9 +3,9 @@
     python -m benchmarks.friction_drive [--kinds piezo_hysteresis ...] [--seeds 1 2] [--rows 2000] [--jobs 1]
     python -m benchmarks.friction_drive --kept FILE [--kinds ...]     # results by and by; a table of all of them
 
-Records come from a generator with laws and an integrator of its own (`tests/friction_drive/driven_stage`). A case is
-right where the name is right, or ties with at most two others, and adding it leaves at most 1.5 times the noise on the
-held-out record; where nothing is hidden, if nothing is named; where no library has it, if that is said.
+Records come from a generator with laws and an integrator of its own (`tests/recovery/friction_drive/driven_stage`). A
+case is right where the name is right, or ties with at most two others, and adding it leaves at most 1.5 times the noise
+on the held-out record; where nothing is hidden, if nothing is named; where no library has it, if that is said.
 """
 
 from __future__ import annotations

@@ -4,10 +4,10 @@
     python benchmarks/hidden_effects.py --folder FOLDER_OF_CASES
     python benchmarks/hidden_effects.py --cases 0 --coverage 40
 
-Cases come from an independent simulator (`tests/hidden_effect/generator`) unless a folder with `key.json` is given.
-Every case goes through the command line, so what is scored is what a user gets. Peers see the same records: forward
-regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a library
-of features made by hand (`benchmarks/peers`).
+Cases come from an independent simulator (`tests/recovery/hidden_effect/generator`) unless a folder with `key.json` is
+given. Every case goes through the command line, so what is scored is what a user gets. Peers see the same records:
+forward regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a
+library of features made by hand (`benchmarks/peers`).
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ PAGE = Path(__file__).parent / "effects.md"
 HEAD = """\
 # The library of physical effects
 
-Made from the declarations in `sim/effects/` and `sim/cores/` by `python docs/make_effects.py`; `stagecad effects NAME`
+Made from the declarations in the folders of `sim/effects/` by `python docs/make_effects.py`; `stagecad effects NAME`
 prints the same for one effect, `stagecad effects NAME --json` for a script. A name picks a law with `:`
 (`stribeck:rational`), a measured channel with `@` (`sensor_lag@position`). An effect of your own is declared the same
 way: see [the tutorial](tutorial.md#7-an-effect-of-your-own). The figures are drawn by `python
