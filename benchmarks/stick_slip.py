@@ -20,9 +20,9 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import simulate
-from sim.library.model import compose
 
 ACCURACY = 1e-6
 A0, A2, FC, FS, VS = 1e5, 0.4, 1.0, 1.5, 1e-3

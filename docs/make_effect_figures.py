@@ -13,9 +13,9 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from sim.library.catalogue import library
+from sim.effects.catalogue import library
+from sim.effects.model import Model, compose
 from sim.library.effect import Axis, Effect
-from sim.library.model import Model, compose
 from stagecad.parameters.atomic import atomic_write_text
 
 mpl.use("svg")
@@ -145,7 +145,7 @@ def figure(effect: Effect) -> str:
         base = {"viscous": ["coulomb"], "coulomb": ["viscous"]}.get(effect.name, ["coulomb", "viscous"])
         if effect.name == "frictional_lag":
             base.append("stribeck")
-        names = [effect.name, "viscous"] if effect.core is not None else [*base, effect.name]
+        names = [effect.name, "viscous"] if effect.friction_state is not None else [*base, effect.name]
         label, along = COORDINATES[effect.coordinates[0] if effect.coordinates else "velocity"]
         plot.plot(along(axis), _model(base).friction_along(axis), color="0.7", lw=1.0, label="without")
         plot.plot(along(axis), _model(names).friction_along(axis), color="C3", lw=1.0, label=effect.name)

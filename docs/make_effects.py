@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim.library.catalogue import library
+from sim.effects.catalogue import library
 from sim.library.effect import Effect, Parameter
 from stagecad.parameters.atomic import atomic_write_text
 
@@ -43,7 +43,7 @@ def _anchor(effect: Effect) -> str:
 
 
 def _where(effect: Effect) -> str:
-    return f"{effect.acts_on} (core)" if effect.core is not None else effect.acts_on
+    return f"{effect.acts_on} (core)" if effect.friction_state is not None else effect.acts_on
 
 
 def _section(effect: Effect) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from stagecad.parameters.errors import InputError, nearest
 from sysid.diagnosis.pairs import add_after_deletion
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
@@ -130,7 +130,7 @@ def _shrunk(case: Case, fitted: FittedModel, name: str) -> tuple[Case, FittedMod
     gone = [n for n in names if n == name] or [n for n in names if base_name(n) == name]
     if not gone:
         raise InputError(f"{experiment.path}: model.effects has no '{name}' to drop{nearest(name, names)}")
-    if any(e.name in gone and e.core is not None for e in fitted.model.effects):
+    if any(e.name in gone and e.friction_state is not None for e in fitted.model.effects):
         raise InputError(f"{experiment.path}: '{name}' is the core of the friction; add another core in its place")
     if base_name(name) == "sensor_quantisation":
         other = make_case(experiment, case.records, [n for n in experiment.effects if n not in gone])
@@ -199,7 +199,9 @@ def _free_laws(case: Case, added: Sequence[str]) -> tuple[str, ...]:
     before = [] if not rungs or edited_by_hand(case.experiment, rungs) else rungs[-1].document.get("open_laws", [])
     named = [name for name in added if ":" not in name and "@" not in name]
     families = dict.fromkeys([*selectable_effects(case), *before, *named])
-    return tuple(name for name in families if find(name, case.custom).variants and find(name, case.custom).core is None)
+    return tuple(
+        name for name in families if find(name, case.custom).variants and find(name, case.custom).friction_state is None
+    )
 
 
 def _with_quantisation(case: Case, name: str) -> tuple[Case, FittedModel]:

@@ -52,7 +52,7 @@ def parameter_unit(case: Case, key: str) -> str:
         if name.startswith("offset_"):
             return channel_unit(case, name.removeprefix("offset_"))
         return RIG_UNITS[name][1 if rotary else 0]
-    from sim.library.catalogue import find
+    from sim.effects.catalogue import find
 
     unit = find(effect, case.custom).parameter(name).unit
     if "channel" in unit:

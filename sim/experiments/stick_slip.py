@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.model import Model
 from sim.experiments.friction_models import MOST_STEPS, Friction
 from sim.experiments.presliding import extremum
 from sim.integration import drive
 from sim.integration.simulate import Simulation, simulate
-from sim.library.model import Model
 
 STIFFNESS = 2.0
 PULL = 0.1

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from sim.effects.friction_state.friction_state import Core
 from sim.library.effect import Axis, Effect
+from sim.library.friction_state import FrictionStateModel
 from sim.numerics import compilation
 from stagecad.parameters.atomic import atomic_write_text
 
@@ -56,7 +56,7 @@ def load_generated(text: str, name: str, files: list[str]) -> Any:
 _EFFECT_TEXT = """\
 from numba import carray, njit
 from sim.library.effect import Axis
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 
 EFFECT = find({name!r})
 Values = EFFECT.values_type
@@ -158,12 +158,12 @@ def compile_effect(effect: Effect, held: bool, slopes: SlopePlan) -> Kernel | No
 
 _CORE_TEXT = """\
 from numba import carray, njit
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 
 EFFECT = find({name!r})
 Values = EFFECT.values_type
-law = njit({options})((EFFECT.core or EFFECT.element).law)
-element_slopes = njit({options})((EFFECT.core or EFFECT.element).slopes)
+law = njit({options})((EFFECT.friction_state or EFFECT.parallel_element).law)
+element_slopes = njit({options})((EFFECT.friction_state or EFFECT.parallel_element).slopes)
 
 
 def kernel(z, v, direction, g, p, out, n, slopes):
@@ -184,7 +184,7 @@ def compile_core(effect: Effect) -> Kernel | None:
     """The kernel of a built-in core or element; None where numba cannot do it."""
     from numba import types
 
-    core: Core = effect.core or effect.element
+    core: FrictionStateModel = effect.friction_state or effect.parallel_element
     size = len(effect.parameters)
     text = _CORE_TEXT.format(
         name=effect.name, size=max(size, 1), values=values_text(effect, held=False), options=LAW_OPTIONS

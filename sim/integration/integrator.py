@@ -25,7 +25,6 @@ from sim.integration import kernel_calls, rodas5p
 from sim.integration import right_hand_side as axis_rates_module
 from sim.integration import stage_sums as stage_sums_module
 from sim.integration import step_output as step_output_module
-from sim.integration import tangent_step as tangent_step_module
 from sim.integration.arrowhead import NWORK, assemble, factorise, solve
 from sim.integration.axis_forces import BY, NAXIS, OUT, axis_forces, values_at
 from sim.integration.right_hand_side import drive_at, right_side
@@ -43,7 +42,6 @@ from sim.integration.step_output import (
     reversal,
     side_of_play,
 )
-from sim.integration.tangent_step import EASY, advance, spread
 from sim.numerics.compilation import compile_function
 
 DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
@@ -51,7 +49,7 @@ DONE, STEP_TOO_SMALL, NOT_FINITE, TOO_MANY_STEPS = 0, 1, 2, 3
 
 def _steps(
     start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, at_once, base, relative, absolute,
-    longest, most_steps, states, forces, report, work, history, tangent,
+    longest, most_steps, states, forces, report, work, history,
 ):  # fmt: skip
     """All of the integration, in arrays that are given: `work` as `_integrate` makes it. Compiled without counting of
     references, which would cost more than the arithmetic; and once more for the plain axis, `shape` None, whose sizes
@@ -234,7 +232,7 @@ def _steps(
         after = stop if lands else t + part * h
         due = due_by(outputs, next_output, after)
         # Nothing looks at the dense output of a whole step within which nothing is due.
-        looked_at = size if part < 1.0 or tangent is not None else kept if due > next_output else 0
+        looked_at = size if part < 1.0 else kept if due > next_output else 0
         for j in range(looked_at):
             if j != 1:
                 bends(K, size, j, dense)
@@ -244,16 +242,6 @@ def _steps(
                     states[j, next_output:due], outputs[next_output:due], t, over_h, y[j], fresh[j], dense[j, 0],
                     dense[j, 1], dense[j, 2],
                 )  # fmt: skip
-        if tangent is not None:
-            inside = due > next_output and outputs[next_output] < after
-            advance(
-                part, (t, h, y, fresh, dense, direction), (head, n, cores, beside),
-                (knots, values, rates, wave, segment), body, (base, effects, groups), tangent,
-                (axis, laws, elements, here, slope, stage), row, by_head, into, own, past, ratio, effective, inside,
-                error < EASY * EASY,
-            )  # fmt: skip
-            if due > next_output:
-                spread(tangent, outputs[next_output:due], t, part * h, next_output, due)
         if forces.shape[0] > 0:
             for o in range(next_output, due):
                 at = outputs[o]
@@ -310,7 +298,6 @@ _SOURCES = [
         rodas5p,
         stage_sums_module,
         step_output_module,
-        tangent_step_module,
     )
 ]
 _compiled_steps = compile_function(_steps, _SOURCES, _nrt=False, fastmath={"contract"})
@@ -318,7 +305,7 @@ _compiled_steps = compile_function(_steps, _SOURCES, _nrt=False, fastmath={"cont
 
 def _integrate(
     start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, at_once, base, relative, absolute,
-    longest, most_steps, states, forces, report, tangent,
+    longest, most_steps, states, forces, report,
 ):  # fmt: skip
     """Integrate from the first to the last of `outputs`; see `sim.integration.layout` for what the arrays hold."""
     size, m = start.size, max(start.size - 2, 1)
@@ -331,7 +318,7 @@ def _integrate(
     history = np.empty((PAST_STEPS if body[6] > 0.0 else 1, HISTORY))
     _compiled_steps(
         start, outputs, knots, values, rates, wave, body, shape, modes, effects, groups, at_once, base, relative,
-        absolute, longest, most_steps, states, forces, report, work, history, tangent,
+        absolute, longest, most_steps, states, forces, report, work, history,
     )  # fmt: skip
 
 

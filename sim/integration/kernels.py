@@ -20,10 +20,10 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
+from sim.effects.catalogue import find, library
 from sim.integration.generated_kernels import BY, DIFFERENCE, LAWS, OUT, Kernel, SlopePlan, compile_core, compile_effect
-from sim.library.catalogue import find, library
 from sim.library.effect import Axis, Effect, Parameter
+from sim.library.friction_state import FrictionStateModel
 from stagecad.parameters.errors import InputError
 
 T = TypeVar("T")
@@ -97,7 +97,7 @@ def carried(effect: Effect) -> frozenset[str]:
 @_ByIdentity
 def takes(effect: Effect) -> tuple[bool, bool]:
     """Whether an integration takes a level or factor, and a force, from the effect's laws at one instant."""
-    whole = effect.element is not None or effect.in_time is not None
+    whole = effect.parallel_element is not None or effect.time_domain is not None
     return effect.level is not None or effect.factor is not None, effect.force is not None and not whole
 
 
@@ -111,7 +111,7 @@ def is_constant(effect: Effect) -> bool:
 @_ByIdentity
 def unsupported(effect: Effect) -> str | None:
     """Why an effect cannot be integrated in time, or None."""
-    if effect.element is not None or effect.in_time is not None:
+    if effect.parallel_element is not None or effect.time_domain is not None:
         return None
     if effect.memory is not None and not any(takes(effect)):
         return "changes the motion along a whole record, and has no law at one instant"
@@ -151,8 +151,8 @@ def is_built_in(effect: Effect) -> bool:
     built_in = library().get(base)
     if built_in is None:
         return False
-    laws = [(e.level, e.factor, e.force, e.core, e.element) for e in (built_in, *built_in.variants)]
-    return (effect.level, effect.factor, effect.force, effect.core, effect.element) in laws
+    laws = [(e.level, e.factor, e.force, e.friction_state, e.parallel_element) for e in (built_in, *built_in.variants)]
+    return (effect.level, effect.factor, effect.force, effect.friction_state, effect.parallel_element) in laws
 
 
 @functools.cache
@@ -222,7 +222,7 @@ def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
 
 def core_kernel(effect: Effect) -> Kernel:
     """The kernel of the core or element that `effect` brings; see the head of this file for its signature."""
-    core: Core = effect.core or effect.element
+    core: FrictionStateModel = effect.friction_state or effect.parallel_element
     if core is None:
         raise InputError(f"effect '{effect.name}' has no core: it does not turn a friction level into a force")
     if is_built_in(effect):

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.model import Model
 from sim.integration import kernels
 from sim.integration.drive import Drive, delayed
-from sim.integration.merged_drive import merged
+from sim.integration.input_compression import merged
 from sim.integration.model_kernel import FEWEST, Law, model_kernel
 from sim.library.effect import Axis, Effect
-from sim.library.model import Model
-from sim.library.time_domain import DriveDelay, DriveLag, LaggedSpeed, Play, Rider
+from sim.library.time_domain import AddedOscillator, Backlash, DelayedSpeed, FirstOrderLag, TransportDelay
 from stagecad.parameters.errors import InputError
 
 FRICTION, FORCE = 1, 2
@@ -136,24 +136,24 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
     base = np.array([0.0, 1.0, 0.0, load, temperature])
     gap, lag, delay, ridden = 0.0, 0.0, 0.0, 0.0
     for effect, p in acting:
-        part = effect.in_time(p) if effect.in_time is not None else None
-        if isinstance(part, (Play, DriveLag, DriveDelay)) and drive.prescribes:
+        part = effect.time_domain(p) if effect.time_domain is not None else None
+        if isinstance(part, (Backlash, FirstOrderLag, TransportDelay)) and drive.prescribes:
             raise InputError(
                 f"simulation: effect '{effect.name}' acts on a drive, and here the motion itself is imposed"
             )
-        if isinstance(part, Play):
+        if isinstance(part, Backlash):
             if not drive.stiffness > 0.0:
                 raise InputError(f"simulation: effect '{effect.name}' needs a drive that pulls a spring")
             gap += 0.5 * part.gap * drive.stiffness
-        elif isinstance(part, DriveLag):
+        elif isinstance(part, FirstOrderLag):
             if lag > 0.0:
                 raise InputError("simulation: one lag of the drive at most")
             lag = part.time_constant
-        elif isinstance(part, DriveDelay):
+        elif isinstance(part, TransportDelay):
             drive = delayed(drive, part.delay)
-        elif isinstance(part, LaggedSpeed):
+        elif isinstance(part, DelayedSpeed):
             delay += part.delay
-        elif isinstance(part, Rider):
+        elif isinstance(part, AddedOscillator):
             w = 2.0 * math.pi * part.frequency
             modes.append((w * w, 2.0 * part.damping * w, part.mass_ratio * mass))
             ridden += part.mass_ratio
@@ -161,12 +161,12 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
         raise InputError(f"simulation: {ridden:g} of the mass rides on modes; must be below 1")
     count = 0
     for i, ((effect, p), table) in enumerate(zip(acting, tables)):
-        if effect.core is not None or effect.element is not None:
-            declared = effect.core or effect.element
+        if effect.friction_state is not None or effect.parallel_element is not None:
+            declared = effect.friction_state or effect.parallel_element
             kernel = kernels.core_kernel(effect)
             kept.append(kernel)
             n = int(declared.elements(p))
-            if effect.core is not None and groups[0][3] == 0:
+            if effect.friction_state is not None and groups[0][3] == 0:
                 if count:
                     groups = [groups[0], *[(a, q, first + n, m) for a, q, first, m in groups[1:]]]
                 groups[0] = (kernel.address, table.ctypes.data, 0, n)
@@ -234,7 +234,7 @@ def _law(effect: Effect, p: Any, taken: bool, group: int, delay: float) -> Law:
     """What the kernel of the whole model takes of an effect."""
     friction, force = kernels.takes(effect) if taken else (False, False)
     wanted = {"level": friction, "factor": friction, "force": force}
-    declared = effect.core or effect.element
+    declared = effect.friction_state or effect.parallel_element
     return Law(
         effect.name,
         kernels.is_held(effect, p),

@@ -15,10 +15,10 @@ import functools
 import hashlib
 from dataclasses import dataclass
 
-from sim.effects.friction_state.friction_state import Core
+from sim.effects.catalogue import find
 from sim.integration.generated_kernels import LAW_OPTIONS, Kernel, generated_kernel, source_files, values_text
-from sim.library.catalogue import find
 from sim.library.effect import Effect
+from sim.library.friction_state import FrictionStateModel
 
 FEWEST = 6
 """Effects and groups of elements from which on one kernel is compiled for all of them."""
@@ -51,7 +51,7 @@ import math
 from numba import carray, njit
 
 from sim.library.effect import Axis
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 
 {functions}
 
@@ -89,7 +89,7 @@ def _text(laws: tuple[Law, ...], head: int) -> str:
             axis = "seen" if law.lagged and taken != "force" else "here"
             lines.append("    " + _TAKEN[taken].format(f"{taken}_{i}({axis}, {values})"))
         if law.elements:
-            functions.append(f"law_{i} = njit({LAW_OPTIONS})((E{i}.core or E{i}.element).law)")
+            functions.append(f"law_{i} = njit({LAW_OPTIONS})((E{i}.friction_state or E{i}.parallel_element).law)")
             elements += [
                 f"    w = {values}",
                 f"    for k in range({law.elements}):",
@@ -120,7 +120,7 @@ def model_kernel(laws: tuple[Law, ...], head: int) -> Kernel | None:
     files: list[str] = []
     for law in laws:
         effect: Effect = find(law.name)
-        core: Core | None = effect.core or effect.element
+        core: FrictionStateModel | None = effect.friction_state or effect.parallel_element
         files += source_files([effect.level, effect.factor, effect.force, core.law if core is not None else None])
     text = _text(laws, head)
     number, pointer = types.double, types.CPointer(types.double)

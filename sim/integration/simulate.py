@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.model import Model
 from sim.integration.drive import Drive
+from sim.integration.input_compression import force_at
 from sim.integration.layout import plan_of
-from sim.integration.merged_drive import force_at
-from sim.library.model import Model
 from stagecad.parameters.errors import InputError
 
 
@@ -144,7 +144,6 @@ def simulate(
         states,
         found,
         report,
-        None,
     )
     if report[0] != integrator.DONE:
         raise failure(int(report[0]), report, model, [error for kernel in plan.kernels for error in kernel.errors])
@@ -174,13 +173,13 @@ def simulate(
 
 def _stored(model: Model, bristles: np.ndarray, level: np.ndarray) -> np.ndarray:
     stored = np.zeros(level.size)
-    if model.core is None:
+    if model.state_effect is None:
         return stored
-    p = model.values[model.effects.index(model.core)]
-    if model.core.core.stored is None:
+    p = model.values[model.effects.index(model.state_effect)]
+    if model.state_effect.friction_state.stored is None:
         return np.full(level.size, math.nan)
-    for k in range(int(model.core.core.elements(p))):
-        stored += model.core.core.stored(k, bristles[:, k], level, p)
+    for k in range(int(model.state_effect.friction_state.elements(p))):
+        stored += model.state_effect.friction_state.stored(k, bristles[:, k], level, p)
     return stored
 
 

@@ -22,6 +22,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple
 
+from sim.library.time_domain import TimeDomain
 from stagecad.parameters.errors import InputError, nearest
 
 Coordinate = Literal[
@@ -138,11 +139,11 @@ class Effect:
         signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
         memory: changes the axis that level and core see along a record (a lag in the friction, a play in the drive, the
             age of the contacts).
-        core: for an effect that turns the level into a force, the core (`sim.cores`).
-        element: for an effect with a bristle of its own beside the core: that bristle in a simulation, in place of
-            `force` (a `sim.effects.friction_state.friction_state.Core`).
-        in_time: for an effect of drive, structure or memory: what it is in a simulation (`sim.library.time_domain`), of
-        its values.
+        friction_state: the `FrictionStateModel` (static map, Dahl, LuGre, Maxwell-slip) that turns the level into a
+            force.
+        parallel_element: for an effect with internal states of its own: the `FrictionStateModel` of those states in a
+            simulation, in place of `force`.
+        time_domain: for an effect of drive, structure or memory: its time-domain realisation, a function of its values.
         acts_on: where it acts.
         variants: other laws under the same name (`stribeck:free_exponent`).
     """
@@ -160,9 +161,9 @@ class Effect:
     slopes: Mapping[str, Law] = field(default_factory=dict)
     signal: SignalLaw | None = None
     memory: MemoryLaw | None = None
-    core: Any = None
-    element: Any = None
-    in_time: Callable[[Any], Any] | None = None
+    friction_state: Any = None
+    parallel_element: Any = None
+    time_domain: Callable[[Any], TimeDomain] | None = None
     acts_on: Literal["friction", "axis", "drive", "piezo", "sensor", "memory", "structure"] = "axis"
     needs: tuple[Literal["load", "temperature", "rotary"], ...] = ()
     variants: tuple[Effect, ...] = ()

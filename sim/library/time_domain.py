@@ -1,4 +1,4 @@
-"""What an effect that has no law at one instant is in a simulation: `Effect.in_time(p)` gives one of these.
+"""What an effect that has no law at one instant is in a simulation: `Effect.time_domain(p)` gives one of these.
 
 Along a record such an effect is an operator on a signal or on the motion; in time it is a state of its own, a memory of
 the motion, or a change of the drive.
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Rider:
+class AddedOscillator:
     """A part of the moving mass that rides on a resonance: x2'' = w^2 (x - x2) - 2 damping w x2', w = 2 pi frequency.
 
     It takes mass_ratio * mass * x2'' from the axis, of which (1 - mass_ratio) * mass is left; so a slow motion feels
@@ -23,31 +23,31 @@ class Rider:
 
 
 @dataclass(frozen=True)
-class Play:
+class Backlash:
     """Lost motion of full width `gap` (m) in the spring that drives the axis: no force within +-gap/2 of stretch."""
 
     gap: float
 
 
 @dataclass(frozen=True)
-class LaggedSpeed:
+class DelayedSpeed:
     """The friction level sees the speed of `delay` (s) ago, in the direction of now."""
 
     delay: float
 
 
 @dataclass(frozen=True)
-class DriveLag:
+class FirstOrderLag:
     """The drive's force, or the end its spring is pulled by, follows its command: y' = (u - y)/time_constant (s)."""
 
     time_constant: float
 
 
 @dataclass(frozen=True)
-class DriveDelay:
+class TransportDelay:
     """The drive does what its command said `delay` (s) ago."""
 
     delay: float
 
 
-InTime = Rider | Play | LaggedSpeed | DriveLag | DriveDelay
+TimeDomain = AddedOscillator | Backlash | DelayedSpeed | FirstOrderLag | TransportDelay

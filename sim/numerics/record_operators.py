@@ -117,7 +117,7 @@ def _ringing_of_steps(signal: np.ndarray, transition: tuple[float, float, float,
 
 @compiled
 def play(signal: np.ndarray, half_width: float) -> np.ndarray:
-    """Play (backlash) operator: the output rests while the input is within `half_width` of it, and is pushed else."""
+    """Backlash (play) operator: the output rests while the input is within `half_width` of it, and is pushed else."""
     out = np.empty(signal.size)
     y = signal[0]
     for i in range(signal.size):

@@ -135,7 +135,7 @@ def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> 
     found = []
     for first, second in combinations(parts, 2):
         a, b = first.known.effect, second.known.effect
-        if base_name(a.name) == base_name(b.name) or (a.core is not None and b.core is not None):
+        if base_name(a.name) == base_name(b.name) or (a.friction_state is not None and b.friction_state is not None):
             continue
         index = np.r_[first.columns, second.columns]
         weights = _weights(gram, right, index)
@@ -163,7 +163,7 @@ def _refitted(
     weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
     model = base.fitted.model
     # A core replaces the one before it and starts from its level: it comes first.
-    for part in sorted(two, key=lambda part: part.known.effect.core is None):
+    for part in sorted(two, key=lambda part: part.known.effect.friction_state is None):
         effect, score = part.known.effect, part.score
         own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
         own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.diagnosis.trials import CandidateFit
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.misfit import misfit, worst_over_noise

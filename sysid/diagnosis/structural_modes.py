@@ -22,7 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale

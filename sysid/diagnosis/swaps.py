@@ -65,7 +65,7 @@ def find_swaps(
         family = base_name(name)
         # Steps are read off the values themselves, not off a misfit that a model without them could be spared.
         if family == "sensor_quantisation" or not any(
-            base_name(e.name) == family and e.core is None for e in base.fitted.model.effects
+            base_name(e.name) == family and e.friction_state is None for e in base.fitted.model.effects
         ):
             continue
         own = [u for u in base.fitted.model.unknowns if base_name(u.key.rpartition(".")[0]) == family]

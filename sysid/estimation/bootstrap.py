@@ -23,8 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.library.catalogue import find
-from sim.library.custom import load_all_custom
+from sim.effects.catalogue import find
+from sim.effects.custom import load_all_custom
 from stagecad.parameters.errors import InputError
 from sysid.estimation.covariance import BLOCKS_PER_RECORD, MOST_LEVERAGE
 from sysid.estimation.fit import FittedModel

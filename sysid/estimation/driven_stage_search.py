@@ -85,7 +85,11 @@ def synchronised_starts(
         count: of the models returned, at the most.
     """
     tied = held(records)
-    if not tied or not starts or any(e.core is not None and e.core.name != "coulomb" for e in starts[0].effects):
+    if (
+        not tied
+        or not starts
+        or any(e.friction_state is not None and e.friction_state.name != "coulomb" for e in starts[0].effects)
+    ):
         return []
     fits = [fit_model(start, tied, weights, steps) for start in starts]
     return [fitted.model for fitted in sorted(fits, key=lambda f: f.fit.cost)[:count]]

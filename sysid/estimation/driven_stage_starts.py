@@ -12,7 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.least_squares import least_squares
@@ -85,11 +85,11 @@ def slipping_starts(
     if not in_contact(effect):
         return []
     grown = with_effect(base, effect, scales, point)
-    if effect.core is None and f"{effect.name}.sensitivity" != LOAD_KEY:
+    if effect.friction_state is None and f"{effect.name}.sensitivity" != LOAD_KEY:
         return rough_starts(grown.at(_neutral(grown)), records, (), Effort(6, 4, 6, 1)) if far else []
-    plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.core is not None else grown
+    plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.friction_state is not None else grown
     found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), Effort(6, 4, 6, 1))
-    if effect.core is not None:
+    if effect.friction_state is not None:
         # A contact that never slips had to make up for every slip: its numbers may be no start.
         found += rough_starts(plain.at(_neutral(plain)), records, ())
     # A law with presliding begins from where plain slip comes nearest.
@@ -193,7 +193,9 @@ def _grids(model: Model, records: Sequence[FrictionDriveRecord], free: Collectio
 
 
 def _level_key(model: Model, contact: bool) -> str:
-    name = next((e.name for e in model.effects if e.core is not None and e.name.startswith(CONTACT) == contact), "")
+    name = next(
+        (e.name for e in model.effects if e.friction_state is not None and e.name.startswith(CONTACT) == contact), ""
+    )
     return f"{name}.force"
 
 

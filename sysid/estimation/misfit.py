@@ -157,7 +157,11 @@ def residual_weights(model: Model, records: Sequence[Prepared], thin: bool = Tru
         predicted = predict(record, model.effects, model.values)
         scored = scored_channels(record)
         given = isinstance(record, Balance) and record.stuck is None
-        timing = FOLLOWED if given and any(e.core and e.core.name != "coulomb" for e in model.effects) else 1.0
+        timing = (
+            FOLLOWED
+            if given and any(e.friction_state and e.friction_state.name != "coulomb" for e in model.effects)
+            else 1.0
+        )
         deviations.append({c: sample_std(record, predicted, c, timing) for c in scored})
         every = 1
         if thin and isinstance(record, Balance) and record.whole is not None:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.catalogue import find, laws_of
+from sim.effects.catalogue import find, laws_of
 from sim.library.effect import Effect
 from sysid.estimation.driven_stage_search import lowest_minimum
 from sysid.estimation.driven_stage_starts import rough_starts
@@ -127,7 +127,7 @@ def _best_law(
         # Another law was chosen while the model still lacked something; its fit may be better than any begun anew.
         before = [fitted]
         fitted = fit_replacement(fitted, effect, case.fit_records, case.scales)
-    if effect.core is not None:
+    if effect.friction_state is not None:
         trials = core_variant_fits(fitted, effect, case.fit_records, case.scales)
     else:
         shown = [law for law in laws_of(place, case.custom) if shows_on(case, law)]
@@ -210,6 +210,6 @@ def _start_from_screening(
 
 def has_shape(effect: Effect) -> bool:
     """Whether an effect has parameters that are searched on a grid before they are fitted."""
-    return effect.core is None and any(
+    return effect.friction_state is None and any(
         p.role == "shape" and p.scan is not None and not p.fixed for p in effect.parameters
     )

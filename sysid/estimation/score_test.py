@@ -105,7 +105,7 @@ def candidate_directions(
         trial = with_effect(base.model, effect, scales, shape)
         zero = {f"{effect.name}.{p.name}": 0.0 for p in amplitudes}
         directions: list[dict[str, float]] = []
-        if not amplitudes or effect.core is not None:
+        if not amplitudes or effect.friction_state is not None:
             directions.append({})
         else:
             for amplitude in amplitudes:
@@ -149,7 +149,7 @@ def score_test(
             predicted_reduction, blocked_reduction = 0.0, predicted_reduction
         start = start_for(effect, point.shape, point.directions, coefficients)
         full_step_reduction = (
-            float(2.0 * right[0] - normal[0, 0]) / total if effect.core is not None else predicted_reduction
+            float(2.0 * right[0] - normal[0, 0]) / total if effect.friction_state is not None else predicted_reduction
         )
         scores.append(
             ScoreStatistic(
@@ -178,7 +178,7 @@ def _solved(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndar
 def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficients: np.ndarray) -> bool:
     """Whether the one amplitude of an effect, zero at its bound, would have to go beyond that bound."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
-    if effect.core is not None or len(amplitudes) != 1 or len(directions) != 1:
+    if effect.friction_state is not None or len(amplitudes) != 1 or len(directions) != 1:
         return False
     wanted = float(coefficients[0])
     return (wanted < 0.0 <= amplitudes[0].low) or (wanted > 0.0 >= amplitudes[0].high)
@@ -188,7 +188,7 @@ def start_for(
     effect: Effect, shape: dict[str, float], directions: list[dict[str, float]], weights: np.ndarray
 ) -> dict[str, float]:
     """Values to start a refit from: a grid point, and the amplitudes that the moves' linear weights (k,) amount to."""
-    if effect.core is not None or not any(directions):
+    if effect.friction_state is not None or not any(directions):
         return dict(shape)
     return {**shape, **_amplitude_start(effect, directions, weights)}
 

@@ -113,7 +113,7 @@ def screen_scored(
     effect, scores = known.effect, known.scores
     far = any(isinstance(r, FrictionDriveRecord) for r in records) and root_mean_huber(base.fit.residual) > FAR
     points = [score.start for score in (_spread(scores, STARTS_FROM_AFAR) if far and scores else scores[:1])]
-    if scores and effect.core is not None:
+    if scores and effect.friction_state is not None:
         # Part of a long stretch may promise most, and a short one is what fits as a whole.
         best = max(scores, key=lambda score: score.full_step_reduction).start
         points += [best] if best is not points[0] else []
@@ -145,7 +145,7 @@ def refit_candidate(
     """The effect of a look refitted: further from where the look ended, and from other points of the grid."""
     best = fit_model(look.fitted.model, records, base.weights, iterations, near=look.fitted)
     others = _spread(look.scores, starts)[1:]
-    if look.effect.core is not None:
+    if look.effect.friction_state is not None:
         others += sorted(look.scores, key=lambda score: -score.full_step_reduction)[:2]
     for score in others:
         start = with_effect(base.model, look.effect, scales, score.start)

@@ -82,8 +82,11 @@ def core_variant_fits(
     """Fits with the bristles of the model's core, Maxwell-slip of a given curve, left free; none where it fits."""
     if root_mean_huber(fitted.fit.residual) <= WORTH_A_SEARCH:
         return []
-    free = next((v for v in core.variants if v.core is not None and v.core.name == "free_maxwell_slip"), None)
-    if free is None or core.core is None or core.core.name != "maxwell_slip":
+    free = next(
+        (v for v in core.variants if v.friction_state is not None and v.friction_state.name == "free_maxwell_slip"),
+        None,
+    )
+    if free is None or core.friction_state is None or core.friction_state.name != "maxwell_slip":
         return []
     starts = [
         with_effect(fitted.model, free, scales, _equivalent_elements(fitted.model, core, free, span)) for span in SPANS

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sim.library.catalogue import find
-from sim.library.custom import load_all_custom
+from sim.effects.catalogue import find
+from sim.effects.custom import load_all_custom
 from sim.library.effect import Effect, Parameter, rotary_unit
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_quantity, parse_uncertain
@@ -81,11 +81,11 @@ def check_effects(
 
 def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> None:
     """One friction level becomes one force: a second core at the same place would leave one of the two unheard."""
-    if found[name].core is None:
+    if found[name].friction_state is None:
         return
     in_contact = name.startswith("contact.")
     for other, effect in found.items():
-        if other != name and effect.core is not None and other.startswith("contact.") == in_contact:
+        if other != name and effect.friction_state is not None and other.startswith("contact.") == in_contact:
             raise InputError(
                 f"{model.where('effects')}: '{other}' and '{name}' are both friction cores, and a model has one"
                 f"{' between tip and stage' if in_contact else ''}; leave one out"

@@ -115,7 +115,7 @@ def minimum_sizes(
 
 
 def _amplitude(effect: Effect) -> Parameter | None:
-    if effect.core is not None:
+    if effect.friction_state is not None:
         return None
     return next((p for p in effect.parameters if p.role == "amplitude" and not p.fixed), None)
 
@@ -151,7 +151,7 @@ def _by_shape(
     key = f"{effect.name}.{sizes[0].name}"
     grid = sorted({shape[key] for shape in shape_grid(effect, scales, MOST_SHAPES)})
     absent = fitted.fit.residual
-    if effect.core is not None:
+    if effect.friction_state is not None:
         # Against the same law with a stretch that nothing shows, not against another law.
         rigid = with_effect(fitted.model, effect, scales, {key: max(1e-3 * grid[0], sizes[0].low)})
         absent = weighted_residual(rigid, records, fitted.weights)
@@ -161,7 +161,7 @@ def _by_shape(
         needed = judge.needed(absent - weighted_residual(trial, records, fitted.weights))
         if needed <= 1.0:
             # How a bristle shows below the shortest one tried hangs on the noise of the position: no extrapolation.
-            seen = value if effect.core is not None and before is None else _between(before, (value, needed))
+            seen = value if effect.friction_state is not None and before is None else _between(before, (value, needed))
             return MinimumDetectableEffect(base_name(effect.name), key, seen, {})
         before = (value, needed) if isfinite(needed) else None
     return MinimumDetectableEffect(base_name(effect.name), key, None, {}) if before is not None else None

@@ -254,15 +254,15 @@ def with_effect(
     """
     effects, values = list(model.effects), dict(model.values)
     unknowns = list(model.unknowns)
-    if effect.core is not None:
-        for old in [e for e in effects if e.core is not None and in_contact(e) == in_contact(effect)]:
+    if effect.friction_state is not None:
+        for old in [e for e in effects if e.friction_state is not None and in_contact(e) == in_contact(effect)]:
             effects.remove(old)
             unknowns = [u for u in unknowns if not u.key.startswith(f"{old.name}.")]
             carried = {k.partition(".")[2]: v for k, v in values.items() if k.startswith(f"{old.name}.")}
             values = {k: v for k, v in values.items() if not k.startswith(f"{old.name}.")}
             if "force" in carried:
                 start = {f"{effect.name}.force": carried["force"], **(start or {})}
-        beside = next((e for e in effects if e.core is not None), None)
+        beside = next((e for e in effects if e.friction_state is not None), None)
         if in_contact(effect) and beside is not None and f"{effect.name}.force" not in (start or {}):
             # A contact that holds less than the pads moves nothing, one that holds far more never slips: either way
             # nothing shows what it holds.

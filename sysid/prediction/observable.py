@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.library.catalogue import find, library
+from sim.effects.catalogue import find, library
 from sim.library.effect import Effect
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.friction_drive.observable import can_show, contact_candidates
@@ -52,13 +52,13 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
         if not shows_on(case, effect):
             continue
         if (
-            effect.core is not None
+            effect.friction_state is not None
             and has_core
             and (name == "coulomb" or taken & (cores - {"coulomb"}))
             and not all_effects
         ):
             continue
-        if effect.core is None and not has_core and (effect.factor is not None or effect.level is not None):
+        if effect.friction_state is None and not has_core and (effect.factor is not None or effect.level is not None):
             continue
         found.extend(_on_channels(case, effect, present))
         for variant in effect.variants:
@@ -91,7 +91,7 @@ def shows_on(case: Case, effect: Effect) -> bool:
     if acts == "piezo" or effect.name.endswith(OF_A_COMMAND):
         # How a voltage runs from row to row rings and lags; what is measured elsewhere is too smooth to tell.
         return False
-    if effect.core is not None and effect.core.name == "free_maxwell_slip":
+    if effect.friction_state is not None and effect.friction_state.name == "free_maxwell_slip":
         # So many shares take a motion that is known, not one that is measured.
         return kind == "velocity-drive"
     if acts == "drive":

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sim.library.catalogue import find
-from sim.library.custom import load_all_custom
+from sim.effects.catalogue import find
+from sim.effects.custom import load_all_custom
 from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment

@@ -130,7 +130,7 @@ def test_a_mistake_ends_in_one_line_and_status_two(capsys, tmp_path, arguments, 
 
 
 def test_effects_lists_the_library_and_tells_of_one(capsys):
-    from sim.library.catalogue import library
+    from sim.effects.catalogue import library
 
     assert run(["effects"]) == 0
     listed = capsys.readouterr().out

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.library.catalogue import library
+from sim.effects.catalogue import library
 from sim.library.effect import Effect
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"

@@ -30,8 +30,8 @@ from workbench.options import Run, common_options
 @common_options
 def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:
     """List the physical effects, or tell all about one: NAME, NAME:VARIANT."""
-    from sim.library.catalogue import find, library
-    from sim.library.custom import load_all_custom
+    from sim.effects.catalogue import find, library
+    from sim.effects.custom import load_all_custom
 
     if target is not None:
         from workbench.identification.own_effect import write_own_effect
@@ -58,7 +58,7 @@ def _document(effect: Any) -> dict[str, Any]:
         "meaning": effect.meaning,
         "equation": effect.equation,
         "acts_on": effect.acts_on,
-        "core": effect.core is not None,
+        "core": effect.friction_state is not None,
         "shows": effect.shows,
         "coordinates": list(effect.coordinates),
         "needs": list(effect.needs),
@@ -88,7 +88,7 @@ def _list(run: Run, effects: list[Any]) -> None:
     for heading in ("effect", "acts on", "meaning", "parameters"):
         table.add_column(heading, overflow="fold")
     for effect in effects:
-        kind = f"{effect.acts_on} (core)" if effect.core is not None else effect.acts_on
+        kind = f"{effect.acts_on} (core)" if effect.friction_state is not None else effect.acts_on
         names = ", ".join(p.name if p.unit == "1" else f"{p.name} \\[{p.unit}]" for p in effect.parameters)
         table.add_row(effect.name, kind, effect.meaning, names)
     run.console.print(table)
@@ -98,8 +98,8 @@ def _tell(run: Run, effect: Any) -> None:
     from rich.table import Table
 
     lines = [("", effect.meaning), ("law", effect.equation), ("shows", effect.shows), ("acts on", effect.acts_on)]
-    if effect.core is not None:
-        lines.append(("core", f"turns the friction level into a force; state: {effect.core.state}"))
+    if effect.friction_state is not None:
+        lines.append(("core", f"turns the friction level into a force; state: {effect.friction_state.state}"))
     if effect.coordinates:
         lines.append(("seen against", ", ".join(effect.coordinates)))
     if effect.needs:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim.library.catalogue import library, valid_name
+from sim.effects.catalogue import library, valid_name
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 

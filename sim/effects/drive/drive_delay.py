@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from sim.effects.sensor import sensor_delay
-from sim.library.time_domain import DriveDelay
+from sim.library.time_domain import TransportDelay
 
 _OF_CURVES = replace(
     sensor_delay.EFFECT.variants[0],
@@ -19,6 +19,6 @@ EFFECT = replace(
     name="drive_delay",
     meaning="the drive acts on its command only after a delay",
     acts_on="drive",
-    in_time=lambda p: DriveDelay(p.delay),
+    time_domain=lambda p: TransportDelay(p.delay),
     variants=(_OF_CURVES,),
 )

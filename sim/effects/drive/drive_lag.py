@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from sim.effects.sensor import sensor_lag
-from sim.library.time_domain import DriveLag
+from sim.library.time_domain import FirstOrderLag
 
 _SENSOR, _SENSOR_OF_STEPS = sensor_lag.EFFECT, sensor_lag.EFFECT.variants[0]
 _TIME_CONSTANT = replace(_SENSOR.parameters[0], source="amplifier or piezo charging lag")
@@ -25,6 +25,6 @@ EFFECT = replace(
     meaning="the drive follows its command with a first-order lag",
     acts_on="drive",
     parameters=(_TIME_CONSTANT,),
-    in_time=lambda p: DriveLag(p.time_constant),
+    time_domain=lambda p: FirstOrderLag(p.time_constant),
     variants=(_OF_STEPS,),
 )

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.time_domain import Play
+from sim.library.time_domain import Backlash
 
 
 def _memory(axis: Axis, p: Any) -> Axis:
@@ -40,5 +40,5 @@ EFFECT = Effect(
         ),
     ),
     memory=_memory,
-    in_time=lambda p: Play(p.gap),
+    time_domain=lambda p: Backlash(p.gap),
 )

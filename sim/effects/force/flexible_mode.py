@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Effect, Parameter, Scan
-from sim.library.time_domain import Rider
+from sim.library.time_domain import AddedOscillator
 
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
@@ -67,7 +67,7 @@ _SMOOTH = Effect(
         ),
     ),
     signal=_signal,
-    in_time=lambda p: Rider(p.frequency, p.damping, p.mass_ratio),
+    time_domain=lambda p: AddedOscillator(p.frequency, p.damping, p.mass_ratio),
 )
 
 _OF_STEPS = replace(

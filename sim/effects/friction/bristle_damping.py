@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
 from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.friction_state import FrictionStateModel
 
 
 def _force(axis: Axis, p: Any) -> Any:
@@ -88,7 +88,7 @@ _ONE = Effect(
                   role="shape", scan=Scan("position", 1e-4, 0.1, 10)),
     ),
     force=_force,
-    element=Core("bristle_damping", _law, _slopes, _along, lambda p: p.stretch),
+    parallel_element=FrictionStateModel("bristle_damping", _law, _slopes, _along, lambda p: p.stretch),
 )  # fmt: skip
 
 _SPREAD = replace(
@@ -102,7 +102,7 @@ _SPREAD = replace(
         Parameter("span", "1", 20.0, 1.0, 1e3, "longest stretch over the shortest", "one to two decades", role="shape"),
     ),
     force=_spread_force,
-    element=Core(
+    parallel_element=FrictionStateModel(
         "bristle_damping", _spread_law, _spread_slopes, _spread_along, lambda p: p.stretch / p.span,
         elements=lambda p: SPREAD,
     ),

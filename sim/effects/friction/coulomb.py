@@ -35,6 +35,6 @@ EFFECT = Effect(
     ),
     coordinates=("direction",),
     level=level,
-    core=core,
+    friction_state=core,
     acts_on="friction",
 )

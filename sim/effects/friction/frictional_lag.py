@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.time_domain import LaggedSpeed
+from sim.library.time_domain import DelayedSpeed
 
 
 def _memory(axis: Axis, p: Any) -> Axis:
@@ -45,7 +45,7 @@ _PURE = Effect(
         ),
     ),
     memory=_memory,
-    in_time=lambda p: LaggedSpeed(p.delay),
+    time_domain=lambda p: DelayedSpeed(p.delay),
 )
 
 _RELAXATION = replace(
@@ -68,7 +68,7 @@ _RELAXATION = replace(
         ),
     ),
     memory=_relaxation,
-    in_time=None,
+    time_domain=None,
 )
 
 EFFECT = replace(_PURE, variants=(_RELAXATION,))

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
+from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 RELAXATION = 1e-4
@@ -81,4 +81,4 @@ def scale(p: Any) -> float:
     return max(p.force, 1e-9)
 
 
-core = Core("coulomb", law, slopes, along, scale, state="force of the bristle, N", stored=stored)
+core = FrictionStateModel("coulomb", law, slopes, along, scale, state="force of the bristle, N", stored=stored)

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
 from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 
@@ -104,6 +104,6 @@ EFFECT = Effect(
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    core=Core("dahl", law, slopes, along, scale, stored=stored),
+    friction_state=FrictionStateModel("dahl", law, slopes, along, scale, stored=stored),
     acts_on="friction",
 )

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
 from sim.effects.friction_state.maxwell_slip import along_springs, level
 from sim.library.effect import Effect, Parameter, Scan
+from sim.library.friction_state import FrictionStateModel
 
 ELEMENTS = 10
 HELD = 5
@@ -106,6 +106,6 @@ EFFECT = Effect(
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    core=Core("free_maxwell_slip", law, slopes, along, scale, elements=_count, springs=springs),
+    friction_state=FrictionStateModel("free_maxwell_slip", law, slopes, along, scale, elements=_count, springs=springs),
     acts_on="friction",
 )  # fmt: skip

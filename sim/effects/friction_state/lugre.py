@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
 from sim.effects.friction_state.relaxation import spring_force
 from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.friction_state import FrictionStateModel
 
 CANUDAS = "Canudas de Wit, Olsson, Astrom, Lischinsky 1995, IEEE Trans. Automatic Control 40(3), pp. 419-425"
 
@@ -77,6 +77,6 @@ EFFECT = Effect(
     parameters=(FORCE, STIFFNESS, DAMPING),
     coordinates=("distance_since_reversal", "direction", "acceleration"),
     level=level,
-    core=Core("lugre", law, slopes, along, scale, stored=stored),
+    friction_state=FrictionStateModel("lugre", law, slopes, along, scale, stored=stored),
     acts_on="friction",
 )

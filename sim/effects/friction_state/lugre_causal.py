@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from sim.effects.friction_state import lugre
-from sim.effects.friction_state.friction_state import Core
 from sim.effects.friction_state.relaxation import spring_force
 from sim.library.effect import Effect
+from sim.library.friction_state import FrictionStateModel
 
 
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
@@ -58,6 +58,6 @@ EFFECT = Effect(
     parameters=(lugre.FORCE, lugre.STIFFNESS, lugre.DAMPING),
     coordinates=("distance_since_reversal", "direction", "acceleration"),
     level=lugre.level,
-    core=Core("lugre_causal", law, slopes, along, lugre.scale, stored=lugre.stored),
+    friction_state=FrictionStateModel("lugre_causal", law, slopes, along, lugre.scale, stored=lugre.stored),
     acts_on="friction",
 )

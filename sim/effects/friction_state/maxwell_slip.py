@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from sim.effects.friction_state.friction_state import Core
 from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 ELEMENTS = 12
@@ -122,6 +122,6 @@ EFFECT = Effect(
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    core=Core("maxwell_slip", law, slopes, along, scale, elements=_count, springs=springs),
+    friction_state=FrictionStateModel("maxwell_slip", law, slopes, along, scale, elements=_count, springs=springs),
     acts_on="friction",
 )  # fmt: skip

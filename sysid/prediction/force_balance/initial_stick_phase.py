@@ -42,10 +42,10 @@ def along_from_rest(
         p: values of the core.
         other: forces beside the core, N, (n,).
     """
-    assert core.core is not None
+    assert core.friction_state is not None
     rows = rest_rows(balance)
     if rows == 0:
-        return core.core.along(axis.position, axis.velocity, axis.time, level, p)
+        return core.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p)
     wanted = float(np.median(balance.measured[balance.force_channel][:rows] - other[:rows]))
     before = _way_there(core, p, float(level[0]), wanted, float(np.ptp(axis.position)))
     count = before.size
@@ -53,12 +53,12 @@ def along_from_rest(
     position = np.concatenate([axis.position[0] + before, axis.position])
     velocity = np.concatenate([np.gradient(before, balance.step), axis.velocity])
     levels = np.concatenate([np.full(count, level[0]), level])
-    return core.core.along(position, velocity, time, levels, p)[count:]
+    return core.friction_state.along_record(position, velocity, time, levels, p)[count:]
 
 
 def _way_there(core: Effect, p: Any, level: float, wanted: float, span: float) -> np.ndarray:
     """Places (k,) before the first one, relative to it, that leave the core with the force `wanted`, or near it."""
-    along = core.core.along if core.core is not None else None
+    along = core.friction_state.along_record if core.friction_state is not None else None
     assert along is not None
     side = 1.0 if wanted >= 0.0 else -1.0
     far = 1e3 * max(span, 1e-9)

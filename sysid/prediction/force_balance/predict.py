@@ -81,17 +81,21 @@ def _friction(
     """Force against the motion (n,) for the filter `smooth`, and the sharp part of it for the filter `whole`, N."""
     level, forces = terms.level, terms.forces
     axis, _ = friction_axis(balance, effects, values)
-    core = next((e for e in effects if e.core is not None), None)
+    core = next((e for e in effects if e.friction_state is not None), None)
     if core is None:
         return forces, None
-    if core.core.name != "coulomb" or balance.stuck is None:
+    if core.friction_state.name != "coulomb" or balance.stuck is None:
         p = values_of(core, values)
         usual = _usual(core, level)
         unseen = unseen_part(balance, core, usual, p)
-        if core.core.name == "coulomb":
+        if core.friction_state.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
         held = along_from_rest(balance, core, axis, level, p, forces)
-        if core.core.name == "coulomb" and balance.heading is not None and axis.position is balance.axis.position:
+        if (
+            core.friction_state.name == "coulomb"
+            and balance.heading is not None
+            and axis.position is balance.axis.position
+        ):
             # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
             held = np.where(balance.heading != 0.0, balance.heading * level, held)
         if unseen > LEAST_UNSEEN:
@@ -108,7 +112,7 @@ def _friction(
 
 def _usual(core: Effect, level: np.ndarray) -> float:
     """Usual friction level of a core with bristles, N; one without asks for none."""
-    return 0.0 if core.core is not None and core.core.name == "coulomb" else usual_level(level)
+    return 0.0 if core.friction_state is not None and core.friction_state.name == "coulomb" else usual_level(level)
 
 
 LEAST_UNSEEN = 0.02
@@ -129,8 +133,8 @@ def unseen_part(balance: Balance, core: Effect, usual: float, p: Any) -> float:
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
     from the balance to s_F: what is left of the difference is s_F / hypot(s_F, k s_x) of it.
     """
-    assert core.core is not None
-    if balance.stuck is None or core.core.name == "coulomb":
+    assert core.friction_state is not None
+    if balance.stuck is None or core.friction_state.name == "coulomb":
         return 0.0
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
@@ -163,9 +167,9 @@ def _sharp(
     direction, stuck, turns = at_times(balance.direction, balance.stuck, stops, times, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
     friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(usual, p), scale)
-    assert core.core is not None
-    if core.core.name != "coulomb":
-        stretches, weights = bristles_of(core.core, p, max(usual, 1e-12), SWUNG_ON)
+    assert core.friction_state is not None
+    if core.friction_state.name != "coulomb":
+        stretches, weights = bristles_of(core.friction_state, p, max(usual, 1e-12), SWUNG_ON)
         parts = parts_of_a_step(usual, stretches, weights, scale)
         if parts:
             seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.light_noise
@@ -186,14 +190,14 @@ FARTHEST = 2.5
 def _given_way(balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:
     """How a body moves while friction holds it (n,), from the mean of each rest, as its position sensor says, m."""
     rests = balance.rests
-    core = next((e for e in effects if e.core is not None), None)
+    core = next((e for e in effects if e.friction_state is not None), None)
     assert rests is not None
     moved = np.zeros(balance.size)
     if core is None:
         # What would hold the body is still to be found: nothing is asked of how.
         moved = rests.shift
-    elif core.core is not None and core.core.name != "coulomb":
-        moved = given_way(rests, rests.force - terms.forces, terms.level, core.core, values_of(core, values))
+    elif core.friction_state is not None and core.friction_state.name != "coulomb":
+        moved = given_way(rests, rests.force - terms.forces, terms.level, core.friction_state, values_of(core, values))
     if rests.compliance:
         # The position was told by the force, and the spring as it was said to be.
         moved = moved + (1.0 / values["rig.pull_stiffness"] - rests.compliance) * rests.centred(rests.force)

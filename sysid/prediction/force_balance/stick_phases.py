@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from sim.effects.friction_state.friction_state import Core
+from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
 from sysid.signals.intervals import runs
 
@@ -201,7 +201,7 @@ POINTS = 24
 
 
 @lru_cache(32)
-def bristles_of(core: Core, p: Any, level: float, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
+def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
     """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does.
 
     They are kept for whoever asks again, and not to be written to.
@@ -213,14 +213,14 @@ def bristles_of(core: Core, p: Any, level: float, points: int = POINTS) -> tuple
     # Slipped one way, then pushed back: half of the way back is the curve of a fresh contact (Masing).
     path = np.concatenate([[-20.0 * longest, 0.0], -2.0 * knots[1:]])
     time = 1e6 * np.arange(path.size)
-    force = core.along(path, np.zeros(path.size), time, np.full(path.size, level), p)[1:]
+    force = core.along_record(path, np.zeros(path.size), time, np.full(path.size, level), p)[1:]
     curve = 0.5 * (1.0 - force / level)
     slope = np.maximum.accumulate(np.maximum(np.diff(curve), 0.0)[::-1] / np.diff(knots)[::-1])[::-1]
     shares = (slope - np.append(slope[1:], 0.0)) * knots[1:]
     return knots[1:], shares / np.sum(shares)
 
 
-def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: Core, p: Any) -> np.ndarray:
+def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: FrictionStateModel, p: Any) -> np.ndarray:
     """Displacement (n,) that bristles let the body make at rest, centred as `Rests.shift`, m.
 
     Args:

@@ -60,7 +60,7 @@ def slipping_contact(
 
 def core_of(effects: Sequence[Effect]) -> Effect | None:
     """The effect that turns a level into a force, if there is one."""
-    return next((e for e in effects if e.core is not None), None)
+    return next((e for e in effects if e.friction_state is not None), None)
 
 
 def bristles_of(core: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarray]:
@@ -69,10 +69,10 @@ def bristles_of(core: Effect | None, values: Values) -> tuple[np.ndarray, np.nda
     Raises:
         InputError: a core whose bristles do not yield at a stretch of their own.
     """
-    if core is None or core.core.name == "coulomb":
+    if core is None or core.friction_state.name == "coulomb":
         return np.empty(0), np.empty(0)
-    if core.core.springs is not None:
-        return core.core.springs(values_of(core, values))
+    if core.friction_state.springs is not None:
+        return core.friction_state.springs(values_of(core, values))
     raise InputError(
         f"model.effects: '{core.name}' cannot be used on a friction-drive; its cores are 'coulomb' and 'presliding'"
     )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.prediction.friction_drive.friction import CONTACT
 from sysid.prediction.friction_drive.record import ACROSS, FrictionDriveRecord
@@ -21,9 +21,9 @@ def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
         return effect.signal is not None and not effect.name.endswith(":of_curves")
     if effect.acts_on == "structure":
         return effect.signal is not None and ":" not in effect.name
-    if effect.core is not None:
-        bristles = effect.core.name in ("maxwell_slip", "free_maxwell_slip")
-        return effect.core.name == "coulomb" or (bristles and ACROSS not in record.measured)
+    if effect.friction_state is not None:
+        bristles = effect.friction_state.name in ("maxwell_slip", "free_maxwell_slip")
+        return effect.friction_state.name == "coulomb" or (bristles and ACROSS not in record.measured)
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
     return (effect.acts_on in ("friction", "axis") and has_law) or effect.acts_on == "memory"
 

@@ -179,7 +179,7 @@ def _follow_plane(
     pads = [e for e in effects if not e.name.startswith(CONTACT)]
     contact = [e for e in effects if e.name.startswith(CONTACT)]
     for core in (core_of(pads), core_of(contact)):
-        if core is not None and core.core.name != "coulomb":
+        if core is not None and core.friction_state.name != "coulomb":
             raise InputError(
                 f"model.effects: '{core.name}' cannot be used where position_y is recorded; the core of a plane is "
                 "'coulomb'"
@@ -207,7 +207,7 @@ def _follow(
     contact = [e for e in effects if e.name.startswith(CONTACT)]
     pad_core, contact_core = core_of(pads), core_of(contact)
     stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
-    if all(core is None or core.core.name == "coulomb" for core in (pad_core, contact_core)):
+    if all(core is None or core.friction_state.name == "coulomb" for core in (pad_core, contact_core)):
         top = TOP * (float(np.max(np.abs(np.diff(along)))) / record.step + float(np.max(np.abs(record.axis.velocity))))
         level, share, contact_push, contact_curves = slipping_contact(record, contact, values, along, load, top)
 

@@ -43,7 +43,7 @@ def goes_by_speed(effect: Effect) -> bool:
     """Whether a law of friction reads the speed or its sign, and nothing else that changes."""
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
     read = set(effect.coordinates)
-    return has_law and effect.core is None and effect.memory is None and bool(read) and read <= set(OF_SPEED)
+    return has_law and effect.friction_state is None and effect.memory is None and bool(read) and read <= set(OF_SPEED)
 
 
 def curves_of(effects: Sequence[Effect], values: Values, axis: Axis, top: float) -> Curves:

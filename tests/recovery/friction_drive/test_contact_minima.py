@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from driven_stage import write_case
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation.fit import fit_model, root_mean_huber
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from driven_stage import write_case
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sim.numerics.record_operators import bouc_wen
 from sysid.estimation.driven_stage_search import lowest_minimum, truncated
 from sysid.estimation.fit import fit_model

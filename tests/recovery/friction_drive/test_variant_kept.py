@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from driven_stage import write_case
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation import reference_fit
 from sysid.estimation.fit import fit_model
 from sysid.estimation.reference_fit import select_variants

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from generator import Plan, make_case
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.diagnosis.evidence import is_worthwhile
 from sysid.diagnosis.trials import evaluate_all, evaluate_candidate

@@ -9,13 +9,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sim.effects.catalogue import find, library
+from sim.effects.model import compose
 from sim.integration import drive, kernels
 from sim.integration.simulate import simulate
-from sim.library.catalogue import find, library
 from sim.library.effect import Axis
-from sim.library.model import compose
 
-CORES = [name for name, effect in library().items() if effect.core is not None and hasattr(effect.core, "law")]
+CORES = [
+    name
+    for name, effect in library().items()
+    if effect.friction_state is not None and hasattr(effect.friction_state, "law")
+]
 BRISTLES = [name for name in CORES if name != "coulomb"]
 PASSIVE = [name for name in CORES if name != "lugre"]
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
@@ -35,7 +39,7 @@ def stretched(name: str, stress: float, g: float, p, k: int = 0) -> float:
     """State in which the spring of element k carries `stress` times what it can."""
     if name == "coulomb":
         return stress * g
-    springs = find(name).core.springs
+    springs = find(name).friction_state.springs
     if springs is not None:
         return stress * float(springs(p)[0][k])
     return stress * g / p.stiffness
@@ -49,14 +53,16 @@ def difference(function, at: float, step: float) -> float:
 
 
 def test_every_core_of_the_library_is_among_those_held_here():
-    assert {id(law.core) for law in EVERY if law.core is not None} == {id(find(name).core) for name in CORES}
+    assert {id(law.friction_state) for law in EVERY if law.friction_state is not None} == {
+        id(find(name).friction_state) for name in CORES
+    }
 
 
 @pytest.mark.parametrize("name", CORES)
 @settings(max_examples=60, deadline=None)
 @given(v=speeds, g=levels, stress=stresses)
 def test_slopes_of_a_core_are_those_of_its_law(name, v, g, stress):
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
         z = stretched(name, stress, g, p, k)
         slopes = core.slopes(k, z, v, math.copysign(1.0, v), g, p)
@@ -123,14 +129,14 @@ def test_an_effect_of_amplitude_zero_does_nothing(effect):
 
 @pytest.mark.parametrize("name", CORES)
 def test_no_force_without_cause(name):
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
         assert core.law(k, 0.0, 0.0, 1.0, 1.0, p) == (0.0, 0.0)
         assert core.law(k, 0.0, 0.3, 1.0, 0.0, p)[1] == 0.0
     time = np.linspace(0.0, 1.0, 50)
-    at_rest = core.along(np.full(50, 0.2), np.zeros(50), time, np.ones(50), p)
+    at_rest = core.along_record(np.full(50, 0.2), np.zeros(50), time, np.ones(50), p)
     assert np.all(at_rest == 0.0)
-    moving = core.along(0.1 * time, np.full(50, 0.1), time, np.zeros(50), p)
+    moving = core.along_record(0.1 * time, np.full(50, 0.1), time, np.zeros(50), p)
     assert np.all(moving == 0.0)
     still = simulate(compose([name, "stribeck", "viscous"]), drive.force([0.0, 1.0], [0.0, 0.0]), time)
     assert np.all(still.position == 0.0)
@@ -141,7 +147,7 @@ def test_no_force_without_cause(name):
 @settings(max_examples=60, deadline=None)
 @given(v=speeds, g=levels, stress=stresses)
 def test_a_core_is_odd_in_the_motion(name, v, g, stress):
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
         z = stretched(name, stress, g, p, k)
         ahead, back = core.law(k, z, v, math.copysign(1.0, v), g, p), core.law(k, -z, -v, math.copysign(1.0, -v), g, p)
@@ -150,12 +156,12 @@ def test_a_core_is_odd_in_the_motion(name, v, g, stress):
 
 @pytest.mark.parametrize("name", CORES)
 def test_a_core_is_odd_in_the_motion_along_a_record(name):
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     time = np.linspace(0.0, 2.0, 3000)
     x = 1e-4 * np.sin(3.0 * time) + 2e-5 * np.sin(17.0 * time)
     v = 3e-4 * np.cos(3.0 * time) + 34e-5 * np.cos(17.0 * time)
     level = 1.0 + 0.2 * np.sin(time)
-    assert np.allclose(core.along(x, v, time, level, p), -core.along(-x, -v, time, level, p), rtol=1e-12)
+    assert np.allclose(core.along_record(x, v, time, level, p), -core.along_record(-x, -v, time, level, p), rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", PASSIVE)
@@ -163,7 +169,7 @@ def test_a_core_is_odd_in_the_motion_along_a_record(name):
 @given(v=speeds, g=levels, stress=stresses)
 def test_a_passive_core_never_gives_heat_back(name, v, g, stress):
     """Power into the core less the rise of its springs' energy is heat, and never negative at a constant level."""
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     for k in range(core.elements(p)):
         z = stretched(name, stress, g, p, k)
         rate, force = core.law(k, z, v, math.copysign(1.0, v), g, p)
@@ -176,7 +182,7 @@ def test_a_passive_core_never_gives_heat_back(name, v, g, stress):
 
 def heat_of_lugre(v: float, g: float, stress: float) -> float:
     """Power into the core less the rise of its spring's energy, as a share of g v; stress above one: the level fell."""
-    core, p = find("lugre").core, values("lugre")
+    core, p = find("lugre").friction_state, values("lugre")
     rate, force = core.law(0, stress * g / p.stiffness, v, 1.0, g, p)
     return (force * v - stress * g * rate) / (g * v)
 
@@ -197,7 +203,7 @@ def test_lugre_gives_heat_back_above_four_g_over_a1(over, g):
 @settings(max_examples=100, deadline=None)
 @given(v=speeds, g=levels, stress=stresses)
 def test_the_force_of_a_core_without_free_damping_never_exceeds_the_level(name, v, g, stress):
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     assert abs(core.law(0, stretched(name, stress, g, p), v, math.copysign(1.0, v), g, p)[1]) <= g * (1.0 + 1e-12)
 
 
@@ -220,7 +226,7 @@ def sine(n: int = 4000):
 
 def along(name: str, **given_values: float) -> np.ndarray:
     time, x, v = sine()
-    return find(name).core.along(x, v, time, np.full(time.size, 1.3), values(name, **given_values))
+    return find(name).friction_state.along_record(x, v, time, np.full(time.size, 1.3), values(name, **given_values))
 
 
 def test_lugre_without_damping_is_dahl_of_exponent_one():
@@ -241,7 +247,9 @@ def test_coulomb_holds_its_last_force_in_a_dwell():
     time = np.linspace(0.0, 3.0, 3001)
     x = np.clip(time, None, 1.0) * 1e-3
     noise = 3e-10 * np.random.default_rng(3).standard_normal(3001)
-    force = find("coulomb").core.along(x + noise, np.gradient(x, time), time, np.ones(3001), values("coulomb"))
+    force = find("coulomb").friction_state.along_record(
+        x + noise, np.gradient(x, time), time, np.ones(3001), values("coulomb")
+    )
     assert force[1100:].min() > 0.7
     assert force[:1000].min() > 0.99
     # Under a drive below the level the mass stays, and friction balances the drive.
@@ -253,12 +261,14 @@ def test_coulomb_holds_its_last_force_in_a_dwell():
 @pytest.mark.parametrize("name", BRISTLES)
 def test_the_operator_along_a_record_agrees_with_the_integrated_core(name):
     time, _, _ = sine(20_001)
-    core, p = find(name).core, values(name)
+    core, p = find(name).friction_state, values(name)
     motion = drive.sinusoidal_velocity(1e-3, 5.0, 0.0)
     run = simulate(compose([name]), motion, time, tolerance=1e-10)
-    found = core.along(run.position, run.velocity, time, np.ones(time.size), p)
+    found = core.along_record(run.position, run.velocity, time, np.ones(time.size), p)
     # After the first reversal, which wipes out what each assumes of the time before the record.
-    yields = 2e-2 if find(name).core.stored is None else 2e-3  # Maxwell-slip is rounded where it is integrated
+    yields = (
+        2e-2 if find(name).friction_state.stored is None else 2e-3
+    )  # Maxwell-slip is rounded where it is integrated
     assert np.abs(found - run.core_force)[time > 1.0].max() < yields
 
 

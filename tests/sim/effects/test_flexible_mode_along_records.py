@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 
 STEP, FREQUENCY, DAMPING = 1e-3, 40.0, 0.05
 TIME = STEP * np.arange(300)

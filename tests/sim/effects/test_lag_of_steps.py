@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 
 STEP, TIME_CONSTANT = 1e-3, 4.2e-3
 

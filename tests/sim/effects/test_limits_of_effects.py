@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from sim import compose, simulate
+from sim.effects.catalogue import find, library
 from sim.integration import drive, kernels
-from sim.library.catalogue import find, library
 from sim.library.effect import Axis, Effect
 
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
@@ -158,9 +158,9 @@ LIMITS: dict[str, Callable[[str], None]] = {
 AT_ONE_INSTANT = [
     law
     for law in EVERY
-    if law.core is None
+    if law.friction_state is None
     and kernels.unsupported(law) is None
-    and law.element is None
+    and law.parallel_element is None
     and (law.level or law.factor or law.force)
 ]
 

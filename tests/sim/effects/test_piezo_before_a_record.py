@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 
 
 @pytest.mark.parametrize("name", ["piezo_hysteresis", "piezo_hysteresis:bouc_wen", "piezo_hysteresis:free_plays"])

@@ -1,4 +1,4 @@
-"""Effects of drive, structure, memory and sensors in a simulation, against closed solutions; draws of parameters."""
+"""Effects of drive, structure and memory in a simulation, against closed solutions."""
 
 from __future__ import annotations
 
@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 
 from sim import compose, simulate
+from sim.effects.catalogue import library
 from sim.integration import drive, kernels
-from sim.integration.draws import simulate_draws
-from sim.integration.sensing import measured
 from sim.integration.simulate import SimulationError
-from sim.library.catalogue import library
 from stagecad.parameters.errors import InputError
 
 PUSH = drive.force([0.0, 0.1, 0.3, 0.4, 0.8], [0.0, 3.0, 3.0, -3.0, -3.0])
@@ -111,21 +109,6 @@ def test_energy_balances_to_a_millionth_of_the_work(names, values):
     assert np.abs(left).max() <= 1e-6 * work
 
 
-def test_a_sensor_reports_what_its_effects_make_of_the_motion():
-    model = compose(["lugre", "sensor_quantisation@position", "sensor_delay@velocity"],
-                    {"sensor_quantisation@position.step": 1e-4, "sensor_delay@velocity.delay": 0.01})  # fmt: skip
-    run = simulate(model, PUSH, TIME)
-    steps = measured(run, model, "position") / 1e-4
-    assert np.abs(steps - np.round(steps)).max() < 1e-9
-    assert np.abs(measured(run, model, "position") - run.position).max() <= 0.5e-4 * (1.0 + 1e-9)
-    assert np.allclose(measured(run, model, "velocity")[5:], run.velocity[:-5], atol=1e-12)
-    assert np.array_equal(measured(run, model, "drive_force"), run.drive)
-    with pytest.raises(InputError, match="no simulated channel 'positon'; did you mean 'position'"):
-        measured(run, model, "positon")
-    with pytest.raises(InputError, match="need instants that are evenly spaced"):
-        measured(simulate(model, PUSH, np.array([0.0, 0.1, 0.3])), model)
-
-
 def test_what_the_drive_cannot_do_says_so():
     imposed = drive.sinusoidal_velocity(0.0, 0.0, 0.1)
     with pytest.raises(InputError, match="'drive_lag' acts on a drive, and here the motion itself is imposed"):
@@ -141,26 +124,13 @@ IN_TIME = [law for law in EVERY if law.acts_on != "piezo" and kernels.unsupporte
 
 @pytest.mark.parametrize("effect", IN_TIME, ids=lambda effect: effect.name)
 def test_every_effect_of_an_axis_can_be_simulated_and_does_no_work_of_its_own_at_rest(effect):
-    names = [effect.name] if effect.core is not None else ["lugre", effect.name]
+    names = [effect.name] if effect.friction_state is not None else ["lugre", effect.name]
     pull = drive.pulled_spring([0.0, 0.2], [0.0, 0.0], 10.0)
     run = simulate(compose(names), pull, np.linspace(0.0, 0.2, 21), load=1.0, temperature=20.0)
     if effect.name == "constant_bias":
         assert np.abs(run.velocity).max() < 0.1  # a bias pushes; the bristles hold it
     else:
         assert np.abs(run.position).max() < 1e-12
-
-
-def test_draws_are_those_of_single_simulations_and_failures_are_named():
-    values = {"viscous.coefficient": np.array([0.2, 0.4, math.nan, 0.8])}
-    found = simulate_draws(["lugre", "viscous"], values, PUSH, TIME, workers=2)
-    for k in (0, 1, 3):
-        model = compose(["lugre", "viscous"], {"viscous.coefficient": float(values["viscous.coefficient"][k])})
-        assert np.array_equal(found.position[k], simulate(model, PUSH, TIME, forces=False).position)
-    assert list(found.failures) == [2]
-    assert "not finite" in found.failures[2]
-    assert np.all(np.isnan(found.position[2]))
-    with pytest.raises(InputError, match="one array of values for each parameter, all of one length"):
-        simulate_draws(["lugre"], {"lugre.force": np.ones(2), "lugre.stiffness": np.ones(3)}, PUSH, TIME)
 
 
 def test_a_law_that_is_not_finite_is_never_a_silent_answer():

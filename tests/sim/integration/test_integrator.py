@@ -9,11 +9,11 @@ import sys
 import numpy as np
 import pytest
 
+from sim.effects.catalogue import find
+from sim.effects.model import compose
 from sim.integration import drive, kernels
 from sim.integration.drive import Drive
 from sim.integration.simulate import SimulationError, simulate
-from sim.library.catalogue import find
-from sim.library.model import compose
 from stagecad.parameters.errors import InputError
 
 NO_FORCE = drive.force([0.0, 1.0], [0.0, 0.0])

@@ -38,12 +38,12 @@ def test_it_gives_what_the_laws_give_one_by_one(direction: float) -> None:
         # Only friction that depends on the speed sees the lagged one, so all levels may be shown it.
         level += effect.level(late, p) if effect.level is not None else 0.0
         factor *= effect.factor(late, p) if effect.factor is not None else 1.0
-        force += effect.force(here, p) if effect.force is not None and effect.element is None else 0.0
+        force += effect.force(here, p) if effect.force is not None and effect.parallel_element is None else 0.0
     by_name = dict(zip(MANY.names, zip(MANY.effects, MANY.values)))
     core, p = by_name["lugre_causal"]
-    bristle = core.core.law(0, y[4], y[1], direction, level * factor, p)
+    bristle = core.friction_state.law(0, y[4], y[1], direction, level * factor, p)
     damper, p = by_name["bristle_damping"]
-    damping = damper.element.law(0, y[5], y[1], direction, level * factor, p)
+    damping = damper.parallel_element.law(0, y[5], y[1], direction, level * factor, p)
     assert out == pytest.approx([level * factor, bristle[1], force, damping[1]], rel=1e-13)
     assert elements[:, :2] == pytest.approx(np.array([bristle, damping]), rel=1e-13)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.prediction.model import with_effect

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.diagnosis.own_patterns import apart_from, own_coordinates
 from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import residual_weights, weighted_residual

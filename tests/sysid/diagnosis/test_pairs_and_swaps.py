@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.diagnosis.pairs import Pair, add_after_deletion, best_pairs, pairs_on_top
 from sysid.diagnosis.swaps import find_swaps

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import subspace_angles
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.identifiability import own_directions, principal_angles, substitution_angle
 from sysid.prediction.model import with_effect

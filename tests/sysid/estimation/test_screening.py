@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
 from sysid.estimation.score_test import candidate_directions, orthonormal, profiled_residual, score_test
 from sysid.estimation.screening import screen_and_refit

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation.fit import fit_model
 from sysid.estimation.reference_fit import fits_clearly_better, select_variants, selectable_effects
 from sysid.estimation.variant_selection import fit_replacement, without_effect

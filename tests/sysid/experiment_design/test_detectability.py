@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.diagnosis.verdict_limits import LEAST_GAIN
 from sysid.estimation.reference_fit import fit_stated_model

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation.misfit import residual_weights
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.experiment_design.t_optimal_design import columns_of, discrimination_distance, motion_record, motions_for

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from friction_drive_rig import GAIN, MASS, NOISE, STIFFNESS, Truth, write_experiment
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from stagecad.parameters.errors import InputError
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.estimation.misfit import misfit
 from sysid.prediction.force_balance.initial_stick_phase import rest_rows
 from sysid.prediction.force_balance.record import Balance

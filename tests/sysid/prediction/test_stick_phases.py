@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sysid.prediction.force_balance.stick_phases import find_rests, given_way
 
 STEP = 1e-3
@@ -40,11 +40,11 @@ def test_a_core_gives_way_under_a_force_as_the_force_follows_the_motion(name, gi
     x = _held_motion()
     n = x.size
     level = np.full(n, LEVEL)
-    force = effect.core.along(x, np.gradient(x, STEP), STEP * np.arange(n), level, p)
+    force = effect.friction_state.along_record(x, np.gradient(x, STEP), STEP * np.arange(n), level, p)
     stuck = np.where(np.arange(n) >= 200, 1.0, 0.0)
     rests = find_rests(x, force, stuck, np.ones(n), np.ones(n, dtype=bool), 3, NOISE)
     assert rests is not None and len(rests.spans) == 1
-    moved = given_way(rests, force, level, effect.core, p)
+    moved = given_way(rests, force, level, effect.friction_state, p)
     assert np.ptp(rests.shift[rests.scored]) > 20.0 * NOISE
     assert np.max(np.abs(moved - rests.shift)[rests.scored]) < tolerance
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.signals.side_by_side import elsewhere, processors, side_by_side
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sim.library.custom import load_custom
+from sim.effects.custom import load_custom
 from workbench.cli import run
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from sim.library.catalogue import library, valid_name
+from sim.effects.catalogue import library, valid_name
 from sim.library.effect import Axis, Effect, Parameter
 from stagecad.parameters.errors import InputError, nearest
 
@@ -114,7 +114,7 @@ def _checked(path: Path, effect: Effect) -> Effect:
     for parameter in effect.parameters:
         _check_parameter(where, parameter, names)
     laws = {kind: getattr(effect, kind) for kind in ("level", "factor", "force", "signal", "memory")}
-    if effect.core is None and not any(laws.values()):
+    if effect.friction_state is None and not any(laws.values()):
         raise InputError(f"{where}: has no law; give one of level, factor, force, signal, memory")
     changed: dict[str, Any] = {}
     for kind in ("level", "factor", "force"):

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.effects.model import compose
 from sim.integration import drive
-from sim.integration.merged_drive import SHARE, force_at, merged
+from sim.integration.input_compression import SHARE, force_at, merged
 from sim.integration.simulate import simulate
-from sim.library.model import compose
 
 TIME = 1e-4 * np.arange(20_001)
 MODEL = compose(["lugre", "stribeck", "viscous"])

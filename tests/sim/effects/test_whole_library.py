@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from sim import compose, simulate
+from sim.effects.catalogue import ORDER, find, library
 from sim.integration import drive, kernels
-from sim.library.catalogue import ORDER, find, library
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 
@@ -96,14 +96,14 @@ def test_a_signal_s_law_is_the_same_in_other_units(law):
     assert np.allclose(there, here * size, rtol=1e-9, atol=1e-9 * size)
 
 
-@pytest.mark.parametrize("law", [law for law in EVERY if law.core is not None], ids=by_name)
+@pytest.mark.parametrize("law", [law for law in EVERY if law.friction_state is not None], ids=by_name)
 def test_a_core_is_the_same_in_other_units(law):
     time = np.linspace(0.0, 2.0, 800)
     x, v = 2e-4 * np.sin(5.0 * time), 1e-3 * np.cos(5.0 * time)
     p, level = law.values(), np.full(time.size, 1.3)
-    here = law.core.along(x, v, time, level, p)
+    here = law.friction_state.along_record(x, v, time, level, p)
     units = (x, "m"), (v, "m/s"), (time, "s"), (level, "N")
-    there = law.core.along(*[row * factor(unit) for row, unit in units], in_other_units(law, p))
+    there = law.friction_state.along_record(*[row * factor(unit) for row, unit in units], in_other_units(law, p))
     assert np.allclose(there, here * SIZES["N"], rtol=1e-6, atol=1e-6 * SIZES["N"])
 
 
@@ -179,14 +179,18 @@ def test_energy_balances_to_a_millionth_of_the_work(law):
     if law.name == "backlash":
         push, names = PULL, ["lugre_causal", "viscous", law.name]
     else:
-        push, names = PUSH, ([law.name] if law.core is not None else ["lugre_causal", law.name])
-    values = {} if law.core is not None else _given(law)
+        push, names = PUSH, ([law.name] if law.friction_state is not None else ["lugre_causal", law.name])
+    values = {} if law.friction_state is not None else _given(law)
     model = compose(names, values)
     run = simulate(model, push, TIME, mass=0.7, load=1.3, temperature=24.0, tolerance=1e-10, energy=True)
     left = run.drive_work - run.core_work - run.other_work - run.kinetic
     work = max(np.abs(run.drive_work).max(), np.abs(run.core_work).max())
     assert np.abs(left).max() <= 1e-6 * work
-    if model.core is not None and model.core.core.stored is not None and law.name not in GIVES_HEAT_BACK:
+    if (
+        model.state_effect is not None
+        and model.state_effect.friction_state.stored is not None
+        and law.name not in GIVES_HEAT_BACK
+    ):
         heat = run.core_work - (run.stored - run.stored[0])
         assert np.diff(heat).min() >= -1e-7 * heat[-1]
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.catalogue import find
+from sim.effects.catalogue import find
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError, nearest
 
@@ -26,9 +26,9 @@ class Model:
     values: tuple[Any, ...]
 
     @property
-    def core(self) -> Effect | None:
+    def state_effect(self) -> Effect | None:
         """The effect whose core turns the level into a force, or None when there is no dry friction."""
-        return next((effect for effect in self.effects if effect.core is not None), None)
+        return next((effect for effect in self.effects if effect.friction_state is not None), None)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -70,9 +70,9 @@ class Model:
             if effect.memory is not None:
                 axis = effect.memory(axis, p)
         for effect, p in zip(self.effects, self.values):
-            if effect.core is not None:
+            if effect.friction_state is not None:
                 level = np.broadcast_to(np.asarray(self.level(axis), dtype=float), axis.velocity.shape)
-                force = force + effect.core.along(axis.position, axis.velocity, axis.time, level, p)
+                force = force + effect.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p)
         return force
 
     def steady_friction(self, velocity: Any) -> Any:
@@ -83,7 +83,7 @@ class Model:
         zero = 0.0 * velocity
         axis = Axis(zero, zero, velocity, zero, zero, zero, zero, zero, zero, np.sign(velocity))
         force = self.other_force(axis)
-        return force + (self.level(axis) * np.sign(velocity) if self.core is not None else 0.0)
+        return force + (self.level(axis) * np.sign(velocity) if self.state_effect is not None else 0.0)
 
 
 def compose(
@@ -104,8 +104,8 @@ def compose(
     for effect in found:
         if any(effect.name == other.name for other in kept):
             raise InputError(f"effect '{effect.name}' is given twice")
-        if effect.core is not None:
-            kept = [other for other in kept if other.core is None]
+        if effect.friction_state is not None:
+            kept = [other for other in kept if other.friction_state is None]
         kept.append(effect)
     given: dict[str, dict[str, float]] = {effect.name: {} for effect in kept}
     for key, value in (parameters or {}).items():

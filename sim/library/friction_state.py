@@ -25,19 +25,19 @@ Element = Callable[[int, float, float, float, float, Any], tuple[float, float]]
 ElementSlopes = Callable[[int, float, float, float, float, Any], tuple[float, float, float, float, float, float]]
 """`slopes(k, z, v, direction, g, p) -> (rate_z, rate_v, rate_g, force_z, force_v, force_g)`, exact."""
 
-Along = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Any], np.ndarray]
-"""`along(position, velocity, time, level, p) -> force`, all of shape (n,)."""
+AlongRecord = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray, Any], np.ndarray]
+"""`along_record(position, velocity, time, level, p) -> force`, all of shape (n,)."""
 
 
 @dataclass(frozen=True)
-class Core:
+class FrictionStateModel:
     """How the friction level becomes a force.
 
     Args:
         name: the core's name.
         law: rate of one element's state and its share of the force, N. Zero level means no force.
         slopes: the exact partial derivatives of `law`.
-        along: the force along a measured motion, of shape (n,).
+        along_record: the force along a measured motion, of shape (n,).
         scale: typical size of a state, to set the absolute tolerance of an integration; a function of `p`.
         state: what the state is, with its unit.
         elements: how many states; a function of `p`.
@@ -50,7 +50,7 @@ class Core:
     name: str
     law: Element
     slopes: ElementSlopes
-    along: Along
+    along_record: AlongRecord
     scale: Callable[[Any], float]
     state: str = "stretch of the bristles, m"
     elements: Callable[[Any], int] = lambda p: 1

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from sim.library.catalogue import ORDER, find, library
-from sim.library.model import compose
+from sim.effects.catalogue import ORDER, find, library
+from sim.effects.model import compose
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import unit_dimension
 
@@ -25,7 +25,7 @@ def test_a_declaration_is_whole(effect):
         assert each.equation
         assert each.shows
         assert each.source
-        assert each.level or each.factor or each.force or each.signal or each.memory or each.core
+        assert each.level or each.factor or each.force or each.signal or each.memory or each.friction_state
         for parameter in each.parameters:
             assert parameter.meaning
             assert parameter.source

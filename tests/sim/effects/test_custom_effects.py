@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from sim.effects.catalogue import find, library
+from sim.effects.custom import load_all_custom, load_custom
+from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.simulate import SimulationError, simulate
-from sim.library.catalogue import find, library
-from sim.library.custom import load_all_custom, load_custom
-from sim.library.model import compose
 from stagecad.parameters.errors import InputError
 
 CUBIC = '''\
