@@ -10,7 +10,7 @@ def force(axis, p):
 
 effect = Effect(
     "bellows",
-    "a bellows that stiffens as it is stretched",
+    "restoring force of a bellows, cubic in its extension",
     equation="force = strength * x^3",
     shows="Residual bends away from zero at both ends of the travel, alike in both directions of motion.",
     force=force,
