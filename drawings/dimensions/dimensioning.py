@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from drawings.dimensions.edges import SQUARE, face_line
-from drawings.dimensions.specification import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
+from drawings.dimensions.specification import AngleSpec, CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec, RoundSpec
 from drawings.dimensions.text import DIAMETER, callout, number, plain, times
 from drawings.views.view import View, degrees_of, dot
 from stagecad.parameters.dimension import (
@@ -43,7 +43,7 @@ class Request:
         missing: names of declarations that no view can show.
     """
 
-    asked: tuple[Asked, ...]
+    asked: tuple[DimensionSpec, ...]
     notes: tuple[str, ...]
     missing: tuple[str, ...]
 
@@ -91,7 +91,7 @@ class _Maker:
 
     def __init__(self, design: Any, gauge: Gauge, views: Sequence[View]) -> None:
         self.design, self.gauge, self.views = design, gauge, views
-        self.asked: list[Asked] = []
+        self.asked: list[DimensionSpec] = []
         self.notes: list[str] = []
         self.missing: list[str] = []
 
@@ -198,7 +198,7 @@ class _Maker:
         assert d.direction is not None
         angle = degrees_of(view.projection.to_view(d.direction)) % 180
         self.asked.append(
-            AskedDistance(
+            DistanceSpec(
                 view.name, first, second, _tidy(angle), self._text(d).replace("{depth}", ""), d.value, (d.name,)
             )
         )
@@ -212,7 +212,7 @@ class _Maker:
         at, half = view.projection.to_view(d.points[0]), d.value / 2
         ends = [(at[0] + side * half * square[0], at[1] + side * half * square[1]) for side in (-1, 1)]
         angle = _tidy(degrees_of(square) % 180)
-        self.asked.append(AskedDistance(view.name, ends[0], ends[1], angle, self._text(d), d.value, (d.name,)))
+        self.asked.append(DistanceSpec(view.name, ends[0], ends[1], angle, self._text(d), d.value, (d.name,)))
 
     def _round(self, view: View, d: Dimension) -> None:
         on = d.points[-1]
@@ -226,7 +226,7 @@ class _Maker:
             at = view.projection.to_view(on)
             towards, spread = degrees_of((at[0] - centre[0], at[1] - centre[1])), 20.0
         self.asked.append(
-            AskedRound(view.name, kind, centre, radius, towards, spread, self._text(d), d.value, (d.name,))
+            RoundSpec(view.name, kind, centre, radius, towards, spread, self._text(d), d.value, (d.name,))
         )
 
     def _angle(self, view: View, d: Dimension) -> None:
@@ -234,7 +234,7 @@ class _Maker:
         assert d.direction is not None
         along, reach = view.projection.to_view(d.direction), math.dist(vertex, second)
         first = (vertex[0] + reach * along[0], vertex[1] + reach * along[1])
-        self.asked.append(AskedAngle(view.name, vertex, first, second, self._text(d), d.value, (d.name,)))
+        self.asked.append(AngleSpec(view.name, vertex, first, second, self._text(d), d.value, (d.name,)))
 
     def _callout(self, view: View, together: list[Dimension]) -> None:
         head, names = together[0], tuple(d.name for d in together)
@@ -249,7 +249,7 @@ class _Maker:
         first = next((d for d in together if d.kind in ("diameter", "tap_drill")), None)
         if first and first.direction and self._seen_as_circle(view, first):
             radius = max(d.value for d in together if d.kind in ("diameter", "tap_drill")) / 2
-        self.asked.append(AskedCallout(view.name, view.projection.to_view(head.points[0]), radius, lines, names))
+        self.asked.append(CalloutSpec(view.name, view.projection.to_view(head.points[0]), radius, lines, names))
 
     def _surface(self, dimension: Dimension) -> Surface:
         for surface in self.gauge.surfaces:
@@ -272,7 +272,7 @@ class _Maker:
             case DatumFeature():
                 name = f"datum {requirement.letter}"
                 diameter = self._diameter(requirement) if requirement.round else 0.0
-                made = AskedFrame(
+                made = FrameSpec(
                     view.name, first, second, outward, (name,), letter=requirement.letter, diameter=diameter
                 )
             case GeometricTolerance():
@@ -282,7 +282,7 @@ class _Maker:
                 if requirement.round and requirement.characteristic == "perpendicularity":
                     text = DIAMETER + text
                 name = f"{requirement.characteristic} {requirement.name}"
-                made = AskedFrame(
+                made = FrameSpec(
                     view.name, first, second, outward, (name,), requirement.characteristic, text, requirement.datums
                 )
             case SurfaceTexture():
@@ -292,7 +292,7 @@ class _Maker:
                     for t in (0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6, 0.02, 0.98)
                 )
                 name = f"texture {requirement.name}"
-                made = AskedCallout(view.name, places[0], 0.0, lines, (name,), places[1:])
+                made = CalloutSpec(view.name, places[0], 0.0, lines, (name,), places[1:])
         self.asked.append(made)
 
     def _diameter(self, datum: DatumFeature) -> float:

@@ -14,7 +14,7 @@ from drawings.views.view import Point2
 
 
 @dataclass(frozen=True)
-class AskedDistance:
+class DistanceSpec:
     """A length between two points, seen true."""
 
     view: str
@@ -27,7 +27,7 @@ class AskedDistance:
 
 
 @dataclass(frozen=True)
-class AskedRound:
+class RoundSpec:
     """A diameter or radius of what is seen as a circle or an arc.
 
     Args:
@@ -47,7 +47,7 @@ class AskedRound:
 
 
 @dataclass(frozen=True)
-class AskedAngle:
+class AngleSpec:
     """An angle between the directions from a vertex to two points."""
 
     view: str
@@ -60,7 +60,7 @@ class AskedAngle:
 
 
 @dataclass(frozen=True)
-class AskedCallout:
+class CalloutSpec:
     """Lines of text on a leader to a feature.
 
     Args:
@@ -78,7 +78,7 @@ class AskedCallout:
 
 
 @dataclass(frozen=True)
-class AskedFrame:
+class FrameSpec:
     """A feature control frame, or a datum letter, on a face seen as a line.
 
     Args:
@@ -100,4 +100,4 @@ class AskedFrame:
     diameter: float = 0.0
 
 
-Asked = AskedDistance | AskedRound | AskedAngle | AskedCallout | AskedFrame
+DimensionSpec = DistanceSpec | RoundSpec | AngleSpec | CalloutSpec | FrameSpec

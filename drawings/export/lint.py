@@ -17,7 +17,7 @@ from ezdxf.tools.text_size import text_size
 
 from drawings.annotations.font import prepare
 from drawings.export.windows import Window, drawn, of_type, windows
-from drawings.placement.field import Line, Lines, arc_points, pieces
+from drawings.views.segment_index import Line, SegmentIndex, arc_points, polyline_lines
 from drawings.views.view import Arc, Box2, Point2
 
 Kind = Literal["text", "line", "frame", "title block", "dimensions", "value", "viewport", "file"]
@@ -94,7 +94,7 @@ class _Ink:
             if entity.dxftype() == "TEXT":
                 self.texts.append(_text(entity, None))
             elif entity.dxftype() != "VIEWPORT":
-                self.sheet_lines += pieces(_points(entity))
+                self.sheet_lines += polyline_lines(_points(entity))
         self.dimensions = list(of_type(document.modelspace(), "DIMENSION"))
         for entity in drawn(document, document.modelspace()):
             self._from_model(entity)
@@ -110,7 +110,7 @@ class _Ink:
             self.view_texts.append(text)
         else:
             points = window.on_paper(points)
-            lines = pieces(points)
+            lines = polyline_lines(points)
             self.view_lines += lines
             if entity.dxf.layer in PART:
                 self.part_lines += lines
@@ -163,10 +163,10 @@ def _apart(one: _Text, other: _Text) -> bool:
 
 
 def _texts_on_lines(ink: _Ink) -> Iterator[Hit]:
-    lines = Lines()
+    lines = SegmentIndex()
     lines.add([*ink.sheet_lines, *ink.view_lines])
     for text in ink.texts:
-        near = lines.within(_box(text.corners()))
+        near = lines.near(_box(text.corners()))
         for line in near:
             (x0, y0), (x1, y1) = text.seen_from(line[:2]), text.seen_from(line[2:])
             half = (text.half[0] - TOUCH, text.half[1] - TOUCH)
@@ -177,10 +177,10 @@ def _texts_on_lines(ink: _Ink) -> Iterator[Hit]:
 
 def _symbols_on_parts(ink: _Ink) -> Iterator[Hit]:
     """Symbols, and frames of tolerances and datum letters, that stand on the part."""
-    lines = Lines()
+    lines = SegmentIndex()
     lines.add(ink.part_lines)
     for box in ink.symbols:
-        if lines.touching((box[0] + TOUCH, box[1] + TOUCH, box[2] - TOUCH, box[3] - TOUCH)):
+        if lines.count_in((box[0] + TOUCH, box[1] + TOUCH, box[2] - TOUCH, box[3] - TOUCH)):
             yield Hit("line", "a symbol, or the frame of a tolerance or datum, is over the part", box[:2])
 
 
@@ -202,13 +202,13 @@ def _off_the_sheet(document: Drawing, ink: _Ink) -> Iterator[Hit]:
     for text in ink.view_texts:
         if any(not (x0 < x < x1 and y0 < y < y1) for x, y in text.corners()):
             yield Hit("frame", f"'{text.words}' is outside the frame", text.middle)
-    lines = Lines()
+    lines = SegmentIndex()
     lines.add(ink.view_lines)
-    outside = lines.leaving((x0, y0, x1, y1))
+    outside = lines.outside((x0, y0, x1, y1))
     if outside:
         yield Hit("frame", f"{len(outside)} lines are outside the frame", outside[0][:2])
     for title in frames[1:]:
-        if lines.touching(title):
+        if lines.count_in(title):
             yield Hit("title block", "lines of a view are over the title block", title[:2])
         for text in ink.view_texts:
             box = _box(text.corners())

@@ -1,13 +1,14 @@
-"""Where an annotation could stand, the likely places first: its cost without regard to what else is on the paper.
+"""Candidate positions of annotations, and the cost of each position by itself.
 
-All on paper with the view's origin at (0, 0). Costs are in mm: of leader, of distance from the part, of what looks as
-bad as so many mm more would.
+View at the origin of the paper. Costs are in mm of leader or of distance from the part; the other costs are the
+length by which a leader may be longer instead. With `extended`, candidates are finer and reach farther.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 from drawings.annotations.annotation import (
     AngularDimension,
@@ -17,281 +18,288 @@ from drawings.annotations.annotation import (
     FeatureControlFrame,
     LinearDimension,
     RadialDimension,
+    SectionMark,
 )
 from drawings.annotations.annotation_geometry import ARROW, GAP, readable
 from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.specification import AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
-from drawings.placement.field import Lines
+from drawings.dimensions.specification import AngleSpec, CalloutSpec, DistanceSpec, FrameSpec, RoundSpec
+from drawings.views.segment_index import SegmentIndex
 from drawings.views.view import Box2, Point2, View
 
 FIRST, PITCH = 10.0, 8.0
-"""Of the first dimension line from the part, and of the next ones from it, mm (ISO 129-1 asks for 10 and 7)."""
+"""Distance of the first dimension line from the part, and of the next ones from each other, mm (ISO 129-1: 10, 7)."""
+LEVEL_COST, EXTENSION_COST = 5.0, 0.3
+"""Cost of each level of dimension lines, mm, and of extension lines per mm."""
+INSIDE_COST, INSIDE_STEP, INSIDE_SPAN_COST = 14.0, 6.0, 0.12
+"""Of a dimension line within the outline: cost, mm; cost and distance of each further one, mm; cost per mm of length."""
+ACROSS_COST, ACROSS_SPAN_COST = 10.0, 0.3
+"""Of a dimension line across the feature, without extension lines: cost, mm, and cost per mm of its length."""
+OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
+"""Of a text off the middle of its dimension line: cost at the end of the line, mm, and cost per mm off the middle."""
+BESIDE_COST, BESIDE_DISTANCE_COST = 0.5, 0.25
+"""Of a text beside its dimension line: cost, mm, and cost per mm away from it."""
+LEADER_COST = 0.4
+"""Cost of a leader per mm."""
+FRAME_LEADER_COST, FRAME_SHIFT_COST, OFF_CENTRE_COST = 0.5, 0.3, 2.0
+"""Of a control frame or datum symbol: cost of its leader per mm, of its shift along the face per mm, and of a leader
+at the end of the face instead of at its middle, mm."""
+OBLIQUE_COST = 0.05
+"""Cost of a leader that is not normal to its arc, mm per degree."""
+INSIDE_OUTLINE_COST = 9.0
+"""Cost of a text within the outline of the part, mm."""
+AXIS_PARALLEL_COST, AXIS_PARALLEL_ANGLE = 2.5, 12.0
+"""Cost of a leader that looks like a line of the part, mm: less than so many degrees off horizontal or vertical."""
+COLUMN_BONUS = 2.0
+"""What a callout in the column at either side of the view costs less, mm."""
+ARC_TEXT_COST = 4.0
+"""Cost of an angle's text at an end of its arc instead of at its middle, mm per length of the arc."""
+CUTTING_LINE_STEP = 3.0
+"""Step, and cost of each step, by which an end of a cutting line is farther from the part, mm."""
 
 LEADERS = (8.0, 12.0, 17.0, 23.0, 30.0, 38.0, 48.0, 60.0, 75.0, 95.0, 120.0)
 """Lengths of leaders, mm."""
-
-FAN = (45, 135, -45, -135, 60, 120, -60, -120, 30, 150, -30, -150, 75, 105, -75, -105, 15, 165, -15, -165)
+DIRECTIONS = (45, 135, -45, -135, 60, 120, -60, -120, 30, 150, -30, -150, 75, 105, -75, -105, 15, 165, -15, -165)
 """Directions of leaders, degrees."""
-
-ARCS = (
-    (0.5, 4.0),
-    (0.7, 3.0),
-    (0.85, 3.0),
-    (0.3, 6.0),
-    (1.0, 5.0),
-    (1.15, 6.0),
-    (1.3, 7.0),
-    (1.6, 9.0),
-    (2.0, 12.0),
-    (2.5, 15.0),
-    (3.0, 18.0),
-)
-"""Radii of the arcs of angles over the distance of what they measure, and what each costs, mm."""
-
-FINE_ARCS = tuple((0.2 + 0.1 * k, 6.0 + k) for k in range(40))
+_ARC_RADII = (0.5, 0.7, 0.85, 0.3, 1.0, 1.15, 1.3, 1.6, 2.0, 2.5, 3.0)
+_ARC_COSTS = (4.0, 3.0, 3.0, 6.0, 5.0, 6.0, 7.0, 9.0, 12.0, 15.0, 18.0)
+ARCS = tuple(zip(_ARC_RADII, _ARC_COSTS, strict=True))
+"""Radius of an angle's arc over the length of its sides, and its cost, mm."""
+EXTENDED_ARCS = tuple((0.2 + 0.1 * k, 6.0 + k) for k in range(40))
 
 Candidate = tuple[float, Annotation]
+"""Cost in mm, and the annotation at that position."""
 
 
-def of_distance(
-    asked: AskedDistance, view: View, outline: Box2, part: Lines, *, harder: bool = False
+def distance_candidates(
+    spec: DistanceSpec, view: View, outline: Box2, part: SegmentIndex, *, extended: bool = False
 ) -> Iterator[Candidate]:
-    """A dimension line outside the part, tier by tier on both sides; else close to what it measures.
+    """Dimension lines outside the part, level by level on both sides; within its outline; across the feature.
 
-    Where a measured face is seen as a line, the extension line starts from that line's end nearest to the dimension
-    line. Where the likely places will not do, `harder` gives finer and farther ones.
+    Where a measured face is seen as a line, the extension line begins at the end of that line nearest to the dimension
+    line.
+
+    Args:
+        outline: bounding box of the part.
+        part: lines of the part.
     """
-    tiers = [0.5 * tier for tier in range(30)] if harder else [float(tier) for tier in range(9)]
-    turn = math.radians(asked.angle)
-    u, n = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
-    points = (view.to_paper(asked.first), view.to_paper(asked.second))
-    levels = [_dot(point, n) for point in points]
-    runs = [part.along(point, n) for point in points]
+    levels = [0.5 * level for level in range(30)] if extended else [float(level) for level in range(9)]
+    u = _direction(spec.angle)
+    n = (-u[1], u[0])
+    points = (view.to_paper(spec.first), view.to_paper(spec.second))
+    heights = [_dot(point, n) for point in points]
+    runs = [part.collinear_run(point, n) for point in points]
     corners = [(x, y) for x in (outline[0], outline[2]) for y in (outline[1], outline[3])]
     span = abs(_dot(points[0], u) - _dot(points[1], u))
-    upright = asked.angle in (0.0, 90.0)
     places: list[tuple[float, float]] = []
     for side in (-1, 1):
-        own = max(side * level + max(side * end for end in run) for level, run in zip(levels, runs, strict=True))
-        edge = max(side * _dot(corner, n) for corner in corners) if upright else own
-        for tier in tiers:
-            level = edge + FIRST + PITCH * tier
-            reach = level - own
-            places.append((5.0 * tier + 0.3 * reach, side * level))
+        own = max(side * height + max(side * end for end in run) for height, run in zip(heights, runs, strict=True))
+        edge = max(side * _dot(corner, n) for corner in corners) if spec.angle in (0.0, 90.0) else own
+        for level in levels:
+            height = edge + FIRST + PITCH * level
+            places.append((LEVEL_COST * level + EXTENSION_COST * (height - own), side * height))
         if edge > own + FIRST:
-            places += [(14.0 + 0.12 * span + 6.0 * k, side * (own + FIRST + 6.0 * k)) for k in range(3)]
-    if abs(levels[0] - levels[1]) < 1e-6:
-        # Right across the feature, without extension lines.
-        places.append((10.0 + 0.3 * span, levels[0]))
+            steps = [INSIDE_STEP * k for k in range(3)]
+            places += [(INSIDE_COST + INSIDE_SPAN_COST * span + step, side * (own + FIRST + step)) for step in steps]
+    if abs(heights[0] - heights[1]) < 1e-6:
+        places.append((ACROSS_COST + ACROSS_SPAN_COST * span, heights[0]))
     ends = sorted(_dot(point, u) for point in points)
-    for cost, level in sorted(places):
+    up = _direction(readable(spec.angle) + 90.0)
+    rise = TEXT_HEIGHT / 2 + GAP
+    for cost, height in sorted(places):
         starts = []
-        for own, run, point in zip(levels, runs, (asked.first, asked.second), strict=True):
-            step = min(max(level - own, run[0]), run[1]) / view.scale
-            starts.append((point[0] + step * n[0], point[1] + step * n[1]))
-        for extra, middle in _text_places(asked.text, ends[0], ends[1], harder):
-            at = (u[0] * ends[0] + n[0] * level, u[1] * ends[0] + n[1] * level)
-            angle = math.radians(readable(asked.angle))
-            rise = TEXT_HEIGHT / 2 + GAP
-            text_at = (
-                u[0] * middle + n[0] * level - math.sin(angle) * rise,
-                u[1] * middle + n[1] * level + math.cos(angle) * rise,
+        for own, run, point in zip(heights, runs, (spec.first, spec.second), strict=True):
+            starts.append(_plus(point, n, min(max(height - own, run[0]), run[1]) / view.scale))
+        line_at = (u[0] * ends[0] + n[0] * height, u[1] * ends[0] + n[1] * height)
+        for text_cost, middle in _text_positions(spec.text, ends[0], ends[1], extended):
+            text_at = _plus((u[0] * middle + n[0] * height, u[1] * middle + n[1] * height), up, rise)
+            dimension = LinearDimension(
+                spec.view, starts[0], starts[1], spec.angle, line_at, spec.text, spec.measured, spec.names, text_at
             )
-            yield (
-                cost + extra,
-                LinearDimension(
-                    asked.view,
-                    starts[0],
-                    starts[1],
-                    asked.angle,
-                    at,
-                    asked.text,
-                    asked.measured,
-                    asked.names,
-                    text_at,
-                ),
-            )
+            yield cost + text_cost, dimension
 
 
-def _text_places(text: str, low: float, high: float, harder: bool) -> Iterator[tuple[float, float]]:
-    """Middles of the text along the dimension line: between the arrows where it fits, else beside."""
+def _text_positions(text: str, low: float, high: float, extended: bool) -> Iterator[tuple[float, float]]:
+    """Cost and middle of a text along its dimension line: between the arrows where it fits, else beside them."""
     width, span = symbol_text_width(text), high - low
     middle = (low + high) / 2
     if width + 2 * GAP < span:
         yield 0.0, middle
         room = (span - width) / 2 - GAP - (ARROW if span > 2 * ARROW + 1 else 0.0)
-        for share in (0.35, -0.35, 0.7, -0.7, 1.0, -1.0):
+        for fraction in (0.35, -0.35, 0.7, -0.7, 1.0, -1.0):
             if room > 3.0:
-                yield 1.5 * abs(share) + 0.02 * abs(room * share), middle + room * share
-    if harder or width + 2 * GAP >= span:
-        for away in (1.5, 8.0, 15.0, 22.0, 29.0, 36.0) if harder else (1.5, 8.0):
-            yield 0.5 + away / 4, high + away + width / 2
-            yield 0.6 + away / 4, low - away - width / 2
+                off = abs(room * fraction)
+                yield OFF_MIDDLE_COST * abs(fraction) + OFF_MIDDLE_DISTANCE_COST * off, middle + room * fraction
+    if extended or width + 2 * GAP >= span:
+        for away in (1.5, 8.0, 15.0, 22.0, 29.0, 36.0) if extended else (1.5, 8.0):
+            cost = BESIDE_COST + BESIDE_DISTANCE_COST * away
+            yield cost, high + away + width / 2
+            yield cost + 0.1, low - away - width / 2
 
 
-def of_round(asked: AskedRound, view: View, outline: Box2, *, harder: bool = False) -> Iterator[Candidate]:
-    """A leader that runs about square to the arc, from outside or from the side of the centre."""
-    leans = (0.0, 20.0, -20.0, 40.0, -40.0, *((10.0, -10.0, 30.0, -30.0, 60.0, -60.0) if harder else ()))
-    width, scale = symbol_text_width(asked.text), view.scale
-    centre, radius = view.to_paper(asked.centre), asked.radius * scale
-    if asked.kind == "diameter":
+def round_candidates(spec: RoundSpec, view: View, outline: Box2, *, extended: bool = False) -> Iterator[Candidate]:
+    """Leaders about normal to the arc, from outside, or from the side of the centre for a radius."""
+    obliques = (0.0, 20.0, -20.0, 40.0, -40.0, *((10.0, -10.0, 30.0, -30.0, 60.0, -60.0) if extended else ()))
+    width = symbol_text_width(spec.text)
+    centre, radius = view.to_paper(spec.centre), spec.radius * view.scale
+    if spec.kind == "diameter":
         turns = [45.0, 135.0, -45.0, -135.0, 30.0, 60.0, 120.0, 150.0, -30.0, -60.0, -120.0, -150.0]
     else:
-        spread = min(asked.spread, math.degrees(3.0 / max(radius, 1e-9))) / 2
-        turns = [asked.towards, asked.towards + spread, asked.towards - spread]
-    inwards = (1.0, -1.0) if asked.kind == "radius" and radius > 0 else (1.0,)
+        spread = min(spec.spread, math.degrees(3.0 / max(radius, 1e-9))) / 2
+        turns = [spec.towards, spec.towards + spread, spec.towards - spread]
+    sides = (0.0, 180.0) if spec.kind == "radius" and radius > 0 else (0.0,)
     for towards in turns:
-        turn = math.radians(towards)
-        on = (centre[0] + radius * math.cos(turn), centre[1] + radius * math.sin(turn))
-        for way in inwards:
-            for lean in leans:
-                lean_turn = math.radians(towards + lean) if way > 0 else math.radians(towards + 180 + lean)
+        on = _plus(centre, _direction(towards), radius)
+        for side in sides:
+            for oblique in obliques:
+                out = _direction(towards + side + oblique)
                 for length in LEADERS:
-                    elbow = (on[0] + length * math.cos(lean_turn), on[1] + length * math.sin(lean_turn))
-                    side = 1.0 if math.cos(lean_turn) >= -1e-9 else -1.0
-                    text_at = (elbow[0] + side * (width / 2 + GAP), elbow[1] + TEXT_HEIGHT / 2 + GAP)
-                    cost = 0.4 * length + abs(lean) / 20 + _indoors(elbow, outline) + _level(lean_turn)
-                    yield (
-                        cost,
-                        RadialDimension(
-                            asked.view,
-                            asked.kind,
-                            asked.centre,
-                            asked.radius,
-                            towards,
-                            asked.text,
-                            text_at,
-                            asked.measured,
-                            asked.names,
-                        ),
+                    elbow = _plus(on, out, length)
+                    side_of_text = 1.0 if out[0] >= -1e-9 else -1.0
+                    text_at = (elbow[0] + side_of_text * (width / 2 + GAP), elbow[1] + TEXT_HEIGHT / 2 + GAP)
+                    cost = LEADER_COST * length + OBLIQUE_COST * abs(oblique) + _leader_cost(elbow, out, outline)
+                    dimension = RadialDimension(
+                        spec.view,
+                        spec.kind,
+                        spec.centre,
+                        spec.radius,
+                        towards,
+                        spec.text,
+                        text_at,
+                        spec.measured,
+                        spec.names,
                     )
+                    yield cost, dimension
 
 
-def of_callout(
-    asked: AskedCallout, view: View, outline: Box2, columns: tuple[float, float], *, harder: bool = False
+def callout_candidates(
+    spec: CalloutSpec, view: View, outline: Box2, columns: tuple[float, float], *, extended: bool = False
 ) -> Iterator[Candidate]:
-    """Elbows in a fan round the feature, and in a column at either side.
+    """Callouts in all directions around the feature, and in a column at either side of the view.
 
     Args:
-        columns: where the columns of texts begin, left and right.
+        columns: x of the left and the right column.
     """
-    for rank, choice in enumerate((asked.at, *asked.choices)):
-        at, radius = view.to_paper(choice), asked.radius * view.scale
-        elbows: list[tuple[float, Point2]] = []
-        for turn in range(-175, 180, 5) if harder else FAN:
-            c, s = math.cos(math.radians(turn)), math.sin(math.radians(turn))
-            elbows += [(0.0, (at[0] + (radius + length) * c, at[1] + (radius + length) * s)) for length in LEADERS]
-        for x in columns:
-            for step in range(-60, 61) if harder else range(-9, 10):
-                elbows.append((-2.0, (x, at[1] + (3.0 if harder else 7.0) * step)))
+    directions = range(-175, 180, 5) if extended else DIRECTIONS
+    steps, pitch = (range(-60, 61), 3.0) if extended else (range(-9, 10), 7.0)
+    for rank, choice in enumerate((spec.at, *spec.choices)):
+        at, radius = view.to_paper(choice), spec.radius * view.scale
+        elbows = [(0.0, _plus(at, _direction(turn), radius + length)) for turn in directions for length in LEADERS]
+        elbows += [(-COLUMN_BONUS, (x, at[1] + pitch * step)) for x in columns for step in steps]
         for extra, elbow in elbows:
             away = math.dist(at, elbow)
             if away < radius + 4.0:
                 continue
             out = ((elbow[0] - at[0]) / away, (elbow[1] - at[1]) / away)
-            on = (at[0] + radius * out[0], at[1] + radius * out[1])
-            cost = extra + 0.4 * (away - radius) + _indoors(elbow, outline) + _level(math.atan2(out[1], out[0])) + rank
-            yield (
-                cost,
-                Callout(
-                    asked.view,
-                    ((on[0] - view.place[0]) / view.scale, (on[1] - view.place[1]) / view.scale),
-                    elbow,
-                    asked.lines,
-                    asked.names,
-                    out[0] < 0,
-                ),
-            )
+            on = _view_point(_plus(at, out, radius), view)
+            cost = extra + LEADER_COST * (away - radius) + _leader_cost(elbow, out, outline) + rank
+            yield cost, Callout(spec.view, on, elbow, spec.lines, spec.names, out[0] < 0)
 
 
-def of_angle(asked: AskedAngle, view: View, *, harder: bool = False) -> Iterator[Candidate]:
-    """Arcs about the vertex, from inside what is measured outwards."""
-    parts = [0.05 * k for k in range(1, 20)] if harder else (0.5, 0.35, 0.65, 0.2, 0.8)
-    vertex = view.to_paper(asked.vertex)
-    ends = [view.to_paper(asked.first), view.to_paper(asked.second)]
+def angle_candidates(spec: AngleSpec, view: View, *, extended: bool = False) -> Iterator[Candidate]:
+    """Arcs about the vertex, each with its text at several angles."""
+    fractions = [0.05 * k for k in range(1, 20)] if extended else (0.5, 0.35, 0.65, 0.2, 0.8)
+    vertex = view.to_paper(spec.vertex)
+    ends = [view.to_paper(spec.first), view.to_paper(spec.second)]
     turns = [math.atan2(y - vertex[1], x - vertex[0]) for x, y in ends]
     sweep = (turns[1] - turns[0]) % math.tau
-    first, second = asked.first, asked.second
+    first, second = spec.first, spec.second
     if sweep > math.pi:
         turns.reverse()
         first, second, sweep = second, first, math.tau - sweep
-    reach = math.dist(vertex, ends[1])
-    for share, cost in ARCS + (FINE_ARCS if harder else ()):
-        radius = max(reach * share, 8.0)
-        for part in parts:
-            at = turns[0] + sweep * part
-            yield (
-                cost + 4 * abs(part - 0.5),
-                AngularDimension(
-                    asked.view,
-                    asked.vertex,
-                    first,
-                    second,
-                    (vertex[0] + radius * math.cos(at), vertex[1] + radius * math.sin(at)),
-                    asked.text,
-                    asked.measured,
-                    asked.names,
-                ),
+    side = math.dist(vertex, ends[1])
+    for ratio, cost in ARCS + (EXTENDED_ARCS if extended else ()):
+        radius = max(side * ratio, 8.0)
+        for fraction in fractions:
+            turn = turns[0] + sweep * fraction
+            at = (vertex[0] + radius * math.cos(turn), vertex[1] + radius * math.sin(turn))
+            dimension = AngularDimension(
+                spec.view, spec.vertex, first, second, at, spec.text, spec.measured, spec.names
             )
+            yield cost + ARC_TEXT_COST * abs(fraction - 0.5), dimension
 
 
-def of_frame(asked: AskedFrame, view: View, *, harder: bool = False) -> Iterator[Candidate]:
-    """Square to the face, at several places along it; a control frame may lean."""
-    lengths = [9.0 + 4.0 * k for k in range(25)] if harder else (9.0, 14.0, 20.0, 27.0, 35.0, 44.0, 54.0)
-    leans = [4.0 * k for k in range(-15, 16)] if harder else (0.0, 6.0, -6.0, 14.0, -14.0, 26.0, -26.0)
-    first, second = view.to_paper(asked.first), view.to_paper(asked.second)
-    turn = math.radians(asked.outward)
-    out, side = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
-    for share in (0.5, 0.3, 0.7, 0.15, 0.85, 0.4, 0.6, 0.05, 0.95):
-        on = _between(asked.first, asked.second, share)
-        at = _between(first, second, share)
+def frame_candidates(spec: FrameSpec, view: View, *, extended: bool = False) -> Iterator[Candidate]:
+    """Frames on leaders normal to the face, at several places along it; a control frame may be shifted sideways."""
+    lengths = [9.0 + 4.0 * k for k in range(25)] if extended else (9.0, 14.0, 20.0, 27.0, 35.0, 44.0, 54.0)
+    shifts = [4.0 * k for k in range(-15, 16)] if extended else (0.0, 6.0, -6.0, 14.0, -14.0, 26.0, -26.0)
+    first, second = view.to_paper(spec.first), view.to_paper(spec.second)
+    out = _direction(spec.outward)
+    along = (-out[1], out[0])
+    for fraction in (0.5, 0.3, 0.7, 0.15, 0.85, 0.4, 0.6, 0.05, 0.95):
+        on = _between(spec.first, spec.second, fraction)
+        at = _between(first, second, fraction)
         for length in lengths:
-            cost = 0.5 * length + 2 * abs(share - 0.5)
-            place = (at[0] + length * out[0], at[1] + length * out[1])
-            if asked.letter:
-                yield cost, DatumSymbol(asked.view, on, place, asked.letter)
+            cost = FRAME_LEADER_COST * length + OFF_CENTRE_COST * abs(fraction - 0.5)
+            place = _plus(at, out, length)
+            if spec.letter:
+                yield cost, DatumSymbol(spec.view, on, place, spec.letter)
                 continue
-            assert asked.characteristic is not None
-            for lean in leans:
-                elbow = (place[0] + lean * side[0], place[1] + lean * side[1])
-                yield (
-                    cost + 0.3 * abs(lean),
-                    FeatureControlFrame(asked.view, on, elbow, asked.characteristic, asked.tolerance, asked.datums),
+            assert spec.characteristic is not None
+            for shift in shifts:
+                frame = FeatureControlFrame(
+                    spec.view, on, _plus(place, along, shift), spec.characteristic, spec.tolerance, spec.datums
                 )
+                yield cost + FRAME_SHIFT_COST * abs(shift), frame
 
 
-def of_axis(asked: AskedFrame, view: View, across: LinearDimension) -> Iterator[Candidate]:
-    """A datum's mark in line with the dimension of a diameter: the datum is its axis (ISO 5459)."""
-    turn = math.radians(across.angle)
-    u = (math.cos(turn), math.sin(turn))
-    base = _dot(across.line_at, u)
-    for point, out in ((across.first, 1.0), (across.second, 1.0), (across.first, -1.0), (across.second, -1.0)):
+def axis_candidates(spec: FrameSpec, view: View, diameter: LinearDimension) -> Iterator[Candidate]:
+    """Datum symbols in line with the dimension line of a diameter: the datum is the axis (ISO 5459)."""
+    u = _direction(diameter.angle)
+    base = _dot(diameter.line_at, u)
+    for point, out in (
+        (diameter.first, 1.0),
+        (diameter.second, 1.0),
+        (diameter.first, -1.0),
+        (diameter.second, -1.0),
+    ):
         step = _dot(view.to_paper(point), u) - base
-        other = across.second if point is across.first else across.first
+        other = diameter.second if point is diameter.first else diameter.first
         if out * (_dot(view.to_paper(other), u) - base - step) > 0.0:
             continue
-        foot = (across.line_at[0] + step * u[0], across.line_at[1] + step * u[1])
-        on = ((foot[0] - view.place[0]) / view.scale, (foot[1] - view.place[1]) / view.scale)
+        foot = _plus(diameter.line_at, u, step)
         for length in (10.0, 14.0, 18.0, 24.0, 32.0, 44.0):
-            frame_at = (foot[0] + out * length * u[0], foot[1] + out * length * u[1])
-            yield 0.5 * length, DatumSymbol(asked.view, on, frame_at, asked.letter)
+            frame_at = _plus(foot, u, out * length)
+            yield FRAME_LEADER_COST * length, DatumSymbol(spec.view, _view_point(foot, view), frame_at, spec.letter)
 
 
-def _between(first: Point2, second: Point2, share: float) -> Point2:
-    return (first[0] + share * (second[0] - first[0]), first[1] + share * (second[1] - first[1]))
+def section_mark_candidates(mark: SectionMark) -> Iterator[Candidate]:
+    """A cutting line with each end at several distances from the part."""
+    length = math.dist(mark.start, mark.end)
+    u = ((mark.end[0] - mark.start[0]) / length, (mark.end[1] - mark.start[1]) / length)
+    for i in range(16):
+        for j in range(16):
+            start, end = (
+                _plus(mark.start, u, -CUTTING_LINE_STEP * i),
+                _plus(mark.end, u, CUTTING_LINE_STEP * j),
+            )
+            yield CUTTING_LINE_STEP * (i + j), replace(mark, start=start, end=end)
 
 
-def _indoors(point: Point2, outline: Box2) -> float:
-    """What a text within the part's outline costs more than one outside."""
-    inside = outline[0] < point[0] < outline[2] and outline[1] < point[1] < outline[3]
-    return 9.0 if inside else 0.0
+def _leader_cost(elbow: Point2, out: Point2, outline: Box2) -> float:
+    """Cost of a text within the outline of the part, and of a leader nearly parallel to an axis of the paper."""
+    inside = outline[0] < elbow[0] < outline[2] and outline[1] < elbow[1] < outline[3]
+    angle = abs(math.degrees(math.atan2(out[1], out[0]))) % 90
+    parallel = min(angle, 90 - angle) < AXIS_PARALLEL_ANGLE
+    return (INSIDE_OUTLINE_COST if inside else 0.0) + (AXIS_PARALLEL_COST if parallel else 0.0)
 
 
-def _level(turn: float) -> float:
-    """What a leader costs that is nearly level or upright, and so looks like a line of the part."""
-    steep = abs(math.degrees(turn)) % 90
-    return 2.5 if min(steep, 90 - steep) < 12 else 0.0
+def _direction(degrees: float) -> Point2:
+    turn = math.radians(degrees)
+    return (math.cos(turn), math.sin(turn))
+
+
+def _plus(point: Point2, direction: Point2, length: float) -> Point2:
+    return (point[0] + length * direction[0], point[1] + length * direction[1])
+
+
+def _between(first: Point2, second: Point2, fraction: float) -> Point2:
+    return (first[0] + fraction * (second[0] - first[0]), first[1] + fraction * (second[1] - first[1]))
+
+
+def _view_point(point: Point2, view: View) -> Point2:
+    """View coordinates of a point of the paper."""
+    return ((point[0] - view.place[0]) / view.scale, (point[1] - view.place[1]) / view.scale)
 
 
 def _dot(a: Point2, b: Point2) -> float:

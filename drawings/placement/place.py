@@ -1,8 +1,10 @@
-"""Places of the annotations round one view.
+"""Placement of annotations around one view: greedy label placement with restarts.
 
-They are placed one after another, each at the cheapest of its likely places that leaves every text free; short
-dimensions first, so that they stand next to the part and longer ones outside. Nothing here is random or depends on the
-order of a set: the same view gives the same places.
+Each annotation has a finite set of candidate positions with a cost (`drawings.placement.candidates`). The annotations
+are placed one after another, each at the candidate of least total cost: the cost of the position itself and that of
+its conflicts with what is already placed. Short dimensions come before long ones, so that they are nearer to the part.
+Annotations without a position free of conflicts come first in the next run; the best of at most `RUNS` runs is kept.
+The result is deterministic. Surveys: Christensen, Marks, Shieber, ACM Transactions on Graphics 14 (1995) 203.
 """
 
 from __future__ import annotations
@@ -11,278 +13,243 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from drawings.annotations.annotation import Annotation, Callout, LinearDimension, SectionMark
+from drawings.annotations.annotation import Annotation, LinearDimension, SectionMark
 from drawings.annotations.font import LARGE_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.specification import Asked, AskedAngle, AskedCallout, AskedDistance, AskedFrame, AskedRound
+from drawings.dimensions.specification import AngleSpec, CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec, RoundSpec
 from drawings.dimensions.text import DIAMETER
-from drawings.placement.candidates import Candidate, of_angle, of_axis, of_callout, of_distance, of_frame, of_round
-from drawings.placement.field import Field, Line, Lines, around, grown, reaches
-from drawings.placement.occupied import about, curve_lines, keeps_off_itself, occupied, tip_of, view_outline
+from drawings.placement.candidates import (
+    Candidate,
+    angle_candidates,
+    axis_candidates,
+    callout_candidates,
+    distance_candidates,
+    frame_candidates,
+    round_candidates,
+    section_mark_candidates,
+)
+from drawings.placement.occupancy import Occupancy, attachment_point, footprint_of, leader_tip, view_outline
+from drawings.views.segment_index import Line, line_meets_box
 from drawings.views.view import Box2, Point2, View
 
-CLEAR = 1.2
-"""Room round a text, mm."""
-LANE = 6.0
-"""Least distance of parallel dimension lines, mm."""
-HIT, CROSSING, OVER_PART = 80.0, 3.0, 0.3
-"""Cost of a text that touches something, of a line that crosses an annotation's, of one that crosses the part's, mm."""
-ON_PART = 12.0
-"""Cost of a dimension line that runs along a line of the part, mm."""
-IN_THE_WAY = 1.5
-"""Cost of a text where an extension line may have to pass later, mm."""
+CONFLICT = 80.0
+"""Cost of each conflict: a text that touches a line or a text, or dimension lines too near to each other, mm."""
+CROSSING = 3.0
+"""Cost of each crossing of a line with a line of another annotation, mm."""
+PART_CROSSING = 0.3
+"""Cost of each crossing of a line with a line of the part, mm."""
+ON_PART_LINE, ON_PART_DISTANCE = 12.0, 1.5
+"""Cost of each line of the part beside a dimension line, and the distance below which it counts, mm."""
+KEEP_OUT = 1.5
+"""Cost of each keep-out line that a text covers, mm."""
+SHARED_TIP, TIP_DISTANCE = 6.0, 3.0
+"""Cost of each leader tip near the tip of another leader, and the distance below which it counts, mm."""
+DETACHED = 30.0
+"""Cost of a leader that ends where no edge of the part is drawn, mm."""
+KEEP_OUT_LENGTH = 60.0
+"""Length of a keep-out line outside the part, mm."""
 RUNS = 6
-"""How often a view is dressed anew when something found no free place."""
-CROWDED = 6.0
-"""Cost of an arrow whose tip is at another one's, mm."""
-ASTRAY = 30.0
-"""Cost of a leader that ends where no line of the part is drawn, mm."""
+"""Largest number of runs."""
 
 
 @dataclass(frozen=True)
-class Dressed:
-    """A view at the origin of the paper, with its annotations, and the room both take.
+class AnnotatedView:
+    """A view at the origin of the paper with its annotations in place.
 
     Args:
-        room: box of all ink.
-        hits: how many places were left where something touches a text.
-        asked, marks: what it was dressed with.
+        box: bounding box of view and annotations.
+        conflicts: number of conflicts left; 0 on a good sheet.
+        specs, marks: the arguments of `place_annotations`.
     """
 
     view: View
     annotations: tuple[Annotation, ...]
-    room: Box2
-    hits: int
-    asked: tuple[Asked, ...]
+    box: Box2
+    conflicts: int
+    specs: tuple[DimensionSpec, ...]
     marks: tuple[Annotation, ...]
 
 
-def dress(view: View, asked: Sequence[Asked], marks: Sequence[Annotation] = ()) -> Dressed:
-    """Finds places for what a view is asked to show.
+def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequence[Annotation] = ()) -> AnnotatedView:
+    """Place the annotations of one view.
 
     Args:
-        view: with its curves and scale; its place is not looked at.
-        asked: of this view.
-        marks: annotations with a place already (cutting lines, circles of details), view at the origin.
+        view: with curves and scale; its place is ignored.
+        specs: what the view must show.
+        marks: cutting lines and circles of details, for the view at the origin.
     """
     view = replace(view, place=(0.0, 0.0))
-    order = sorted(asked, key=_order)
-    best: tuple[_Placer, Point2 | None] | None = None
+    order = sorted(specs, key=_priority)
+    best = None
     for _ in range(RUNS):
-        placer = _Placer(view)
-        label_at = placer.dress(order, marks)
-        if best is None or placer.hits < best[0].hits:
-            best = (placer, label_at)
-        if not placer.troubled:
+        run = _Run(view)
+        run.place_all(order, marks)
+        if best is None or run.conflicts < best.conflicts:
+            best = run
+        if not run.unplaced:
             break
-        # What found no free place comes first the next time.
-        order = placer.troubled + [one for one in order if one not in placer.troubled]
+        order = run.unplaced + [spec for spec in order if spec not in run.unplaced]
     assert best is not None
-    placer, label_at = best
-    view = replace(view, label_at=label_at)
-    return Dressed(view, tuple(placer.kept), placer.room(), placer.hits, tuple(asked), tuple(marks))
+    view = replace(view, label_at=best.label_at)
+    return AnnotatedView(view, tuple(best.placed), best.occupancy.box, best.conflicts, tuple(specs), tuple(marks))
 
 
-def _order(asked: Asked) -> tuple[int, float]:
-    """Distances first, short before long; then what needs a given place on a face; then what is free to wander."""
-    match asked:
-        case AskedDistance():
-            turn = math.radians(asked.angle)
-            along = [p[0] * math.cos(turn) + p[1] * math.sin(turn) for p in (asked.first, asked.second)]
+def _priority(spec: DimensionSpec) -> tuple[int, float]:
+    """Order of placement: distances, short before long; then what has few candidate positions; callouts last."""
+    match spec:
+        case DistanceSpec():
+            turn = math.radians(spec.angle)
+            along = [p[0] * math.cos(turn) + p[1] * math.sin(turn) for p in (spec.first, spec.second)]
             return (1, round(abs(along[1] - along[0]), 6))
-        case AskedAngle():
+        case AngleSpec():
             return (2, 0.0)
-        case AskedFrame():
-            return (3, 0.0 if asked.letter else 1.0)
-        case AskedRound():
-            return (4, asked.radius)
-        case AskedCallout():
-            return (5, round(-asked.at[1], 6))
+        case FrameSpec():
+            return (3, 0.0 if spec.letter else 1.0)
+        case RoundSpec():
+            return (4, spec.radius)
+        case CalloutSpec():
+            return (5, round(-spec.at[1], 6))
 
 
-class _Placer:
-    """Places annotations round one view."""
+class _Run:
+    """One run of the greedy placement.
+
+    Attributes:
+        occupancy: what is drawn so far.
+        placed: annotations in place.
+        unplaced: specifications that got no position free of conflicts.
+        conflicts: number of conflicts.
+        label_at: middle of the base line of the view's label; None for a view without a label.
+    """
 
     def __init__(self, view: View) -> None:
         self.view = view
-        self.field = Field()
-        self.kept: list[Annotation] = []
-        self.hits = 0
-        drawn = [line for curves in view.curves.values() for curve in curves for line in curve_lines(curve, view)]
-        self.field.part.add(drawn)
         self.outline = view_outline(view)
-        x0, y0, x1, y1 = zip(*drawn)
-        self.inked = [(min(*x0, *x1), min(*y0, *y1), max(*x0, *x1), max(*y0, *y1))]
-        self.edges = Lines(1024)
-        self.edges.add(
-            [
-                line
-                for layer, curves in view.curves.items()
-                if layer in ("VISIBLE", "HIDDEN")
-                for curve in curves
-                for line in curve_lines(curve, view)
-            ]
-        )
-        self.tips: list[Point2] = []
-        self.corridors: list[Line] = []
-        self.troubled: list[Asked] = []
+        self.occupancy = Occupancy(view)
+        self.placed: list[Annotation] = []
+        self.unplaced: list[DimensionSpec] = []
+        self.conflicts = 0
+        self.label_at: Point2 | None = None
+        self._keep_out_lines: list[Line] = []
 
-    def dress(self, order: Sequence[Asked], marks: Sequence[Annotation]) -> Point2 | None:
-        """Places everything, and the view's name; where that stands."""
+    def place_all(self, order: Sequence[DimensionSpec], marks: Sequence[Annotation]) -> None:
+        """Place annotations in an order, the cutting lines outside the distances, and last the label of the view."""
         for mark in marks:
             if not isinstance(mark, SectionMark):
-                self.keep(mark)
-        cuts = [mark for mark in marks if isinstance(mark, SectionMark)]
-        waiting = list(order)
-        while waiting:
-            one = waiting.pop(0)
-            if not any(isinstance(other, AskedDistance) for other in (one, *waiting)):
-                self.mark(cuts)
-            self.corridors = [line for other in waiting for line in self._corridors(other)]
-            self.place(one)
-        self.mark(cuts)
-        return self.label()
+                self._add(mark)
+        cutting_lines = [mark for mark in marks if isinstance(mark, SectionMark)]
+        last_distance = max((n for n, spec in enumerate(order) if isinstance(spec, DistanceSpec)), default=-1)
+        for number, spec in enumerate(order):
+            if number == last_distance + 1:
+                self._place_cutting_lines(cutting_lines)
+            self._keep_out_lines = [line for other in order[number + 1 :] for line in self._extension_lines(other)]
+            self._place(spec)
+        if last_distance == len(order) - 1:
+            self._place_cutting_lines(cutting_lines)
+        self._place_label()
 
-    def _corridors(self, asked: Asked) -> list[Line]:
-        """Where extension lines of a distance may have to run later."""
-        if not isinstance(asked, AskedDistance) or asked.angle not in (0.0, 90.0):
+    def _extension_lines(self, spec: DimensionSpec) -> list[Line]:
+        """Keep-out lines of a distance that is not placed yet: where its extension lines may have to run."""
+        if not isinstance(spec, DistanceSpec) or spec.angle not in (0.0, 90.0):
             return []
-        reach, lines = 60.0, []
-        for x, y in map(self.view.to_paper, (asked.first, asked.second)):
-            if asked.angle == 0.0:
-                ends = (self.outline[1] - reach, self.outline[3] + reach)
-                lines += [(x, ends[0], x, y), (x, y, x, ends[1])]
+        x0, y0, x1, y1 = self.outline
+        lines: list[Line] = []
+        for x, y in map(self.view.to_paper, (spec.first, spec.second)):
+            if spec.angle == 0.0:
+                lines += [(x, y0 - KEEP_OUT_LENGTH, x, y), (x, y, x, y1 + KEEP_OUT_LENGTH)]
             else:
-                ends = (self.outline[0] - reach, self.outline[2] + reach)
-                lines += [(ends[0], y, x, y), (x, y, ends[1], y)]
+                lines += [(x0 - KEEP_OUT_LENGTH, y, x, y), (x, y, x1 + KEEP_OUT_LENGTH, y)]
         return lines
 
-    def room(self) -> Box2:
-        return around(self.inked)
-
-    def label(self) -> Point2 | None:
-        """A free place for the view's name, below the part and what is close below it."""
+    def _place_label(self) -> None:
+        """Place the label of the view at the highest free position below the part."""
         if not self.view.label:
-            return None
-        half, middle = symbol_text_width(self.view.label, LARGE_HEIGHT) / 2, (self.outline[0] + self.outline[2]) / 2
-        step = 0.0
-        while True:
-            low = self.outline[1] - 4.0 - LARGE_HEIGHT - step
-            box = (middle - half, low, middle + half, low + LARGE_HEIGHT)
-            if not self.field.text_hits(box, 1.5):
-                break
-            step += 1.0
-        self.field.boxes.append(box)
-        self.inked.append(box)
-        return (middle, low)
-
-    def mark(self, cuts: list[SectionMark]) -> None:
-        """Ends of cutting lines outside what dimensions stand there; each once."""
-        while cuts:
-            cut = cuts.pop(0)
-            size = math.dist(cut.start, cut.end)
-            u = ((cut.end[0] - cut.start[0]) / size, (cut.end[1] - cut.start[1]) / size)
-            tried = [
-                (
-                    3.0 * (i + j),
-                    replace(
-                        cut,
-                        start=(cut.start[0] - 3.0 * i * u[0], cut.start[1] - 3.0 * i * u[1]),
-                        end=(cut.end[0] + 3.0 * j * u[0], cut.end[1] + 3.0 * j * u[1]),
-                    ),
-                )
-                for i in range(16)
-                for j in range(16)
-            ]
-            self._keep_best(tried)
-
-    def place(self, asked: Asked) -> None:
-        """Keeps the best of the likely places, or else of all."""
-        if self._keep_best(self._candidates(asked, harder=False), only_free=True):
             return
-        before = self.hits
-        self._keep_best(self._candidates(asked, harder=True))
-        if self.hits > before:
-            self.troubled.append(asked)
+        half = symbol_text_width(self.view.label, LARGE_HEIGHT) / 2
+        middle = (self.outline[0] + self.outline[2]) / 2
+        low = self.outline[1] - 4.0 - LARGE_HEIGHT
+        while self.occupancy.text_conflicts(box := (middle - half, low, middle + half, low + LARGE_HEIGHT), 1.5):
+            low -= 1.0
+        self.occupancy.add_text(box)
+        self.label_at = (middle, low)
 
-    def _keep_best(self, candidates: Iterable[Candidate], *, only_free: bool = False) -> bool:
-        """Keeps the cheapest; with `only_free`, nothing where even that touches a text. Whether it kept one."""
-        best, least, touched = None, math.inf, 0
-        for cost, annotation in sorted(candidates, key=lambda item: item[0]):
-            if cost >= least:
+    def _place_cutting_lines(self, cutting_lines: Sequence[SectionMark]) -> None:
+        for mark in cutting_lines:
+            self._add_best(section_mark_candidates(mark))
+
+    def _place(self, spec: DimensionSpec) -> None:
+        """Place an annotation at the best of its usual candidates, or if all have conflicts, of its extended ones."""
+        if self._add_best(self._candidates(spec, extended=False), only_free=True):
+            return
+        before = self.conflicts
+        self._add_best(self._candidates(spec, extended=True))
+        if self.conflicts > before:
+            self.unplaced.append(spec)
+
+    def _add_best(self, candidates: Iterable[Candidate], *, only_free: bool = False) -> bool:
+        """Add the candidate of least total cost, with `only_free` only if it has no conflict; whether one was added."""
+        best, least, conflicts = None, math.inf, 0
+        for own_cost, annotation in sorted(candidates, key=lambda candidate: candidate[0]):
+            if own_cost >= least:
                 break
-            extra, hits = self._extra(annotation, least - cost)
-            if cost + extra < least:
-                best, least, touched = annotation, cost + extra, hits
-        if best is None or (only_free and touched):
+            extra, found = self._conflict_cost(annotation, least - own_cost)
+            if own_cost + extra < least:
+                best, least, conflicts = annotation, own_cost + extra, found
+        if best is None or (only_free and conflicts):
             return False
-        self.hits += touched
-        self.keep(best)
+        self.conflicts += conflicts
+        self._add(best)
         return True
 
-    def _candidates(self, asked: Asked, *, harder: bool) -> Iterator[Candidate]:
-        match asked:
-            case AskedDistance():
-                return of_distance(asked, self.view, self.outline, self.field.part, harder=harder)
-            case AskedRound():
-                return of_round(asked, self.view, self.outline, harder=harder)
-            case AskedAngle():
-                return of_angle(asked, self.view, harder=harder)
-            case AskedFrame():
-                across = self._across(asked)
-                if across and not harder:
-                    return of_axis(asked, self.view, across)
-                return of_frame(asked, self.view, harder=harder)
-            case AskedCallout():
-                room = self.room()
-                places = (asked.at, *asked.choices) if asked.choices else ()
-                drawn = [p for p in places if self.edges.touching(about(self.view.to_paper(p)))]
+    def _candidates(self, spec: DimensionSpec, *, extended: bool) -> Iterator[Candidate]:
+        match spec:
+            case DistanceSpec():
+                part = self.occupancy.part_lines
+                return distance_candidates(spec, self.view, self.outline, part, extended=extended)
+            case RoundSpec():
+                return round_candidates(spec, self.view, self.outline, extended=extended)
+            case AngleSpec():
+                return angle_candidates(spec, self.view, extended=extended)
+            case FrameSpec():
+                diameter = self._diameter_dimension(spec)
+                if diameter and not extended:
+                    return axis_candidates(spec, self.view, diameter)
+                return frame_candidates(spec, self.view, extended=extended)
+            case CalloutSpec():
+                box = self.occupancy.box
+                ends = (spec.at, *spec.choices) if spec.choices else ()
+                drawn = [end for end in ends if self.occupancy.is_on_outline(self.view.to_paper(end))]
                 if drawn:
-                    asked = replace(asked, at=drawn[0], choices=tuple(drawn[1:]))
-                columns = (room[0] - 3.0, room[2] + 3.0)
-                return of_callout(asked, self.view, self.outline, columns, harder=harder)
+                    spec = replace(spec, at=drawn[0], choices=tuple(drawn[1:]))
+                columns = (box[0] - 3.0, box[2] + 3.0)
+                return callout_candidates(spec, self.view, self.outline, columns, extended=extended)
 
-    def _across(self, asked: AskedFrame) -> LinearDimension | None:
-        """The dimension of the diameter whose axis a datum is, where it stands in this view."""
-        lines = (one for one in self.kept if isinstance(one, LinearDimension) and one.text.startswith(DIAMETER))
-        return next((one for one in lines if abs(one.measured - asked.diameter) < 1e-6), None)
+    def _diameter_dimension(self, spec: FrameSpec) -> LinearDimension | None:
+        """The placed dimension of the diameter whose axis is the datum."""
+        lines = (one for one in self.placed if isinstance(one, LinearDimension) and one.text.startswith(DIAMETER))
+        return next((one for one in lines if abs(one.measured - spec.diameter) < 1e-6), None)
 
-    def _extra(self, annotation: Annotation, most: float) -> tuple[float, int]:
-        """What a place costs for what is there already, and how many texts are touched; stops beyond `most`."""
-        boxes, lines, lanes = occupied(annotation, self.view)
-        hits = sum(self.field.in_lane(lane, LANE) for lane in lanes)
-        if not keeps_off_itself(annotation):
-            hits += sum(reaches(line, box) for box in [grown(box, 0.2) for box in boxes] for line in lines)
-        hits += self.field.over_texts(lines, 0.4)
-        if HIT * hits >= most:
-            return HIT * hits, hits
-        hits += sum(self.field.text_hits(box, CLEAR) for box in boxes)
-        cost = HIT * hits
-        if cost >= most:
-            return cost, hits
-        cost += CROSSING * self.field.crossings(lines)
-        cost += IN_THE_WAY * sum(reaches(line, box) for box in boxes for line in self.corridors)
-        if cost >= most:
-            return cost, hits
-        tip = tip_of(annotation, self.view)
-        if tip and not self.edges.touching(about(tip)):
-            cost += ASTRAY
-        end = tip or (self.view.to_paper(annotation.at) if isinstance(annotation, Callout) else None)
-        if end:
-            cost += CROWDED * sum(math.dist(end, other) < 3.0 for other in self.tips)
-        cost += OVER_PART * sum(self.field.part.crossing(line) for line in lines)
-        cost += ON_PART * sum(self.field.part.beside(lane, 1.5) for lane in lanes)
-        return cost, hits
+    def _conflict_cost(self, annotation: Annotation, limit: float) -> tuple[float, int]:
+        """Cost of a position for what is drawn already, mm, and its number of conflicts; incomplete above a limit."""
+        occupancy, footprint = self.occupancy, footprint_of(annotation, self.view)
+        conflicts = occupancy.line_conflicts(footprint)
+        if CONFLICT * conflicts < limit:
+            conflicts += sum(occupancy.text_conflicts(box) for box in footprint.texts)
+        cost = CONFLICT * conflicts
+        if cost >= limit:
+            return cost, conflicts
+        covered = sum(line_meets_box(line, box) for box in footprint.texts for line in self._keep_out_lines)
+        cost += KEEP_OUT * covered
+        cost += CROSSING * sum(occupancy.annotation_lines.count_crossing(line) for line in footprint.lines)
+        point, tip = attachment_point(annotation, self.view), leader_tip(annotation, self.view)
+        if point and not occupancy.is_on_outline(point):
+            cost += DETACHED
+        if tip:
+            cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
+        cost += PART_CROSSING * sum(occupancy.part_lines.count_crossing(line) for line in footprint.lines)
+        beside = sum(occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines)
+        return cost + ON_PART_LINE * beside, conflicts
 
-    def keep(self, annotation: Annotation) -> None:
-        """Takes the room of an annotation."""
-        boxes, lines, lanes = occupied(annotation, self.view)
-        tip = tip_of(annotation, self.view)
-        tip = tip or (self.view.to_paper(annotation.at) if isinstance(annotation, Callout) else None)
-        self.tips += [tip] if tip else []
-        self.field.boxes += boxes
-        self.field.drawn.add(lines)
-        self.field.lanes += lanes
-        self.kept.append(annotation)
-        self.inked += boxes
-        self.inked += [(min(a, c), min(b, d), max(a, c), max(b, d)) for a, b, c, d in lines]
+    def _add(self, annotation: Annotation) -> None:
+        self.occupancy.add(annotation, self.view)
+        self.placed.append(annotation)

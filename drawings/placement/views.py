@@ -1,8 +1,7 @@
-"""Places of the views on the sheet, each with its annotations: in line as third angle asks, nothing over another.
+"""Arrangement of views with their annotations on a sheet: third-angle projection, no view over another.
 
-`dressed` puts round each view what is asked of it; `arrange` gives the dressed views places on a sheet. Whether all
-fits is part of the answer: who calls takes a larger paper, another corner for the notes, or lets a view stand by itself
-(`detached`).
+`annotated_views` places annotations around each view; `arrange` places these views on a sheet. Whether they fit is part
+of the result: the caller then takes a larger paper, another place for the notes, or detaches a view from its row.
 """
 
 from __future__ import annotations
@@ -12,73 +11,84 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation import Annotation, DetailMark, SectionMark
-from drawings.dimensions.specification import Asked
-from drawings.placement.field import around, grown, overlap
-from drawings.placement.occupied import moved, view_outline
-from drawings.placement.place import Dressed, dress
-from drawings.sheets.sheet import SheetArea
+from drawings.dimensions.specification import DimensionSpec
+from drawings.placement.occupancy import translated, view_outline
+from drawings.placement.place import AnnotatedView, place_annotations
+from drawings.views.bounding_box import enclosing_box
+from drawings.views.segment_index import boxes_overlap, enlarged
 from drawings.views.view import Box2, Point2, View, dot
 
-APART = 9.0
-"""Least distance of what stands round two views, mm."""
+VIEW_SPACING, TABLE_SPACING = 9.0, 3.0
+"""Least distance between two views with their annotations, and between a view and a table, mm."""
 STEP = 4.0
-"""How finely places on the sheet are tried, mm."""
+"""Step of the places tried for a view that is not aligned with another, mm."""
 OUTSIDE = 6.0
-"""How far a cutting line reaches beyond the part, mm."""
+"""Length of a cutting line beyond the part at either end, mm."""
+
+
+@dataclass(frozen=True)
+class SheetArea:
+    """Where views and annotations may be.
+
+    Args:
+        space: inside of the frame, less a margin.
+        taken: title block and other boxes within it.
+    """
+
+    space: Box2
+    taken: tuple[Box2, ...]
 
 
 @dataclass(frozen=True)
 class Arrangement:
-    """Views and annotations with places.
+    """Views and annotations in place.
 
     Args:
-        fits: whether all stands within the area, nothing over another.
-        hits: texts that touch something round their own view; 0 on a good sheet.
-        needed: width and height that the views in line take, mm.
+        fits: whether all is within the area and no view over another.
+        conflicts: sum of the conflicts around each view; 0 on a good sheet.
     """
 
     views: tuple[View, ...]
     annotations: tuple[Annotation, ...]
     fits: bool
-    hits: int
-    needed: tuple[float, float]
+    conflicts: int
 
 
-def dressed(views: Sequence[View], asked: Sequence[Asked]) -> tuple[Dressed, ...]:
-    """Views with their annotations round them.
+def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tuple[AnnotatedView, ...]:
+    """Views with their annotations.
 
     Args:
-        views: with curves and scale; `beside` says which stand in line, the first one in the middle.
-        asked: as `drawings.dimensions.dimensioning.request` gives it.
+        views: with curves and scale; `View.beside` names the view with which one is aligned, the first is the main one.
+        specs: of all views (`drawings.dimensions.dimensioning.dimension_specs`).
     """
-    marks = _marks(views)
     return tuple(
-        dress(view, [one for one in asked if one.view == view.name], marks.get(view.name, ())) for view in views
+        place_annotations(view, [spec for spec in specs if spec.view == view.name], _marks(view, views))
+        for view in views
     )
 
 
-def detached(every: Sequence[Dressed], name: str) -> tuple[Dressed, ...]:
-    """The views, the named one no longer in line with another, and so with its name below it."""
+def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, ...]:
+    """The views, the named one no longer aligned with another, and therefore labelled."""
     return tuple(
-        dress(replace(one.view, beside="", label=name.upper()), one.asked, one.marks) if one.view.name == name else one
+        place_annotations(replace(one.view, beside="", label=name.upper()), one.specs, one.marks)
+        if one.view.name == name
+        else one
         for one in every
     )
 
 
-def arrange(every: Sequence[Dressed], area: SheetArea) -> Arrangement:
-    """Gives dressed views places on a sheet."""
-    group = _in_line(every)
-    alone = [one for one in every if one.view.name not in group]
-    rooms = [_at(one.room, group[one.view.name]) for one in every if one.view.name in group]
-    whole = around(rooms)
-    needed = (whole[2] - whole[0], whole[3] - whole[1])
-    places, fits = _on_sheet(rooms, whole, [one.room for one in alone], area)
+def arrange(every: Sequence[AnnotatedView], area: SheetArea) -> Arrangement:
+    """Place annotated views on a sheet."""
+    aligned = _aligned(every)
+    alone = [one for one in every if one.view.name not in aligned]
+    boxes = [_shifted(one.box, aligned[one.view.name]) for one in every if one.view.name in aligned]
+    places, fits = _on_sheet(boxes, [one.box for one in alone], area)
     shift, *others = places
-    by_name = {name: (x + shift[0], y + shift[1]) for name, (x, y) in group.items()}
+    by_name = {name: (x + shift[0], y + shift[1]) for name, (x, y) in aligned.items()}
     by_name |= {one.view.name: place for one, place in zip(alone, others, strict=True)}
     placed = tuple(_placed(one.view, by_name[one.view.name]) for one in every)
-    annotations = tuple(moved(a, by_name[one.view.name]) for one in every for a in one.annotations)
-    return Arrangement(placed, annotations, fits, sum(one.hits for one in every), needed)
+    annotations = tuple(translated(a, by_name[one.view.name]) for one in every for a in one.annotations)
+    return Arrangement(placed, annotations, fits, sum(one.conflicts for one in every))
 
 
 def _placed(view: View, place: Point2) -> View:
@@ -86,37 +96,30 @@ def _placed(view: View, place: Point2) -> View:
     return replace(view, place=place, label_at=label_at)
 
 
-def _marks(views: Sequence[View]) -> dict[str, list[Annotation]]:
-    """Cutting lines and circles of details, by the view that shows them, its origin at (0, 0)."""
-    found: dict[str, list[Annotation]] = {}
-    for view in views:
-        parent = _parent(view, views)
-        if parent is None:
-            continue
-        outline = view_outline(parent)
-        if view.clip:
-            (u, v), radius = view.clip
-            away = (radius * parent.scale + 4.0) * math.sqrt(0.5)
-            letter_at = (u * parent.scale + away, v * parent.scale + away)
-            mark = DetailMark(parent.name, (u, v), radius, letter_at, view.label[:1])
-        elif view.cut:
-            normal = parent.projection.to_view(view.cut.normal)
-            at = parent.projection.to_view(view.cut.point)
-            along = (normal[1], -normal[0]) if abs(normal[1]) > abs(normal[0]) else (-normal[1], normal[0])
-            reach = [
-                (x - at[0] * parent.scale) * along[0] + (y - at[1] * parent.scale) * along[1]
-                for x in (outline[0], outline[2])
-                for y in (outline[1], outline[3])
-            ]
-            start, end = (
-                (at[0] * parent.scale + r * along[0], at[1] * parent.scale + r * along[1])
-                for r in (min(reach) - OUTSIDE, max(reach) + OUTSIDE)
-            )
-            mark = SectionMark(parent.name, start, end, (-normal[0], -normal[1]), view.cut.letter)
-        else:
-            continue
-        found.setdefault(parent.name, []).append(mark)
-    return found
+def _marks(view: View, views: Sequence[View]) -> list[Annotation]:
+    """Cutting lines and circles of details that a view shows, for the view at the origin of the paper."""
+    shown = [other for other in views if _parent(other, views) is view]
+    return [_detail_mark(view, detail) if detail.clip else _section_mark(view, detail) for detail in shown]
+
+
+def _detail_mark(parent: View, detail: View) -> DetailMark:
+    assert detail.clip is not None
+    (u, v), radius = detail.clip
+    away = (radius * parent.scale + 4.0) * math.sqrt(0.5)
+    letter_at = (u * parent.scale + away, v * parent.scale + away)
+    return DetailMark(parent.name, (u, v), radius, letter_at, detail.label[:1])
+
+
+def _section_mark(parent: View, section: View) -> SectionMark:
+    assert section.cut is not None
+    x0, y0, x1, y1 = view_outline(parent)
+    normal = parent.projection.to_view(section.cut.normal)
+    u, v = parent.projection.to_view(section.cut.point)
+    at = (u * parent.scale, v * parent.scale)
+    along = (normal[1], -normal[0]) if abs(normal[1]) > abs(normal[0]) else (-normal[1], normal[0])
+    reach = [(x - at[0]) * along[0] + (y - at[1]) * along[1] for x in (x0, x1) for y in (y0, y1)]
+    start, end = ((at[0] + r * along[0], at[1] + r * along[1]) for r in (min(reach) - OUTSIDE, max(reach) + OUTSIDE))
+    return SectionMark(parent.name, start, end, (-normal[0], -normal[1]), section.cut.letter)
 
 
 def _parent(view: View, views: Sequence[View]) -> View | None:
@@ -131,32 +134,32 @@ def _parent(view: View, views: Sequence[View]) -> View | None:
     return None
 
 
-def _in_line(dressed: Sequence[Dressed]) -> dict[str, Point2]:
-    """Places of the first view, at (0, 0), and of all that stand in line with it, by name."""
-    places: dict[str, Point2] = {dressed[0].view.name: (0.0, 0.0)}
-    rooms = {dressed[0].view.name: dressed[0].room}
-    waiting = list(dressed[1:])
+def _aligned(every: Sequence[AnnotatedView]) -> dict[str, Point2]:
+    """Places of the first view, at (0, 0), and of all views aligned with it, by name."""
+    places: dict[str, Point2] = {every[0].view.name: (0.0, 0.0)}
+    boxes = {every[0].view.name: every[0].box}
+    waiting = list(every[1:])
     while True:
         one = next((one for one in waiting if one.view.beside in places), None)
         if one is None:
             return places
         waiting.remove(one)
-        parent = next(other for other in dressed if other.view.name == one.view.beside)
+        parent = next(other for other in every if other.view.name == one.view.beside)
         side = _side(one.view, parent.view)
         x, y = places[parent.view.name]
         step = 0.0
         while True:
             place = (x + side[0] * step, y + side[1] * step)
-            room = grown(_at(one.room, place), APART / 2)
-            if not any(overlap(room, grown(other, APART / 2)) for other in rooms.values()):
+            box = enlarged(_shifted(one.box, place), VIEW_SPACING / 2)
+            if not any(boxes_overlap(box, enlarged(other, VIEW_SPACING / 2)) for other in boxes.values()):
                 break
             step += 1.0
         places[one.view.name] = place
-        rooms[one.view.name] = _at(one.room, place)
+        boxes[one.view.name] = _shifted(one.box, place)
 
 
 def _side(view: View, parent: View) -> Point2:
-    """Where third angle puts a view: on the side it is seen from; a parallel one to the right, or above."""
+    """Side of the parent on which third-angle projection puts a view; a parallel view is to the right, or below."""
     eye = view.projection.towards_eye
     across, up = dot(eye, parent.projection.right), dot(eye, parent.projection.up)
     if abs(across) > 0.5:
@@ -167,56 +170,54 @@ def _side(view: View, parent: View) -> Point2:
     return (1.0, 0.0) if x1 - x0 <= 1.5 * (y1 - y0) else (0.0, -1.0)
 
 
-def _on_sheet(rooms: Sequence[Box2], whole: Box2, alone: Sequence[Box2], area: SheetArea) -> tuple[list[Point2], bool]:
-    """Shift of the views in line, and of each that stands alone; and whether all fit."""
+def _on_sheet(aligned: Sequence[Box2], alone: Sequence[Box2], area: SheetArea) -> tuple[list[Point2], bool]:
+    """Shift of the aligned views, then of each other view; and whether all fit."""
     x0, y0, x1, y1 = area.space
-    width, height = whole[2] - whole[0], whole[3] - whole[1]
-    free = (x1 - x0 - width, y1 - y0 - height)
+    whole = enclosing_box(aligned)
+    free = (x1 - x0 - (whole[2] - whole[0]), y1 - y0 - (whole[3] - whole[1]))
     best: list[Point2] | None = None
-    for share in _shares():
-        shift = (x0 - whole[0] + free[0] * share[0], y0 - whole[1] + free[1] * share[1])
-        placed = [_at(room, shift) for room in rooms]
-        if not all(_free(room, area, ()) for room in placed):
+    for fraction in _fractions():
+        shift = (x0 - whole[0] + free[0] * fraction[0], y0 - whole[1] + free[1] * fraction[1])
+        placed = [_shifted(box, shift) for box in aligned]
+        if not all(_free(box, area, ()) for box in placed):
             continue
         best = best or [shift]
         others: list[Point2] = []
-        for room in alone:
-            place = _corner(room, area, placed)
+        for box in alone:
+            place = _free_place(box, area, placed)
             if place is None:
                 break
             others.append(place)
-            placed.append(_at(room, place))
+            placed.append(_shifted(box, place))
         else:
             return [shift, *others], True
     shift = best[0] if best else (x0 - whole[0], y1 - whole[3])
-    return [shift, *((x1 - room[2], y1 - room[3]) for room in alone)], False
+    return [shift, *((x1 - box[2], y1 - box[3]) for box in alone)], False
 
 
-def _shares() -> list[Point2]:
-    """Places of the views in line within what room they leave, the middle first, then towards the upper left."""
+def _fractions() -> list[Point2]:
+    """Positions of the aligned views as fractions of the free width and height, from near the middle outwards."""
     steps = [i / 10 for i in range(11)]
     return sorted(((a, b) for a in steps for b in steps), key=lambda s: (math.hypot(s[0] - 0.45, s[1] - 0.6), s))
 
 
-def _corner(room: Box2, area: SheetArea, placed: Sequence[Box2]) -> Point2 | None:
-    """A free place for a view that stands alone, next to the upper right corner."""
+def _free_place(box: Box2, area: SheetArea, placed: Sequence[Box2]) -> Point2 | None:
+    """The free place nearest to the upper right corner for a view that is not aligned."""
     x0, y0, x1, y1 = area.space
-    columns = int((x1 - x0 - (room[2] - room[0])) // STEP) + 1
-    rows = int((y1 - y0 - (room[3] - room[1])) // STEP) + 1
-    places = [(x1 - room[2] - STEP * i, y1 - room[3] - STEP * j) for i in range(columns) for j in range(rows)]
-    for place in sorted(places, key=lambda p: -(p[0] + p[1])):
-        if _free(_at(room, place), area, placed):
-            return place
-    return None
+    columns = int((x1 - x0 - (box[2] - box[0])) // STEP) + 1
+    rows = int((y1 - y0 - (box[3] - box[1])) // STEP) + 1
+    places = [(x1 - box[2] - STEP * i, y1 - box[3] - STEP * j) for i in range(columns) for j in range(rows)]
+    by_distance = sorted(places, key=lambda p: -(p[0] + p[1]))
+    return next((place for place in by_distance if _free(_shifted(box, place), area, placed)), None)
 
 
-def _free(room: Box2, area: SheetArea, placed: Sequence[Box2]) -> bool:
+def _free(box: Box2, area: SheetArea, placed: Sequence[Box2]) -> bool:
     x0, y0, x1, y1 = area.space
-    inside = x0 - 1e-6 <= room[0] and y0 - 1e-6 <= room[1] and room[2] <= x1 + 1e-6 and room[3] <= y1 + 1e-6
-    if not inside or any(overlap(room, grown(box, 3.0)) for box in area.taken):
+    inside = x0 - 1e-6 <= box[0] and y0 - 1e-6 <= box[1] and box[2] <= x1 + 1e-6 and box[3] <= y1 + 1e-6
+    if not inside or any(boxes_overlap(box, enlarged(taken, TABLE_SPACING)) for taken in area.taken):
         return False
-    return not any(overlap(room, grown(box, APART)) for box in placed)
+    return not any(boxes_overlap(box, enlarged(other, VIEW_SPACING)) for other in placed)
 
 
-def _at(room: Box2, place: Point2) -> Box2:
-    return (room[0] + place[0], room[1] + place[1], room[2] + place[0], room[3] + place[1])
+def _shifted(box: Box2, place: Point2) -> Box2:
+    return (box[0] + place[0], box[1] + place[1], box[2] + place[0], box[3] + place[1])

@@ -10,8 +10,8 @@ from drawings.annotations.annotation import Note
 from drawings.annotations.font import LINE_PITCH, TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
 from drawings.dimensions.dimensioning import request
-from drawings.dimensions.specification import Asked
-from drawings.placement.views import Arrangement, arrange, detached, dressed
+from drawings.dimensions.specification import DimensionSpec
+from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
@@ -146,10 +146,10 @@ def _sheet(
 
 
 def _arranged(
-    plan: SheetPlan, views: tuple[View, ...], asked: Sequence[Asked], texts: tuple[str, ...]
+    plan: SheetPlan, views: tuple[View, ...], asked: Sequence[DimensionSpec], texts: tuple[str, ...]
 ) -> tuple[Paper, Arrangement, Note]:
     """Views, annotations and notes on the smallest paper on which they fit."""
-    every = dressed(views, asked)
+    every = annotated_views(views, asked)
     loose = [view.name for view in plan.views if view.name in DETACHABLE and view.beside]
     ways = {"": every}
     sizes = list(PAPERS)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from drawings.annotations.annotation import Annotation, Note
 from drawings.annotations.primitives import Primitive
+from drawings.placement.views import SheetArea
 from drawings.sheets.frame import CENTRING, MARGIN, PAPERS, Paper, drawing_space
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.view import Box2, View
@@ -40,19 +41,6 @@ class Sheet:
     def view(self, name: str) -> View:
         """The view of that name."""
         return next(view for view in self.views if view.name == name)
-
-
-@dataclass(frozen=True)
-class SheetArea:
-    """Where views and annotations may stand.
-
-    Args:
-        space: inside of the frame, less a margin.
-        taken: title block and other boxes within it.
-    """
-
-    space: Box2
-    taken: tuple[Box2, ...]
 
 
 def sheet_area(paper: Paper, taken: tuple[Box2, ...] = ()) -> SheetArea:

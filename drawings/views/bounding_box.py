@@ -35,7 +35,7 @@ def bounding_box(points: Sequence[Point2]) -> Box2:
     return (min(xs), min(ys), max(xs), max(ys))
 
 
-def enclosing_box(boxes: Sequence[Box2], margin: float) -> Box2:
+def enclosing_box(boxes: Sequence[Box2], margin: float = 0.0) -> Box2:
     """Bounding box of boxes, enlarged by a margin on each side."""
     x0, y0, x1, y1 = zip(*boxes)
     return (min(x0) - margin, min(y0) - margin, max(x1) + margin, max(y1) + margin)

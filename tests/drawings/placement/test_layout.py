@@ -10,11 +10,11 @@ import pytest
 
 from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension
 from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_boxes
-from drawings.dimensions.specification import Asked, AskedCallout, AskedDistance, AskedFrame
-from drawings.placement.field import Lines, arc_points, overlap, reaches
-from drawings.placement.place import Dressed, dress
-from drawings.placement.views import APART, arrange, detached, dressed
-from drawings.sheets.sheet import SheetArea, sheet_area
+from drawings.dimensions.specification import CalloutSpec, DimensionSpec, DistanceSpec, FrameSpec
+from drawings.placement.place import AnnotatedView, place_annotations
+from drawings.placement.views import VIEW_SPACING, SheetArea, annotated_views, arrange, detached
+from drawings.sheets.sheet import sheet_area
+from drawings.views.segment_index import SegmentIndex, arc_points, boxes_overlap, line_meets_box
 from drawings.views.view import PROJECTIONS, Arc, Point2, Segment, View
 
 
@@ -27,13 +27,13 @@ def block(name: str = "front", width: float = 200.0, height: float = 100.0, besi
     return View(name, PROJECTIONS[name], {"VISIBLE": rectangle(width, height)}, 0.5, beside=beside)
 
 
-def distance(first: Point2, second: Point2, name: str, view: str = "front") -> AskedDistance:
+def distance(first: Point2, second: Point2, name: str, view: str = "front") -> DistanceSpec:
     angle = 0.0 if abs(second[0] - first[0]) > abs(second[1] - first[1]) else 90.0
     value = math.dist(first, second)
-    return AskedDistance(view, first, second, angle, f"{value:.1f}", value, (name,))
+    return DistanceSpec(view, first, second, angle, f"{value:.1f}", value, (name,))
 
 
-def lines_of(result: Dressed) -> dict[str, LinearDimension]:
+def lines_of(result: AnnotatedView) -> dict[str, LinearDimension]:
     return {a.names[0]: a for a in result.annotations if isinstance(a, LinearDimension)}
 
 
@@ -43,9 +43,9 @@ def test_short_dimensions_stand_inside_long_ones_and_all_outside_the_part() -> N
         distance((50.0, 100.0), (150.0, 100.0), "middle"),
         distance((0.0, 0.0), (0.0, 100.0), "height"),
     ]
-    result = dress(block(), asked)
+    result = place_annotations(block(), asked)
     placed = lines_of(result)
-    assert result.hits == 0
+    assert result.conflicts == 0
     away = {name: max(d.line_at[1] - 50.0, -d.line_at[1]) for name, d in placed.items() if d.angle == 0.0}
     assert away["middle"] >= 10.0 - 1e-9
     if (placed["middle"].line_at[1] > 25.0) == (placed["length"].line_at[1] > 25.0):
@@ -55,51 +55,51 @@ def test_short_dimensions_stand_inside_long_ones_and_all_outside_the_part() -> N
 
 def test_an_extension_line_starts_from_the_end_of_the_face_it_measures() -> None:
     """Declared at mid-height, the length is measured from the corners next to its dimension line."""
-    (length,) = lines_of(dress(block(), [distance((0.0, 50.0), (200.0, 50.0), "length")])).values()
+    (length,) = lines_of(place_annotations(block(), [distance((0.0, 50.0), (200.0, 50.0), "length")])).values()
     level = 100.0 if length.line_at[1] > 50.0 else 0.0
     assert (length.first, length.second) == ((0.0, level), (200.0, level))
 
 
 def test_a_text_that_does_not_fit_between_its_arrows_stands_beside() -> None:
-    (narrow,) = lines_of(dress(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
+    (narrow,) = lines_of(place_annotations(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
     assert narrow.text_at is not None
     assert not 45.0 < narrow.text_at[0] < 46.5
 
 
 def test_no_text_touches_anything_in_a_crowd() -> None:
     """Twenty steps side by side and ten callouts: every text is free, and the same again gives the same places."""
-    asked: list[Asked] = [distance((10.0 * i, 100.0), (10.0 * i + 10.0, 100.0), f"step {i}") for i in range(20)]
-    asked += [AskedCallout("front", (20.0 * i + 10.0, 20.0), 2.0, (f"⌀{i}.0",), (f"hole {i}",)) for i in range(10)]
-    result = dress(block(), asked)
-    assert result.hits == 0
+    asked: list[DimensionSpec] = [distance((10.0 * i, 100.0), (10.0 * i + 10.0, 100.0), f"step {i}") for i in range(20)]
+    asked += [CalloutSpec("front", (20.0 * i + 10.0, 20.0), 2.0, (f"⌀{i}.0",), (f"hole {i}",)) for i in range(10)]
+    result = place_annotations(block(), asked)
+    assert result.conflicts == 0
     ink = [(a, list(annotation_primitives(a, result.view))) for a in result.annotations]
     boxes = [(a, box) for a, items in ink for box in text_boxes(items)]
     for i, (one, box) in enumerate(boxes):
         for other, another in boxes[i + 1 :]:
-            assert one is other or not overlap(box, another)
+            assert one is other or not boxes_overlap(box, another)
         for edge in result.view.curves["VISIBLE"]:
             assert isinstance(edge, Segment)
-            assert not reaches((*result.view.to_paper(edge.start), *result.view.to_paper(edge.end)), box)
-    assert dress(block(), asked).annotations == result.annotations
+            assert not line_meets_box((*result.view.to_paper(edge.start), *result.view.to_paper(edge.end)), box)
+    assert place_annotations(block(), asked).annotations == result.annotations
 
 
 def test_dimension_lines_in_each_others_way_are_placed_anew() -> None:
     """Nested and crossing spans on a part with a line close by on three sides."""
     asked = [distance((20.0 * i, 50.0), (200.0 - 15.0 * i, 50.0), f"span {i}") for i in range(5)]
-    assert dress(block(), asked).hits == 0
+    assert place_annotations(block(), asked).conflicts == 0
 
 
 def test_a_control_frame_stands_off_the_part_with_its_arrow_on_the_face() -> None:
-    asked = [AskedFrame("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
-    (frame,) = dress(block(), asked).annotations
+    asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
+    (frame,) = place_annotations(block(), asked).annotations
     assert isinstance(frame, FeatureControlFrame)
     assert frame.at[1] == pytest.approx(100.0)
     assert frame.elbow[1] > 50.0 + 3.5
 
 
 def test_a_leader_takes_the_choice_that_is_drawn() -> None:
-    asked = [AskedCallout("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
-    (callout,) = dress(block(), asked).annotations
+    asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
+    (callout,) = place_annotations(block(), asked).annotations
     assert isinstance(callout, Callout)
     assert callout.at == pytest.approx((100.0, 100.0))
     box = callout_box(callout, 0)
@@ -110,17 +110,17 @@ VIEWS = (block("top"), block("front", beside="top"), block("right", 80.0, beside
 
 
 def test_views_stand_as_third_angle_asks_with_room_between() -> None:
-    result = arrange(dressed(VIEWS, []), sheet_area("A3"))
+    result = arrange(annotated_views(VIEWS, []), sheet_area("A3"))
     top, front, right = result.views
     assert result.fits
     assert top.place[0] == front.place[0]
     assert top.place[1] > front.place[1] + 50.0
     assert right.place[1] == front.place[1]
-    assert right.place[0] > front.place[0] + 100.0 + APART - 1e-6
+    assert right.place[0] > front.place[0] + 100.0 + VIEW_SPACING - 1e-6
 
 
 def test_a_view_moves_with_its_annotations() -> None:
-    every = dressed(VIEWS, [distance((0.0, 100.0), (200.0, 100.0), "length", "front")])
+    every = annotated_views(VIEWS, [distance((0.0, 100.0), (200.0, 100.0), "length", "front")])
     (before,) = every[1].annotations
     result = arrange(every, sheet_area("A3"))
     (after,) = result.annotations
@@ -133,7 +133,7 @@ def test_a_view_moves_with_its_annotations() -> None:
 
 def test_what_does_not_fit_says_so_and_a_view_by_itself_gets_its_name() -> None:
     tall = tuple(replace(view, scale=1.0) for view in (*VIEWS[:2], block("bottom", beside="front")))
-    every = dressed(tall, [])
+    every = annotated_views(tall, [])
     area = SheetArea((0.0, 0.0, 480.0, 240.0), ())
     assert not arrange(every, area).fits
     alone = arrange(detached(every, "bottom"), area)
@@ -144,21 +144,20 @@ def test_what_does_not_fit_says_so_and_a_view_by_itself_gets_its_name() -> None:
 
 def test_taken_room_stays_free() -> None:
     area = sheet_area("A3", ((0.0, 0.0, 260.0, 297.0),))
-    result = arrange(dressed(VIEWS[:1], []), area)
+    result = arrange(annotated_views(VIEWS[:1], []), area)
     assert result.fits
     assert result.views[0].place[0] >= 260.0
 
 
 def test_a_line_touches_a_box_only_where_it_enters_it() -> None:
-    lines = Lines()
-    lines.add([(0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 20.0, 10.0)])
-    assert lines.touching((4.0, 4.5, 6.0, 5.5)) == 1
-    assert lines.touching((6.0, 1.0, 9.0, 4.0)) == 0
-    assert lines.touching((0.0, 0.0, 30.0, 10.0)) == 2
-    assert lines.crossing((0.0, 10.0, 10.0, 0.0)) == 1
-    assert lines.along((20.0, 5.0), (0.0, 1.0)) == (-5.0, 5.0)
-    assert lines.along((21.0, 5.0), (0.0, 1.0)) == (0.0, 0.0)
-    assert lines.beside((21.0, 2.0, 21.0, 8.0), 1.5) == 1
+    lines = SegmentIndex([(0.0, 0.0, 10.0, 10.0), (20.0, 0.0, 20.0, 10.0)])
+    assert lines.count_in((4.0, 4.5, 6.0, 5.5)) == 1
+    assert lines.count_in((6.0, 1.0, 9.0, 4.0)) == 0
+    assert lines.count_in((0.0, 0.0, 30.0, 10.0)) == 2
+    assert lines.count_crossing((0.0, 10.0, 10.0, 0.0)) == 1
+    assert lines.collinear_run((20.0, 5.0), (0.0, 1.0)) == (-5.0, 5.0)
+    assert lines.collinear_run((21.0, 5.0), (0.0, 1.0)) == (0.0, 0.0)
+    assert lines.count_parallel((21.0, 2.0, 21.0, 8.0), 1.5) == 1
 
 
 def test_chords_stay_near_their_arc() -> None:

@@ -16,7 +16,7 @@ from ap242_file import Ap242File, ReadDimension, decimals, read_ap242
 from ap242_measures import measured, off_axis
 
 from drawings.dimensions.dimensioning import request
-from drawings.dimensions.specification import AskedCallout, AskedFrame
+from drawings.dimensions.specification import CalloutSpec, FrameSpec
 from drawings.pmi.ap242 import ap242_bytes, information_of, write_ap242
 from drawings.pmi.step_text import with_properties
 from drawings.sheets.part import Views
@@ -255,12 +255,12 @@ def test_the_sheet_says_the_same(name: str, read) -> None:
     texts: dict[str, str] = {}
     frames, letters = [], set()
     for asked in asked_of(name):
-        if isinstance(asked, AskedFrame):
+        if isinstance(asked, FrameSpec):
             letters |= {asked.letter} - {""}
             if asked.characteristic:
                 frames.append((asked.characteristic, asked.tolerance, asked.datums))
         else:
-            printed = " ".join(asked.lines) if isinstance(asked, AskedCallout) else asked.text
+            printed = " ".join(asked.lines) if isinstance(asked, CalloutSpec) else asked.text
             texts |= dict.fromkeys(asked.names, printed)
     for said, dimension in by_name(file).items():
         declaration = next(d for d in declared(name) if d.name == said)

@@ -25,11 +25,11 @@ from drawings.export.lint import lint
 from drawings.pictures.machine import machine_picture
 from drawings.pictures.picture import Picture, picture_document, picture_of
 from drawings.pictures.scene import scene_of
-from drawings.placement.field import curve_points
 from drawings.sheets.assembly import Assembled, assembly_sheet, spread
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.views.bounding_box import view_box
+from drawings.views.segment_index import curve_points
 from drawings.views.view import Segment
 from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.assembly import shapes_of

@@ -1,0 +1,247 @@
+"""Occupancy of the paper around one view: lines of the part, lines and texts of annotations, dimension lines.
+
+A text must not touch anything; a line must not pass through a text; lines may cross lines at a cost.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from drawings.annotations.annotation import (
+    AngularDimension,
+    Annotation,
+    Callout,
+    DatumSymbol,
+    DetailMark,
+    FeatureControlFrame,
+    LinearDimension,
+    RadialDimension,
+    SectionMark,
+)
+from drawings.annotations.annotation_geometry import annotation_primitives, callout_box, text_box
+from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.views.bounding_box import enclosing_box
+from drawings.views.segment_index import (
+    Line,
+    SegmentIndex,
+    arc_points,
+    boxes_overlap,
+    curve_points,
+    enlarged,
+    line_box,
+    line_meets_box,
+    polyline_lines,
+)
+from drawings.views.view import Box2, Layer, Point2, View
+
+OUTLINE: tuple[Layer, ...] = ("VISIBLE", "HIDDEN")
+"""Layers of the edges of the part, without centre lines and hatch."""
+LEADER_TIP = 0.3
+"""Half side of the box about the tip of a leader in which a line of the part must lie, mm."""
+SELF_CLEARANCE, TEXT_CLEARANCE, LINE_CLEARANCE = 0.2, 1.2, 0.4
+"""Clearance of a text from the lines of its own annotation, from everything else, and of a line from a text, mm."""
+DIMENSION_LINE_SPACING = 6.0
+"""Least distance of parallel dimension lines, mm."""
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """The paper that one annotation takes.
+
+    Args:
+        texts: bounding boxes of the texts.
+        lines: all other lines.
+        dimension_lines: those of `lines` that need distance from parallel dimension lines.
+        own_text_checked: whether an own line that meets an own text is a conflict. Not of a text at an angle, whose
+            bounding box is larger than the text, nor where text and lines cannot meet.
+    """
+
+    texts: list[Box2]
+    lines: list[Line]
+    dimension_lines: list[Line]
+    own_text_checked: bool = True
+
+    @property
+    def boxes(self) -> list[Box2]:
+        """Bounding boxes of all texts and lines."""
+        return [*self.texts, *map(line_box, self.lines)]
+
+
+class Occupancy:
+    """What is drawn around a view at the origin of the paper so far."""
+
+    def __init__(self, view: View) -> None:
+        self.outline_lines = SegmentIndex(view_lines(view, OUTLINE))
+        part = view_lines(view)
+        self.part_lines = SegmentIndex(part)
+        self.annotation_lines = SegmentIndex()
+        self.texts: list[Box2] = []
+        self.dimension_lines: list[Line] = []
+        self.leader_tips: list[Point2] = []
+        self._boxes: list[Box2] = [enclosing_box([line_box(line) for line in part])]
+
+    @property
+    def box(self) -> Box2:
+        """Bounding box of everything."""
+        return enclosing_box(self._boxes)
+
+    def add(self, annotation: Annotation, view: View) -> None:
+        """Enter an annotation."""
+        footprint = footprint_of(annotation, view)
+        tip = leader_tip(annotation, view)
+        self.leader_tips += [tip] if tip else []
+        self.texts += footprint.texts
+        self.annotation_lines.add(footprint.lines)
+        self.dimension_lines += footprint.dimension_lines
+        self._boxes += footprint.boxes
+
+    def add_text(self, box: Box2) -> None:
+        """Enter a text by its bounding box."""
+        self.texts.append(box)
+        self._boxes.append(box)
+
+    def is_on_outline(self, point: Point2) -> bool:
+        """Whether an edge of the part is drawn at a point."""
+        return bool(self.outline_lines.count_in(enlarged((*point, *point), LEADER_TIP)))
+
+    def line_conflicts(self, footprint: Footprint) -> int:
+        """Number of texts that the lines of an annotation pass, and of its dimension lines too near to another."""
+        conflicts = sum(
+            any(_too_near(line, other) for other in self.dimension_lines) for line in footprint.dimension_lines
+        )
+        if footprint.own_text_checked:
+            own = [enlarged(box, SELF_CLEARANCE) for box in footprint.texts]
+            conflicts += sum(line_meets_box(line, box) for box in own for line in footprint.lines)
+        texts = [enlarged(box, LINE_CLEARANCE) for box in self.texts]
+        return conflicts + sum(line_meets_box(line, box) for line in footprint.lines for box in texts)
+
+    def text_conflicts(self, box: Box2, clearance: float = TEXT_CLEARANCE) -> int:
+        """Number of lines and texts that a text would touch."""
+        wide = enlarged(box, clearance)
+        touched = self.part_lines.count_in(wide) + self.annotation_lines.count_in(wide)
+        return touched + sum(boxes_overlap(wide, other) for other in self.texts)
+
+
+def view_outline(view: View) -> Box2:
+    """Bounding box of the edges of the part in a view at the origin of the paper; of a detail, that of its circle."""
+    if view.clip:
+        (u, v), radius = view.clip
+        return enlarged((u * view.scale, v * view.scale, u * view.scale, v * view.scale), radius * view.scale)
+    return enclosing_box([line_box(line) for line in view_lines(replace(view, place=(0.0, 0.0)), OUTLINE)])
+
+
+def view_lines(view: View, layers: Sequence[Layer] = ()) -> list[Line]:
+    """Straight lines on the paper that approximate the curves of a view, of all layers or of some."""
+    return [
+        line
+        for layer, curves in view.curves.items()
+        if not layers or layer in layers
+        for curve in curves
+        for line in polyline_lines([view.to_paper(point) for point in curve_points(curve, view.scale)])
+    ]
+
+
+def footprint_of(annotation: Annotation, view: View) -> Footprint:
+    """The paper that an annotation of a view takes."""
+    primitives = list(annotation_primitives(annotation, view))
+    texts = [text_box(item) for item in primitives if isinstance(item, Text)]
+    lines = [line for item in primitives for line in _lines(item)]
+    match annotation:
+        case LinearDimension():
+            turn = math.radians(annotation.angle)
+            u, v = math.cos(turn), math.sin(turn)
+            dimension_line = max(lines, key=lambda line: abs((line[2] - line[0]) * u + (line[3] - line[1]) * v))
+            texts = [enclosing_box(texts)] if texts else []
+            return Footprint(texts, lines, [dimension_line], annotation.angle in (0.0, 90.0))
+        case FeatureControlFrame() | DatumSymbol():
+            # The whole frame counts as text.
+            cells = [item.points for item in primitives if isinstance(item, Stroke) and len(item.points) == 5]
+            frame = enclosing_box([(*points[0], *points[2]) for points in cells])
+            return Footprint([frame], [line for line in lines if not _is_within(line, enlarged(frame, 0.1))], [], False)
+        case Callout():
+            # Symbols within the text count as text; the rest is the leader.
+            texts = [callout_box(annotation, number) for number in range(len(annotation.lines))]
+            near = [enlarged(box, 0.5) for box in texts]
+            return Footprint(texts, [line for line in lines if not any(_is_within(line, box) for box in near)], [])
+        case SectionMark():
+            # Dimension lines keep away from the stems of the arrows.
+            u, v = annotation.sight
+            stems = [(x, y, x + 9.0 * u, y + 9.0 * v) for x, y in (annotation.start, annotation.end)]
+            return Footprint(texts, lines, stems, False)
+        case _:
+            return Footprint(texts, lines, [], not isinstance(annotation, DetailMark))
+
+
+def attachment_point(annotation: Annotation, view: View) -> Point2 | None:
+    """Where the arrow or the datum triangle of an annotation must meet a line of the part; None where it need not."""
+    match annotation:
+        case RadialDimension():
+            turn = math.radians(annotation.towards)
+            u, v = annotation.centre
+            return view.to_paper((u + annotation.radius * math.cos(turn), v + annotation.radius * math.sin(turn)))
+        case FeatureControlFrame() | DatumSymbol():
+            return view.to_paper(annotation.at)
+        case _:
+            return None
+
+
+def leader_tip(annotation: Annotation, view: View) -> Point2 | None:
+    """Tip of the leader of an annotation; None for one without a leader."""
+    return view.to_paper(annotation.at) if isinstance(annotation, Callout) else attachment_point(annotation, view)
+
+
+def translated(annotation: Annotation, by: Point2) -> Annotation:
+    """An annotation with its paper coordinates moved along with its view."""
+
+    def to(point: Point2) -> Point2:
+        return (point[0] + by[0], point[1] + by[1])
+
+    match annotation:
+        case LinearDimension():
+            text_at = to(annotation.text_at) if annotation.text_at else None
+            return replace(annotation, line_at=to(annotation.line_at), text_at=text_at)
+        case RadialDimension():
+            return replace(annotation, text_at=to(annotation.text_at))
+        case AngularDimension():
+            return replace(annotation, arc_at=to(annotation.arc_at))
+        case Callout() | FeatureControlFrame():
+            return replace(annotation, elbow=to(annotation.elbow))
+        case DatumSymbol():
+            return replace(annotation, frame_at=to(annotation.frame_at))
+        case SectionMark():
+            return replace(annotation, start=to(annotation.start), end=to(annotation.end))
+        case DetailMark():
+            return replace(annotation, letter_at=to(annotation.letter_at))
+        case _:
+            return annotation
+
+
+def _is_within(line: Line, box: Box2) -> bool:
+    return all(box[0] <= x <= box[2] and box[1] <= y <= box[3] for x, y in (line[:2], line[2:]))
+
+
+def _lines(item: Primitive) -> list[Line]:
+    match item:
+        case Stroke():
+            return polyline_lines(item.points)
+        case ArcStroke():
+            return polyline_lines(arc_points(item.arc))
+        case FilledPolygon():
+            return polyline_lines((*item.points, item.points[0]))
+        case _:
+            return []
+
+
+def _too_near(one: Line, other: Line) -> bool:
+    """Whether a dimension line runs beside or along another one, nearer than `DIMENSION_LINE_SPACING`."""
+    dx, dy = one[2] - one[0], one[3] - one[1]
+    ex, ey = other[2] - other[0], other[3] - other[1]
+    size, length = math.hypot(dx, dy), math.hypot(ex, ey)
+    if size < 1e-9 or length < 1e-9 or abs(dx * ey - dy * ex) > 0.1 * size * length:
+        return False
+    u, v = dx / size, dy / size
+    away = [abs((x - one[0]) * v - (y - one[1]) * u) for x, y in (other[:2], other[2:])]
+    along = [(x - one[0]) * u + (y - one[1]) * v for x, y in (other[:2], other[2:])]
+    return min(away) < DIMENSION_LINE_SPACING and max(along) > 0.0 and min(along) < size
