@@ -32,7 +32,7 @@ FIRST, PITCH = 10.0, 8.0
 LEVEL_COST, EXTENSION_COST = 5.0, 0.3
 """Cost of each level of dimension lines, mm, and of extension lines per mm."""
 INSIDE_COST, INSIDE_STEP, INSIDE_SPAN_COST = 14.0, 6.0, 0.12
-"""Of a dimension line within the outline: cost, mm; cost and distance of each further one, mm; cost per mm of length."""
+"""Of a dimension line within the outline: cost, cost and distance of each further one, mm; cost per mm of length."""
 ACROSS_COST, ACROSS_SPAN_COST = 10.0, 0.3
 """Of a dimension line across the feature, without extension lines: cost, mm, and cost per mm of its length."""
 OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
