@@ -62,7 +62,7 @@ def _undo(run: Run, experiment: Path) -> None:
 def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...], drop: tuple[str, ...]) -> None:
     from sysid.ladder import add_effects
     from sysid.report import both_json
-    from workbench.console.loop_text import say_step
+    from workbench.console.identification import print_revision
     from workbench.identification.design_values import design_values
 
     if keys:
@@ -72,8 +72,6 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
         parameter_file(run)
     with run.busy(f"fitting the model {_change(effects, drop)}"):
         step = add_effects(experiment, effects, design_values(run), drop)
-    parameters = dict(step.rung.document["parameters"])
-    say_step(run, step, parameters)
     document = {
         "schema": 1,
         "rung": step.rung.number,
@@ -84,9 +82,10 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
         "removed": list(step.rung.document["removed"]),
         "before": both_json(step.case, step.before_fit, step.before_validate),
         "after": both_json(step.case, step.after_fit, step.after_validate),
-        "parameters": parameters,
+        "parameters": dict(step.rung.document["parameters"]),
         "seconds": step.seconds,
     }
+    print_revision(run, step, document)
     if keys:
         document.update(_written(run, step.case, step.base.fitted, keys, step.rung.number))
     run.emit(document)

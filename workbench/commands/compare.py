@@ -29,19 +29,21 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
         raise InputError("--scheduler: only --bootstrap has many independent runs")
     from sysid.compare import compare
     from sysid.report import comparison_json
-    from workbench.console.loop_text import say_comparison
+    from workbench.console.identification import print_comparison
     from workbench.identification.design_values import design_values
 
     with run.busy("fitting the model as it stands"):
         found = compare(experiment, design_values(run))
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
-    say_comparison(run, found, document)
+    print_comparison(run, found, document)
     if bootstrap is not None:
-        from workbench.identification.bootstrap import bootstrap_case, bootstrap_json, draw_bootstrap, say_bootstrap
+        from workbench.console.tables import rich_table
+        from workbench.identification.bootstrap import bootstrap_case, bootstrap_json, draw_bootstrap
+        from workbench.identification.tables import bootstrap_table
 
         drawn = bootstrap_case(run, found.case, found.base.fitted, bootstrap, seed, scheduler)
         document["bootstrap"] = bootstrap_json(found.case, drawn, seed)
-        say_bootstrap(run, document)
+        run.console.print(rich_table(bootstrap_table(document)))
         if figures:
             run.say(f"figure: {draw_bootstrap(run, found.case, drawn, document)}")
     if figures:

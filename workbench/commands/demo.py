@@ -66,14 +66,14 @@ def fresh_copy(folder: Path) -> Path:
 def _compare(run: Run, folder: Path) -> dict[str, Any]:
     from sysid.compare import compare
     from sysid.report import comparison_json
+    from workbench.identification.statements import comparison_statement
     from workbench.report.page import write_comparison
-    from workbench.report.sections import comparison_sentence
 
     run.say(f"$ stagecad compare {folder}")
     with run.busy("fitting the model as it stands"):
         found = compare(folder)
     document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
-    run.say(f"  {comparison_sentence(found)}\n")
+    run.say(f"  {comparison_statement(found)}\n")
     write_comparison(run, found, document)
     return document
 
@@ -81,18 +81,17 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
 def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
     from sysid.diagnose import diagnose
     from sysid.report import diagnosis_json
-    from workbench.console.progress import shown_on
+    from workbench.console.identification import search_progress
+    from workbench.identification.statements import diagnosis_statement, equivalence_statement
     from workbench.report.page import write_diagnosis
-    from workbench.report.sections import rivals_sentence, verdict_sentence
 
     run.say(f"$ stagecad diagnose {folder}")
     with run.progress() as progress:
-        found = diagnose(folder, progress=shown_on(progress))
+        found = diagnose(folder, progress=search_progress(progress))
     document = diagnosis_json(found)
-    run.say(f"  {verdict_sentence(found)}")
-    rivals = rivals_sentence(found)
-    if rivals:
-        run.say(f"  {rivals}")
+    run.say(f"  {diagnosis_statement(found)}")
+    if found.indistinguishable:
+        run.say(f"  {equivalence_statement(found)}")
     run.say(f"  ({len(found.trials)} effects tried in {found.seconds:.1f} s)\n")
     write_diagnosis(run, found, document)
     return found, document
@@ -101,13 +100,14 @@ def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
 def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
     from sysid.ladder import add_effects
     from sysid.report import both_json
-    from workbench.console.loop_text import parameter_table
+    from workbench.console.tables import rich_table
+    from workbench.identification.tables import parameter_table
 
     run.say(f"$ stagecad add {folder} {effect}")
     with run.busy(f"fitting the model with {effect}"):
         step = add_effects(folder, [effect])
     parameters = dict(step.rung.document["parameters"])
-    run.console.print(parameter_table(parameters, f"Rung {step.rung.number:03d}, fitted again"))
+    run.console.print(rich_table(parameter_table(parameters, f"Rung {step.rung.number:03d}, fitted again")))
     run.say("")
     return {
         "rung": step.rung.number,
@@ -119,31 +119,32 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
 
 def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
     from sysid.experiment_design.t_optimal_design import motions_for, rank_motions
-    from workbench.report.page import write_section
-    from workbench.report.suggestion import sentences, suggestion_section, worth_json, write_motions
+    from workbench.identification.statements import suggestion_statements
+    from workbench.report.page import write_motions, write_suggestion
 
     run.say(f"$ stagecad suggest {folder}")
     # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
-    with run.busy("weighing motions"):
+    with run.busy("comparing motions"):
         found = rank_motions(last, motions_for(last.case), last.effect)
-    paths = write_motions(run, found)
-    for line in sentences(found):
+    motions = write_motions(run, found)
+    for line in suggestion_statements(found):
         run.say(f"  {line}")
     run.say("")
-    write_section(run, folder.name, suggestion_section(found))
-    return [worth_json(worth, path) for worth, path in zip(found.motions, paths, strict=True)]
+    write_suggestion(run, found, motions)
+    return motions
 
 
 def _ladder(run: Run, folder: Path) -> dict[str, Any]:
     from sysid.experiment.experiment import load_experiment
     from sysid.ladder import current_ladder
-    from workbench.console.loop_text import ladder_table
+    from workbench.console.tables import rich_table
+    from workbench.identification.tables import ladder_table
     from workbench.report.page import write_ladder
 
     run.say(f"$ stagecad ladder {folder}")
     rungs, _ = current_ladder(load_experiment(folder))
     if not rungs:
         return {"ladder": [], "figure": None, "report": str(run.out / folder.name / "report.html")}
-    run.console.print(ladder_table(rungs))
+    run.console.print(rich_table(ladder_table(rungs)))
     report = write_ladder(run, folder.name, rungs)
     return {"ladder": rungs, "figure": str(report.parent / "ladder.png"), "report": str(report)}

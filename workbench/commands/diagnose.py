@@ -18,14 +18,13 @@ def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> Non
     """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
     from sysid.diagnose import diagnose
     from sysid.report import diagnosis_json
-    from workbench.console.loop_text import say_diagnosis
-    from workbench.console.progress import shown_on
+    from workbench.console.identification import print_diagnosis, search_progress
     from workbench.identification.design_values import design_values
 
     with run.progress() as progress:
-        found = diagnose(experiment, all_effects, design_values(run), shown_on(progress))
+        found = diagnose(experiment, all_effects, design_values(run), search_progress(progress))
     document = diagnosis_json(found)
-    say_diagnosis(run, found, document)
+    print_diagnosis(run, found, document)
     if figures:
         from workbench.report.page import write_diagnosis
 

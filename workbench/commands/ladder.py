@@ -17,15 +17,16 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show the error after each effect added so far to the model of EXPERIMENT."""
     from sysid.experiment.experiment import load_experiment
     from sysid.ladder import current_ladder
-    from workbench.console.loop_text import ladder_table
+    from workbench.console.tables import rich_table
     from workbench.identification.design_values import design_values
+    from workbench.identification.tables import ladder_table
 
     found = load_experiment(experiment, design_values(run))
     rungs, edited = current_ladder(found)
     if not rungs:
         run.say(f"{found.folder}: nothing added yet; 'stagecad diagnose {found.folder}' says what is missing")
     else:
-        run.console.print(ladder_table(rungs))
+        run.console.print(rich_table(ladder_table(rungs)))
         if edited:
             run.note("note: [model] was edited by hand since the last rung")
         if figures:

@@ -10,7 +10,6 @@ import click
 
 from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.errors import InputError, nearest
-from workbench.console.feature_text import feature_text
 from workbench.options import Run, common_options
 from workbench.simulation.inputs import mass_given, moving_mass
 from workbench.simulation.jobs import Job, features_document
@@ -131,8 +130,10 @@ def command(
                     document[name] = job.run_one(name, kilograms)
     except SimulationError as failure:
         raise InputError(str(failure)) from None
+    from workbench.console.simulation import print_features
+
     for name, models_found in document.items():
-        _print(run, name, models_found)
+        print_features(run, name, models_found)
     run.say(f"{len(job.written)} files in {folder}")
     run.emit(document)
 
@@ -197,7 +198,7 @@ def _draws(
     figures: bool,
 ) -> None:
     """Simulate drawn machines; a row for each goes to OUT/simulate/draws."""
-    from workbench.console.monte_carlo import say_study
+    from workbench.console.simulation import print_monte_carlo
     from workbench.simulation.data import write_table
     from workbench.simulation.monte_carlo import draw_machines
     from workbench.simulation.monte_carlo_tables import study_columns, study_document
@@ -209,7 +210,7 @@ def _draws(
         from workbench.simulation.monte_carlo_figures import draw_study
 
         written += draw_study(folder, study)
-    say_study(run, study)
+    print_monte_carlo(run, study)
     run.say(f"{len(written)} files in {folder}")
     run.emit(study_document(study, *drawn))
 
@@ -230,39 +231,3 @@ def simulate_into(
         job.run_one(name, mass)
         advance(name)
     return job.written
-
-
-def _print(run: Run, experiment: str, found: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    if not found:
-        return
-    if experiment == "stage":
-        _print_studies(run, found)
-        return
-    rows: list[tuple[str, dict[str, Any]]] = []
-    for model, features in found.items():
-        if all(feature is None or "unit" in feature for feature in features.values()):
-            rows.append((model, features))
-        else:
-            rows += [(f"{model}  {case}", inner) for case, inner in features.items()]
-    table = Table(title=experiment, title_justify="left", box=None, header_style="bold")
-    table.add_column("")
-    names = list(rows[0][1])
-    for name in names:
-        table.add_column(name.replace("_", " "), justify="right")
-    for label, features in rows:
-        table.add_row(label, *[feature_text(features[name]) for name in names])
-    run.console.print(table)
-
-
-def _print_studies(run: Run, found: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    for study, features in found.items():
-        table = Table(title=f"stage: {study.replace('_', ' ')}", title_justify="left", box=None, show_header=False)
-        table.add_column("")
-        table.add_column("", justify="right")
-        for name, feature in features.items():
-            table.add_row(name.replace("_", " "), feature_text(feature))
-        run.console.print(table)

@@ -16,19 +16,20 @@ from workbench.options import Run, common_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate what the records of EXPERIMENT leave open; write it as CSV into OUT."""
     from sysid.experiment_design.t_optimal_design import suggest
-    from workbench.console.progress import shown_on
+    from workbench.console.identification import search_progress
+    from workbench.console.tables import rich_table
     from workbench.identification.design_values import design_values
-    from workbench.report.suggestion import sentences, suggestion_section, suggestion_table, worth_json, write_motions
+    from workbench.identification.statements import suggestion_statements
+    from workbench.identification.tables import motion_table
+    from workbench.report.page import write_motions, write_suggestion
 
     with run.progress() as progress:
-        found = suggest(experiment, design_values(run), shown_on(progress))
-    paths = write_motions(run, found)
-    run.console.print(suggestion_table(found))
-    for line in sentences(found):
+        found = suggest(experiment, design_values(run), search_progress(progress))
+    motions = write_motions(run, found)
+    run.console.print(rich_table(motion_table(motions)))
+    for line in suggestion_statements(found):
         run.say(line)
-    run.say(f"motions to run: {paths[0].parent}")
+    run.say(f"motions to run: {Path(motions[0]['file']).parent}")
     if figures:
-        from workbench.report.page import write_section
-
-        run.say(f"report: {write_section(run, found.case.experiment.folder.name, suggestion_section(found))}")
-    run.emit([worth_json(worth, path) for worth, path in zip(found.motions, paths, strict=True)])
+        run.say(f"report: {write_suggestion(run, found, motions)}")
+    run.emit(motions)

@@ -53,33 +53,6 @@ def bootstrap_json(case: Case, drawn: Bootstrap, seed: int) -> dict[str, Any]:
     }
 
 
-def say_bootstrap(run: Run, document: Mapping[str, Any]) -> None:
-    """The intervals of the refits beside those of the linear covariance."""
-    from rich.table import Table
-
-    from workbench.console.loop_text import plain
-
-    found = document["bootstrap"]
-    title = f"Intervals of {found['settled']} refits (95 %)"
-    if found["settled"] < found["draws"]:
-        title += f"; {found['draws'] - found['settled']} more did not settle"
-    table = Table(title=title, title_justify="left")
-    for name in ("parameter", "value", "by refitting", "by linear covariance", "width, refitted / linear"):
-        table.add_column(name, justify="right" if name == "value" else "left")
-    for key, q in found["parameters"].items():
-        linear = document["parameters"][key]
-        told = linear.get("low") is not None and linear.get("high") is not None
-        ratio = (q["high"] - q["low"]) / (linear["high"] - linear["low"]) if told else None
-        table.add_row(
-            key,
-            plain(q["value"], q["unit"]),
-            f"{plain(q['low'], q['unit'])} .. {plain(q['high'], q['unit'])}",
-            f"{plain(linear['low'], q['unit'])} .. {plain(linear['high'], q['unit'])}" if told else "not told",
-            "" if ratio is None else f"{ratio:.2f}",
-        )
-    run.console.print(table)
-
-
 def draw_bootstrap(run: Run, case: Case, drawn: Bootstrap, document: Mapping[str, Any]) -> Path:
     """A histogram of each value over the refits, with the two intervals under it."""
     from workbench.report.page import report_folder

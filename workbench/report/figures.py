@@ -20,7 +20,7 @@ from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.prediction.force_balance.record import Balance
 from sysid.prediction.model import Model, Prepared, predict
 from sysid.report import LEAST_P
-from workbench.console.rung_words import change_words
+from workbench.identification.tables import revision_text
 from workbench.simulation.figures import STYLE
 
 MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#1b4f72", "#b03a2e", "#1e8449", "#c9d6df"
@@ -294,7 +294,7 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
     """Error over noise after each effect added, log axis, the noise as a line at one; SVG text, and a PNG file."""
     labels, fit, held = [], [], []
     for rung in rungs:
-        words = change_words(rung, "as it began").replace("_", " ").replace(":", ": ").split(", ")
+        words = revision_text(rung, "as it began").replace("_", " ").replace(":", ": ").split(", ")
         came = len(rung.get("added") or ())
         signed = [f"+ {word}" if k < came else word for k, word in enumerate(words)]
         labels.append("\n".join(fill(word, LABEL_WIDTH) for word in signed))

@@ -1,8 +1,8 @@
-"""One HTML story per experiment, from what `compare`, `diagnose`, `suggest` and `ladder` have found so far.
+"""One HTML report per experiment, from the results of `compare`, `diagnose`, `suggest` and `ladder` so far.
 
-Every command keeps its own section as a file of JSON below `OUT/NAME/sections/` and puts the report together again from
-all that are there: one section for each command and model, in the order they were first made. Sections made on other
-records are left out. The page opens without a server or a network.
+Every command keeps its own section as a JSON file below `OUT/NAME/sections/` and composes the report again from all
+sections: one for each command and model, in the order they were first made. Sections made on other records are left
+out. The page opens without a server or a network.
 """
 
 from __future__ import annotations
@@ -17,10 +17,18 @@ from typing import Any
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
+from sysid.experiment_design.t_optimal_design import Suggestion, columns_of
 from workbench.options import Run, finite
-from workbench.report.sections import Section, comparison_section, diagnosis_section, ladder_section
+from workbench.report.html import render
+from workbench.report.sections import (
+    Section,
+    comparison_section,
+    diagnosis_section,
+    ladder_section,
+    suggestion_section,
+)
 
-SCHEMA = 2
+SCHEMA = 3
 
 
 def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> Path:
@@ -47,9 +55,36 @@ def write_ladder(run: Run, name: str, rungs: Sequence[Mapping[str, Any]]) -> Pat
     return _keep(folder, section)
 
 
-def write_section(run: Run, name: str, section: Section) -> Path:
-    """Keep any other section (`kind`, `effects` and `records` tell where it belongs) and renew the report."""
-    return _keep(report_folder(run, name), section)
+def write_suggestion(run: Run, found: Suggestion, motions: Sequence[Mapping[str, Any]]) -> Path:
+    """Section of a suggestion below `run.out`, `motions` is its document; returns the file to open."""
+    return _keep(report_folder(run, found.case.experiment.folder.name), suggestion_section(found, motions))
+
+
+def write_motions(run: Run, found: Suggestion) -> list[dict[str, Any]]:
+    """Write every motion as a CSV file below `run.out`; returns the document of `suggest`."""
+    import pandas as pd
+
+    folder = report_folder(run, found.case.experiment.folder.name) / "suggest"
+    document = []
+    for value in found.motions:
+        path = folder / (re.sub(r"\W+", "_", value.motion.name) + ".csv")
+        table = pd.DataFrame(columns_of(found.case, value.motion))
+        atomic_write_text(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
+        pairs = [
+            {"effects": list(p.effects), "deviations": p.deviations, "these_records": p.records} for p in value.pairs
+        ]
+        document.append(
+            {
+                "motion": value.motion.name,
+                "reason": value.motion.reason,
+                "seconds": value.motion.seconds,
+                "separates": pairs,
+                "deviations": value.least,
+                "deviations_squared_per_second": value.rate,
+                "file": str(path),
+            }
+        )
+    return document
 
 
 def report_folder(run: Run, name: str) -> Path:
@@ -61,8 +96,8 @@ def _figures(folder: Path, command: str, section: Section) -> None:
     for k, overlay in enumerate(section["overlays"]):
         name = "overlay" if k == 0 else f"overlay_{overlay['channel'].replace(' ', '_')}"
         atomic_write_text(folder / f"{command}_{name}.svg", overlay["figure"])
-    if section["maps"]["figure"]:
-        atomic_write_text(folder / f"{command}_where.svg", section["maps"]["figure"])
+    if section["maps"]:
+        atomic_write_text(folder / f"{command}_where.svg", section["maps"])
 
 
 def _keep(folder: Path, section: Section) -> Path:
@@ -76,7 +111,7 @@ def _keep(folder: Path, section: Section) -> Path:
     atomic_write_text(folder / "sections" / f"{key}.json", text + "\n")
     report = folder / "report.html"
     atomic_write_text(
-        report, report_html(folder.name, story([*(s for s in sections if section_key(s) != key), section]))
+        report, report_html(folder.name, ordered_sections([*(s for s in sections if section_key(s) != key), section]))
     )
     return report
 
@@ -95,14 +130,14 @@ def _read(folder: Path) -> list[Section]:
         try:
             section = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError):
-            # A section that cannot be read is as good as none: the next run of its command writes it again.
+            # The next run of its command writes it again.
             continue
         if isinstance(section, dict) and section.get("schema") == SCHEMA:
             found.append(section)
     return found
 
 
-def story(sections: Sequence[Section]) -> list[Section]:
+def ordered_sections(sections: Sequence[Section]) -> list[Section]:
     """Sections that belong together, in the order they were made: those on the newest one's records, the ladder first.
 
     The last of `sections` is the newest.
@@ -114,15 +149,6 @@ def story(sections: Sequence[Section]) -> list[Section]:
 
 def report_html(name: str, sections: Sequence[Section]) -> str:
     """The report as one self-contained page."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("workbench"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     about = next((s for s in reversed(sections) if "rig" in s), None)
     newest = max((s["number_in_report"] for s in sections if s["kind"] != "ladder"), default=0)
-    return environment.get_template("loop.html").render(name=name, sections=sections, about=about, newest=newest)
+    return render("identification.html", name=name, sections=sections, about=about, newest=newest)

@@ -1,85 +1,76 @@
-"""Sections of the loop's report: what a comparison, a diagnosis or a ladder says, as sentences, tables and figures.
+"""Sections of the report of an experiment: what a comparison, a diagnosis, a ladder or a suggestion found.
 
-A section is plain data (it is kept as JSON), so a report can be put together again from sections made at other times.
+A section is plain data (it is kept as JSON), so a report can be composed again from sections made at other times.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Effect
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.diagnosis.trials import CandidateFit
 from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
-from sysid.estimation.covariance import Intervals, intervals
-from sysid.estimation.fit import FittedModel
-from sysid.estimation.identifiability import identifiability_report, public_key
-from sysid.estimation.misfit import dominated_by_few_samples, worst_over_noise
+from sysid.experiment_design.t_optimal_design import Suggestion
+from sysid.prediction.model import Model
 from sysid.prediction.problem import Case
 from sysid.report import channel_unit, worst_channel
-from workbench.console.loop_rows import detectable_rows, misfit_rows, parameter_rows, ranking_rows, scored_only, times
-from workbench.console.loop_text import (
-    COORDINATE_WORDS,
-    FAR_ABOVE,
-    NOTHING_LEFT,
-    chance_words,
-    held_out,
+from workbench.identification.statements import (
+    SEPARATED,
+    comparison_statement,
+    diagnosis_statement,
+    equivalence_statement,
+    held_out_over_noise,
+    is_adequate,
     near_noise,
-    noise_line,
-    plain,
-    swap_lines,
-    unphysical_lines,
-    where_words,
+    noise_text,
+    replacement_statements,
+    suggestion_statements,
+    unphysical_statements,
 )
-from workbench.console.rung_words import change_words
+from workbench.identification.tables import (
+    dependence_table,
+    detectable_table,
+    error_table,
+    ladder_table,
+    motion_table,
+    over_noise_text,
+    parameter_table,
+    quantity_text,
+    ranking_table,
+)
 from workbench.report.figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
 
 Section = dict[str, Any]
 
-SHARE_SHOWN = 0.005
+LEAST_SHARE = 0.005
+"""Share of the residual's variance from which a map is drawn."""
+
+MOST_CORRELATED = 14
+"""Parameters up to which the matrix of correlations is shown."""
 
 
 def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Section:
     """What `compare` found."""
-    case, fitted = found.case, found.base.fitted
-    adequate = worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[case.form]
+    model = found.base.fitted.model
     return {
-        **_experiment(case),
+        **_experiment(found.case, model),
         "kind": "compare",
         "title": "The model as it stands",
-        "effects": _names(fitted.model.effects),
-        "state": "good" if adequate else "bad",
-        "number": times(held_out(found.fit, found.validate)),
-        "headline": comparison_sentence(found),
-        "misfit": misfit_rows(document["before"]),
-        "overlays": _overlays(found.case, {"model": fitted.model}, found.validate, (MODEL,)),
-        "maps": _maps(case, found.maps),
-        "parameters": parameter_rows(document["parameters"]),
-        **_told(fitted, intervals(fitted, case.fit_records)),
+        "state": "good" if is_adequate(found) else "bad",
+        "number": over_noise_text(held_out_over_noise(found.fit, found.validate)),
+        "headline": comparison_statement(found),
+        "errors": error_table("", document["before"]).as_json(),
+        "overlays": _overlays(found.case, {"model": model}, found.validate, (MODEL,)),
+        "maps": _maps(found.case, found.maps),
+        "where": dependence_table(document["where"]).as_json(),
+        **_parameters(document, "Parameters"),
         "seconds": document["seconds"],
     }
-
-
-def comparison_sentence(found: Comparison) -> str:
-    """What a comparison found, as a person would say it."""
-    most = worst_over_noise(found.fit, found.validate)
-    if most <= ADEQUATE_OVER_NOISE[found.case.form]:
-        return f"The model leaves {times(most)} the noise: these records ask for nothing more."
-    over = held_out(found.fit, found.validate)
-    text = f"The model leaves {times(over)} the noise on the held-out records."
-    fit = worst_over_noise(found.fit, {})
-    if fit > FAR_ABOVE * over:
-        text += f" On the records of the fit it leaves {times(fit)}."
-    words = where_words(found.maps)
-    return text + (
-        f" What is left depends on {words}." if words else " What is left hangs on nothing that was recorded."
-    )
 
 
 def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
@@ -90,158 +81,97 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     if best is not None and found.verdict != "adequate":
         label = f"with {best.public_name}" + ("" if found.best is not None else " (best tried)")
         models, inks = {"before": base.model, label: best.fitted.model}, (BEFORE, AFTER)
-    before = held_out(found.before_fit, found.before_validate)
-    fitted = base if found.best is None else found.best.fitted
+    before = held_out_over_noise(found.before_fit, found.before_validate)
+    effect = None if found.best is None else found.best.effect
+    names = ("name", "meaning", "equation", "shows", "source")
     return {
-        **_experiment(case),
+        **_experiment(case, base.model),
         "kind": "diagnose",
         "title": f"What is missing: {found.effect}" if found.effect else "What is missing",
-        "effects": _names(base.model.effects),
         "state": {"missing-effect": "found", "adequate": "good"}.get(found.verdict, "bad"),
-        "number": times(before),
+        "number": over_noise_text(before),
         "verdict": found.verdict,
-        "headline": verdict_sentence(found),
-        "misfit": misfit_rows(document["before"], document["after"] if found.best is not None else None),
+        "headline": diagnosis_statement(found),
+        "equivalent": equivalence_statement(found),
+        "errors": error_table("", document["before"], document["after"] if found.best is not None else None).as_json(),
         "overlays": _overlays(case, models, found.before_validate, inks),
-        "ranking": ranking_rows(document["ranking"], before),
-        "tried": len(found.trials),
-        "scored_only": scored_only(document["ranking"]),
-        "ranking_channel": worst_channel(case, found.before_validate).replace("_", " "),
-        "detectable": detectable_rows(document["detectable"]) if near_noise(found) else [],
+        "ranking": ranking_table(document["ranking"], len(found.trials), before).as_json(),
+        "detectable": detectable_table(document["detectable"] if near_noise(found) else []).as_json(),
         "maps": _maps(case, found.maps),
-        "told_apart": rivals_sentence(found),
-        "effect": _effect_words(best) if found.best is not None else None,
-        "parameters": parameter_rows(document["parameters"]),
-        "parameters_of": f"of the model with {found.effect}" if found.effect else "of the model as it stands",
-        **_told(fitted, intervals(fitted, case.fit_records)),
-        "remarks": [*swap_lines(found), *unphysical_lines(found)],
+        "where": dependence_table(document["where"]).as_json(),
+        "effect": None if effect is None else {name: getattr(effect, name) for name in names},
+        **_parameters(
+            document, f"Parameters of the model {f'with {found.effect}' if found.effect else 'as it stands'}"
+        ),
+        "remarks": [*replacement_statements(found), *unphysical_statements(found)],
         "seconds": document["seconds"],
-    }
-
-
-def verdict_sentence(found: Diagnosis) -> str:
-    """The verdict as a person would say it."""
-    case = found.case
-    if found.verdict == "adequate":
-        return f"Nothing is missing: {found.reason}."
-    if found.verdict == "unexplained" or found.best is None:
-        words = where_words(found.maps) or "nothing that was recorded"
-        return f"No effect of the library explains what is left: {found.reason}. It depends on {words}."
-    channel = worst_channel(case, found.before_validate)
-    before, after = found.before_validate[channel], found.best.after_validate[channel]
-    unit = channel_unit(case, channel)
-    errors = f"{plain(before.rms, unit)} to {plain(after.rms, unit)}"
-    ratio = f"{times(before.over_noise)} the noise to {times(after.over_noise)}"
-    name = channel.replace("_", " ")
-    if found.detected_by:
-        return (
-            f"{found.effect} is missing: {found.detected_by}. The error of {name} on the held-out records goes from "
-            f"{errors}, from {ratio}."
-        )
-    if dominated_by_few_samples(before, after):
-        text = (
-            f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {ratio}. "
-            f"(The plain rms, {errors}, is ruled by the few samples beside reversals.)"
-        )
-    else:
-        text = (
-            f"{found.effect} is missing. With it the error of {name} on the held-out records falls from {errors}, "
-            f"from {ratio}."
-        )
-    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(found.best.after_fit, {}))
-    if fit[0] > FAR_ABOVE * before.over_noise or fit[1] > FAR_ABOVE * after.over_noise:
-        text += f" On the records of the fit it falls from {times(fit[0])} to {times(fit[1])}."
-    words = where_words(found.maps)
-    if words:
-        text += f" Without it the model fails with {words}."
-    if found.unexplained_share > NOTHING_LEFT:
-        text += f" {100 * found.unexplained_share:.0f} % of the misfit stays: add it, and diagnose again."
-    return text
-
-
-def rivals_sentence(found: Diagnosis) -> str:
-    """What these records cannot tell apart; empty where there is no rival."""
-    names = list(found.indistinguishable)
-    if not names or not found.effect:
-        return ""
-    return (
-        f"These records cannot tell {found.effect} from {' or '.join(names)}: on the held-out records they differ by "
-        "no more than chance. 'stagecad suggest' looks for a motion that would."
-    )
-
-
-def _effect_words(best: CandidateFit | None) -> dict[str, str] | None:
-    if best is None:
-        return None
-    effect = best.effect
-    return {
-        "name": effect.name,
-        "meaning": effect.meaning,
-        "equation": effect.equation,
-        "shows": effect.shows,
-        "source": effect.source,
     }
 
 
 def ladder_section(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> Section:
     """The ladder so far, its figure written to `png` as well."""
-    last = rungs[-1]
-    over = [max((m["over_noise"] for m in _by_channel(rung)), default=float("nan")) for rung in (rungs[0], last)]
+    last, steps = rungs[-1], len(rungs) - 1
+    first, now = (_worst_over_noise(rung["before"]) for rung in (rungs[0], last))
+    count = "one step" if steps == 1 else f"{steps} steps"
     return {
         "kind": "ladder",
         "title": "The ladder",
         "effects": list(last["effects"]),
-        "state": "good" if over[1] <= max(ADEQUATE_OVER_NOISE.values()) else "found",
-        "number": times(over[1]),
-        "headline": f"From {times(over[0])} the noise to {times(over[1])}, in {_steps(len(rungs) - 1)}.",
+        "state": "good" if now <= max(ADEQUATE_OVER_NOISE.values()) else "found",
+        "number": over_noise_text(now),
+        "headline": f"From {over_noise_text(first)} the noise to {over_noise_text(now)}, in {count}.",
         "figure": draw_ladder(rungs, png),
-        "rungs": [_rung_row(rung) for rung in rungs],
-        "parameters": parameter_rows(last.get("parameters", {})),
+        "rungs": ladder_table(rungs).as_json(),
+        "parameters": parameter_table(last.get("parameters", {})).as_json(),
     }
 
 
-def _steps(count: int) -> str:
-    return "one step" if count == 1 else f"{count} steps"
-
-
-def _by_channel(rung: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    before = rung["before"]
-    return [m for part in ("fit", "validate") for m in before.get(part, {}).values() if m.get("over_noise") is not None]
-
-
-def _rung_row(rung: Mapping[str, Any]) -> dict[str, Any]:
+def suggestion_section(found: Suggestion, motions: Sequence[Mapping[str, Any]]) -> Section:
+    """What `suggest` found; `motions` is its document."""
+    best = found.motions[0]
+    title = "What to measure next"
+    if len(found.rivals) > 1:
+        open_pairs = [p for p in best.pairs if p.effects[1] not in found.inseparable and p.records < SEPARATED]
+        title += f": {best.motion.name if open_pairs else 'nothing is left to separate'}"
     return {
-        "rung": f"{rung['rung']:03d}",
-        "added": change_words(rung, "the model as it began"),
-        "misfit": misfit_rows(rung["before"]),
+        "kind": "suggest",
+        "title": title,
+        "effects": [e.name for e in found.case.start.effects],
+        "records": {record.name: record.sha256 for record in found.case.records},
+        "state": "good" if found.diagnosis.verdict == "adequate" else "found",
+        "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
+        "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in suggestion_statements(found)),
+        "motions": motion_table(motions).as_json(),
     }
 
 
-def _experiment(case: Case) -> Section:
+def _worst_over_noise(errors: Mapping[str, Any]) -> float:
+    ratios = [m.get("over_noise") for part in ("fit", "validate") for m in errors.get(part, {}).values()]
+    return max((ratio for ratio in ratios if ratio is not None), default=float("nan"))
+
+
+def _experiment(case: Case, model: Model) -> Section:
     rig = case.experiment.rig
-    declared = rig.declaration.known
-    known = [
-        f"{name.replace('_', ' ')} {plain(k.value, declared[name].rotary_unit if rig.rotary else declared[name].unit)}"
-        for name, k in rig.known.items()
-    ]
+    known = []
+    for name, quantity in rig.known.items():
+        declared = rig.declaration.known[name]
+        unit = declared.rotary_unit if rig.rotary else declared.unit
+        known.append(f"{name.replace('_', ' ')} {quantity_text(quantity.value, unit)}")
     return {
+        "effects": [e.name for e in model.effects],
         "records": {record.name: record.sha256 for record in case.records},
         "rig": f"{rig.kind}" + (", rotary" if rig.rotary else "") + (f": {', '.join(known)}" if known else ""),
-        "record_words": [_record_words(case, k) for k in range(len(case.records))],
-        "noise_words": noise_line(case).removeprefix("noise: "),
+        "record_list": [_record_text(case, k) for k in range(len(case.records))],
+        "noise": noise_text(case),
         "notes": list(case.notes),
     }
 
 
-def _record_words(case: Case, index: int) -> str:
+def _record_text(case: Case, index: int) -> str:
     record = case.records[index]
     length = float(record.time[-1] - record.time[0])
     role = "fit" if record.role == "fit" else "held out"
     return f"{record.name} ({role}): {record.size} rows in {length:.4g} s"
-
-
-def _names(effects: Iterable[Effect]) -> list[str]:
-    return [e.name for e in effects]
 
 
 def _overlays(
@@ -258,28 +188,20 @@ def _overlays(
     return drawn
 
 
-def _maps(case: Case, maps: Sequence[ResidualMap]) -> dict[str, Any]:
+def _maps(case: Case, maps: Sequence[ResidualMap]) -> str:
+    """Figure of the strongest residual maps, empty where there is none."""
     # An axis that never rests has one age of contact: nothing to draw it against.
     drawable = [m for m in maps if m.centres.size > 1 and np.ptp(m.centres) > 0.0]
-    shown = [m for m in drawable if m.share > SHARE_SHOWN][:6] or drawable[:3]
-    rotary, tip = case.experiment.rig.rotary, case.kind == "actuator-tip"
+    shown = [m for m in drawable if m.share > LEAST_SHARE][:6] or drawable[:3]
+    return draw_maps(shown, case.experiment.rig.rotary, case.kind == "actuator-tip") if shown else ""
+
+
+def _parameters(document: Mapping[str, Any], title: str) -> dict[str, Any]:
+    """Fitted values, what the records do not determine of them, and their correlations."""
+    names, matrix = document["correlation"]["keys"], document["correlation"]["matrix"]
+    shown = 1 < len(names) <= MOST_CORRELATED
     return {
-        "figure": draw_maps(shown, rotary, tip) if shown else "",
-        "rows": [
-            {
-                "coordinate": COORDINATE_WORDS[m.coordinate],
-                "share": f"{100 * m.share:.1f} %",
-                "chance": chance_words(m.p_value),
-            }
-            for m in maps
-            if m.share > 0.0
-        ],
+        "parameters": parameter_table(document["parameters"], title).as_json(),
+        "not_identifiable": document["not_identifiable"],
+        "correlation": {"names": names, "cells": matrix} if shown else None,
     }
-
-
-def _told(fitted: FittedModel, known: Intervals) -> dict[str, Any]:
-    """What the records leave open, in words, and the correlations of the fitted values."""
-    words = identifiability_report(fitted, known)
-    names = [public_key(key) for key in known.keys]
-    cells = [[None if not np.isfinite(v) else round(float(v), 2) for v in row] for row in known.correlation]
-    return {"open": words, "correlation": {"names": names, "cells": cells} if 1 < len(names) <= 14 else None}

@@ -126,11 +126,10 @@ def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
     }
 
 
-def moved(points: Sequence[Point], least: float = 1e-3) -> list[str]:
+def changing_checks(points: Sequence[Point], least: float = 1e-3) -> list[str]:
     """Names of the checks whose margin moves over the sweep by more than `least`.
 
-    Those whose verdict changes come first, then those that move most for their size: a check that fails a hundredfold
-    moves by much and tells little.
+    Those whose verdict changes come first, then those with the largest change relative to their size.
     """
     margins: dict[str, list[float]] = {}
     verdicts: dict[str, set[str]] = {}

@@ -13,7 +13,7 @@ import pytest
 from designcalc.checks import SUBJECTS, run_checks
 from designcalc.checks.alternatives import ranking
 from designcalc.checks.analysis.report import corrections, markdown, requirements
-from designcalc.checks.analysis.sweep import moved, read_range, run_point, table
+from designcalc.checks.analysis.sweep import changing_checks, read_range, run_point, table
 from designcalc.checks.analysis.tolerance import scaled_masses, tolerance_study
 from designcalc.checks.budget import budgets
 from designcalc.checks.check import Check, Comparison
@@ -228,7 +228,7 @@ def test_sweep_moves_the_margins_and_survives_a_refused_point():
 
     points = [run_point(swept, value, some, design, lambda changed: None) for value in swept.values]
     assert points[2].refused == "too far apart" and not points[2].checks
-    assert moved(points)[0] == "bolt spacing against its optimum"  # its verdict changes
+    assert changing_checks(points)[0] == "bolt spacing against its optimum"  # its verdict changes
     document = table(swept, points)
     row = document["checks"]["bearing way stiffness"]
     assert row["value"][0] != row["value"][1] and row["value"][2] is None

@@ -86,7 +86,7 @@ def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixtur
     folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
     assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "missing: flexible_mode" in said
+    assert "flexible_mode is missing" in said
     assert "rings at" in said
     case, base = _fitted(folder)
     add_effects(folder, ["flexible_mode"])

@@ -13,13 +13,13 @@ from sysid.diagnose import diagnose
 from sysid.diagnosis.trials import REFITTED
 from workbench import cli
 from workbench.commands.demo import fresh_copy
-from workbench.console.progress import shown_on
+from workbench.console.identification import search_progress
 
 
 def test_a_bar_counts_what_is_done_and_then_runs_on() -> None:
     now = 0.0
     with Progress(console=Console(file=io.StringIO()), get_time=lambda: now, auto_refresh=False) as progress:
-        show = shown_on(progress, "afterwards")
+        show = search_progress(progress, "afterwards")
         assert progress.tasks[0].total is None
         seen = []
         for count in range(3):

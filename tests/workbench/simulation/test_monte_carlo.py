@@ -79,7 +79,7 @@ def test_a_drawn_machine_that_does_not_stand_is_counted_and_named(capsys, tmp_pa
     refused = json.loads(out)["refused"]
     assert 0 < len(refused) < 16
     assert all("friction.breakaway" in one["reason"] for one in refused)
-    assert f"{len(refused)} of 16 draws do not stand" in err
+    assert f"{len(refused)} of 16 samples are invalid designs" in err
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pytest
 
 from workbench.options import Run
 from workbench.report.figures import axis_scale, decimate, worst_stretch
-from workbench.report.page import report_html, section_key, story, write_ladder
+from workbench.report.page import ordered_sections, report_html, section_key, write_ladder
 
 
 def test_decimation_keeps_a_spike_of_one_sample_and_its_place() -> None:
@@ -101,7 +101,7 @@ def test_sections_on_other_records_are_left_out_and_the_ladder_comes_first() -> 
     old = section("compare", ["coulomb"], "old", 1)
     first, second = section("diagnose", ["coulomb"], "new", 2), section("diagnose", ["coulomb", "viscous"], "new", 3)
     ladder = {"kind": "ladder", "effects": ["coulomb", "viscous"], "number_in_report": 4}
-    assert story([old, second, ladder, first]) == [ladder, first, second]
+    assert ordered_sections([old, second, ladder, first]) == [ladder, first, second]
     assert section_key(first) != section_key(second)
 
 

@@ -1,0 +1,68 @@
+"""Tables of an identification: the same cells in the terminal and in the report."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from workbench import cli
+from workbench.commands.demo import fresh_copy
+from workbench.console.tables import rich_table
+from workbench.identification.tables import parameter_table, ranking_table, revision_text
+
+SETTLED = {"value": 1.2, "unit": "N", "low": 1.1, "high": 1.3}
+
+
+@pytest.mark.parametrize(
+    ("quantity", "interval", "remark"),
+    [
+        (SETTLED, "1.1 N .. 1.3 N", ""),
+        ({**SETTLED, "low": -0.1}, "-100 mN .. 1.3 N", "not distinguishable from zero"),
+        ({**SETTLED, "low": None, "high": None}, "", "not identifiable from these records"),
+        ({**SETTLED, "high": None}, "", "not identifiable from these records"),
+        ({**SETTLED, "low": None, "high": None, "at_bound": True}, "", "at its bound"),
+        ({**SETTLED, "at_bound": True}, "1.1 N .. 1.3 N", "at its bound"),
+    ],
+)
+def test_a_value_has_its_interval_and_a_remark(quantity, interval, remark):
+    table = parameter_table({"coulomb.force": quantity})
+    assert table.rows == (("coulomb.force", "1.2 N", interval, *([remark] if remark else [])),)
+    columns = [column.header for column in rich_table(table).columns]
+    assert columns == ["parameter", "value", "95 % interval", *(["remark"] if remark else [])]
+
+
+def test_an_effect_that_changes_nothing_is_not_below_zero():
+    row = {"effect": "viscous", "expected_reduction": 0.0, "reduction": -0.0004, "p_value": 0.9, "over_noise": 3.0}
+    (reached,) = rich_table(ranking_table([row], 1)).columns[2].cells
+    assert reached == "0.0 %"
+
+
+@pytest.mark.parametrize(
+    ("number", "added", "removed", "text"),
+    [
+        (0, [], [], "the beginning"),
+        (1, ["stribeck"], [], "stribeck"),
+        (2, ["presliding", "stribeck"], ["coulomb"], "presliding, stribeck, without coulomb"),
+        (3, [], ["viscous", "backlash"], "without viscous and backlash"),
+        (4, [], [], "[model] edited by hand"),
+    ],
+)
+def test_revision_text(number: int, added: list[str], removed: list[str], text: str) -> None:
+    assert revision_text({"rung": number, "added": added, "removed": removed}, "the beginning") == text
+
+
+def test_a_dropped_effect_is_listed_as_removed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = fresh_copy(tmp_path / "rig")
+    assert cli.run(["add", str(folder), "--drop", "viscous", "--json"]) == 0
+    said = capsys.readouterr()
+    assert "Rung 001: - viscous" in said.err
+    document = json.loads(said.out)
+    assert (document["added"], document["removed"]) == ([], ["viscous"])
+    assert cli.run(["ladder", str(folder), "--out", str(tmp_path / "out"), "--json"]) == 0
+    said = capsys.readouterr()
+    assert "without viscous" in said.err
+    assert "by hand" not in said.err
+    assert [rung["removed"] for rung in json.loads(said.out)] == [[], ["viscous"]]
+    assert "without viscous" in (tmp_path / "out" / "rig" / "report.html").read_text(encoding="utf-8")

@@ -1,0 +1,75 @@
+"""Design checks in the terminal: the table of margins, a sweep, a tolerance study."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.table import Table
+
+from designcalc.checks import Check
+from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
+from designcalc.checks.analysis.sweep import Point, Range, changing_checks
+from designcalc.checks.analysis.tolerance import ToleranceStudy
+from workbench.console.tables import plain_table
+from workbench.options import Run
+
+_STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
+MOST_COLUMNS, MOST_CURVES = 6, 8
+"""Checks in the table and in the figure of a sweep."""
+
+
+def print_checks(run: Run, checks: Sequence[Check]) -> None:
+    """Every check with value, limit, margin and verdict; then the proposals of those that do not pass."""
+    table = plain_table(None, "check", "value", "limit", "margin", "verdict", left=("check", "limit", "verdict"))
+    subject = ""
+    for check in checks:
+        if check.subject != subject:
+            subject = check.subject
+            table.add_row(f"[bold]{subject}[/bold]")
+        style = _STYLE[check.verdict]
+        value, limit, margin = shown(check.value, check.unit), shown_limit(check), shown_margin(check)
+        table.add_row(f"  {check.name}", value, limit, margin, f"[{style}]{check.verdict}[/{style}]")
+    run.console.print(table)
+    failing = [check for check in checks if check.verdict != "passes"]
+    if failing:
+        run.console.print("\n[bold]What would pass[/bold]")
+    for check in failing:
+        run.say(f"- {check.name}: {check.proposal or check.note or 'see the formula'}")
+    run.say(f"{counted(checks)}; every formula with its numbers: {run.out / 'checks' / 'checks.html'}")
+
+
+def print_sweep(run: Run, swept: Range, points: Sequence[Point]) -> list[str]:
+    """Margins over the values of a parameter; returns the checks that are worth a curve in the figure."""
+    names = changing_checks(points)
+    table = Table(title=f"margins over {swept.key}", pad_edge=False)
+    table.add_column(swept.key, justify="right", no_wrap=True)
+    for name in names[:MOST_COLUMNS]:
+        table.add_column(name, justify="right")
+    unit = {"mm": "m", "deg": "rad"}.get(swept.unit, swept.unit)
+    for point in points:
+        found = {check.name: check for check in point.checks}
+        cells = [shown_margin(found[name]) if name in found else "-" for name in names[:MOST_COLUMNS]]
+        table.add_row(shown(point.value, unit), *cells)
+    run.console.print(table)
+    for point in points:
+        if point.refused:
+            run.say(f"- {shown(point.value, unit)}: {point.refused}")
+    if not names:
+        run.say(f"no margin changes with {swept.key}")
+    return names[:MOST_CURVES]
+
+
+def print_tolerance(run: Run, study: ToleranceStudy) -> None:
+    """Margins over the sampled machines, and the tolerances that matter most and least."""
+    table = Table(title=f"margins of {study.samples} machines", pad_edge=False)
+    for column in ("check", "nominal", "5 %", "95 %", "failing", "depends most on"):
+        table.add_column(column, justify="left" if column in ("check", "depends most on") else "right")
+    for spread in sorted(study.spreads, key=lambda s: s.low - s.high):
+        if spread.leading and spread.high - spread.low > 1e-4:
+            numbers = [f"{100 * value:+.2f} %" for value in (spread.nominal, spread.low, spread.high)]
+            table.add_row(spread.name, *numbers, f"{100 * spread.failing:.1f} %", spread.leading)
+    run.console.print(table)
+    for title, items in (("matter most", study.matter_most), ("could be loosened", study.could_be_loosened)):
+        listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
+        run.say(f"{title}: {listed}")
+    run.say("(as far as the checks cover: a fit or the assembly may need a closer tolerance)")

@@ -1,0 +1,112 @@
+"""What the commands of an identification print: tables, statements, and the progress of a search for effects."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from sysid.compare import Comparison
+from sysid.diagnose import Diagnosis
+from sysid.estimation.identifiability import public_key
+from sysid.ladder import Step
+from workbench.console.tables import rich_table
+from workbench.identification.statements import (
+    comparison_statement,
+    diagnosis_statement,
+    equivalence_statement,
+    is_adequate,
+    near_noise,
+    noise_text,
+    replacement_statements,
+    unphysical_statements,
+)
+from workbench.identification.tables import (
+    dependence_table,
+    detectable_table,
+    error_table,
+    parameter_table,
+    quantity_text,
+    ranking_table,
+)
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
+
+MOST_COORDINATES = 6
+"""Listed of the residual's dependence."""
+
+
+def print_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> None:
+    """Print a comparison; `document` is its own."""
+    _print_notes_and_noise(run, comparison)
+    effects = ", ".join(e.name for e in comparison.base.fitted.model.effects) or "no effects"
+    run.console.print(rich_table(error_table(f"Model as it stands: {effects}", document["before"])))
+    run.console.print(rich_table(parameter_table(document["parameters"])))
+    for line in document["not_identifiable"]:
+        run.say(line)
+    if not is_adequate(comparison):
+        run.console.print(rich_table(dependence_table(document["where"][:MOST_COORDINATES])))
+    run.say(comparison_statement(comparison))
+
+
+def print_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> None:
+    """Print a diagnosis; `document` is its own."""
+    _print_notes_and_noise(run, diagnosis)
+    run.console.print(rich_table(ranking_table(document["ranking"], len(diagnosis.trials))))
+    added = f", with {diagnosis.effect}" if diagnosis.effect else ""
+    run.console.print(rich_table(parameter_table(document["parameters"], f"Parameters of the model{added}")))
+    if document["detectable"] and near_noise(diagnosis):
+        run.console.print(rich_table(detectable_table(document["detectable"])))
+    run.say(diagnosis_statement(diagnosis))
+    lines = [equivalence_statement(diagnosis), *replacement_statements(diagnosis), *unphysical_statements(diagnosis)]
+    for line in (*lines, *document["not_identifiable"]):
+        if line:
+            run.say(line)
+
+
+def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:
+    for note in found.case.notes:
+        run.note(f"note: {note}")
+    run.say(f"noise: {noise_text(found.case)}")
+
+
+def print_revision(run: Run, step: Step, document: Mapping[str, Any]) -> None:
+    """Print the errors before and after a revision of the model, and its parameters; `document` is that of `add`."""
+    parts = [f"{sign} {', '.join(document[key])}" for sign, key in (("+", "added"), ("-", "removed")) if document[key]]
+    title = f"Rung {step.rung.number:03d}: {' '.join(parts)}"
+    run.console.print(rich_table(error_table(title, document["before"], document["after"])))
+    parameters = document["parameters"]
+    run.console.print(rich_table(parameter_table(parameters)))
+    for key, (old, new) in step.changed.items():
+        unit = parameters.get(public_key(key), {}).get("unit", "")
+        run.say(f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}")
+    run.say(f"wrote {step.rung.path} and {step.case.experiment.path}")
+
+
+def search_progress(
+    progress: Progress, afterwards: str = "comparing the candidates"
+) -> Callable[[str, int, int], None]:
+    """A callback (name, count, total) that counts the steps of a search; then the bar runs on without a total.
+
+    The number of steps after the refits depends on their results, and they take less time than those counted.
+    """
+    task = progress.add_task("reading, and fitting the model as it stands", total=None)
+    began = progress.tasks[-1].start_time
+
+    def restart(text: str, total: int | None) -> None:
+        # A bar once given a total cannot lose it: another one takes its place, and its clock goes on.
+        nonlocal task
+        progress.remove_task(task)
+        task = progress.add_task(text, total=total)
+        progress.tasks[-1].start_time = began
+
+    def show(name: str, count: int, total: int) -> None:
+        if count == total:
+            restart(afterwards, None)
+            return
+        if count == 0:
+            restart(name, total)
+        progress.update(task, description=name, completed=count)
+
+    return show

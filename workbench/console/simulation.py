@@ -1,0 +1,66 @@
+"""Features of simulations in the terminal: of experiments, of the stage's studies, and of a Monte Carlo study."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from workbench.console.tables import feature_text, plain_table
+from workbench.options import Run
+from workbench.simulation.monte_carlo import Study, followed
+
+MOST_LISTED = 8
+"""Sampled parameters that are listed."""
+
+
+def print_features(run: Run, experiment: str, found: dict[str, Any]) -> None:
+    """A row for each model (and case) of an experiment, a column for each feature."""
+    if not found:
+        return
+    if experiment == "stage":
+        for study, features in found.items():
+            table = plain_table(f"stage: {study.replace('_', ' ')}", "", "value")
+            for name, feature in features.items():
+                table.add_row(name.replace("_", " "), feature_text(feature))
+            run.console.print(table)
+        return
+    rows: list[tuple[str, dict[str, Any]]] = []
+    for model, features in found.items():
+        if all(feature is None or "unit" in feature for feature in features.values()):
+            rows.append((model, features))
+        else:
+            rows += [(f"{model}  {case}", inner) for case, inner in features.items()]
+    names = list(rows[0][1])
+    table = plain_table(experiment, "", *(name.replace("_", " ") for name in names))
+    for label, features in rows:
+        table.add_row(label, *[feature_text(features[name]) for name in names])
+    run.console.print(table)
+
+
+def print_monte_carlo(run: Run, study: Study) -> None:
+    """The sampled parameters, and each feature's value at the design, its deviation and 95 % band."""
+    listed = "; ".join(one.words for one in study.opened[:MOST_LISTED])
+    more = len(study.opened) - MOST_LISTED
+    run.say(f"sampled: {listed}" + (f"; and {more} more" if more > 0 else ""))
+    for experiment in dict.fromkeys(way[0] for way in study.spreads):
+        spreads = {way[1:]: spread for way, spread in study.spreads.items() if way[0] == experiment}
+        changing = {way: spread for way, spread in spreads.items() if spread.moves}
+        titles = ("", "design", "deviation", "2.5 %", "97.5 %", "depends most on")
+        table = plain_table(experiment, *titles, left=("", "depends most on"))
+        for way, spread in changing.items():
+            found = spread.found
+            cells = [spread.nominal, found.std(ddof=1), *np.quantile(found, [0.025, 0.975])]
+            table.add_row(
+                "  ".join(name.replace("_", " ") for name in way),
+                *[feature_text(None if x is None else {"value": float(x), "unit": spread.unit}) for x in cells],
+                followed(spread) or "-",
+            )
+        if table.row_count:
+            run.console.print(table)
+        if len(changing) < len(spreads):
+            run.say(f"{experiment}: {len(spreads) - len(changing)} features do not change")
+    if study.refused:
+        run.note(
+            f"{len(study.refused)} of {len(study.draws)} samples are invalid designs, first: {study.refused[0][1]}"
+        )

@@ -1,0 +1,210 @@
+"""Findings of a comparison, a diagnosis or a search for the next motion, as sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from stagecad.parameters.units import format_quantity
+from sysid.compare import Comparison
+from sysid.diagnose import Diagnosis
+from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.diagnosis.trials import explained_share
+from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
+from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
+from sysid.experiment_design.t_optimal_design import Suggestion
+from sysid.prediction.problem import Case
+from sysid.report import WORTH_SAYING, channel_unit, worst_channel
+from sysid.signals.gaussian_filter import BAND
+from workbench.identification.tables import over_noise_text, quantity_text
+
+COORDINATE_NAMES = {
+    "frequency": "one frequency",
+    "direction": "direction of motion",
+    "distance_since_reversal": "distance since the last reversal",
+    "contact_age": "time of contact at rest",
+}
+"""Names of coordinates in a sentence, where they differ from their keys."""
+
+NEGLIGIBLE_SHARE = 0.05
+"""Share of the misfit below which the unexplained rest is not mentioned."""
+
+LEAST_SHARE = 0.02
+"""Share of the residual's variance from which a coordinate is mentioned."""
+
+CLEARLY_WORSE = 1.5
+"""Ratio of the error over noise on the fit records to that on the held-out ones from which both are stated."""
+
+NEAR_NOISE = 1.5
+"""Error over noise up to which detectable sizes are stated: above it the unexplained residual hides small effects."""
+
+SEPARATED = 5.0
+"""Standard deviations from which two competing effects count as separated."""
+
+Errors = Mapping[str, ChannelMisfit]
+
+
+def held_out_over_noise(fit: Errors, validate: Errors) -> float:
+    """Largest error over noise on the held-out records; on the fit records where there are no others."""
+    return worst_over_noise({}, dict(validate)) if validate else worst_over_noise(dict(fit), {})
+
+
+def is_adequate(found: Comparison) -> bool:
+    """Whether the model leaves no more than the noise."""
+    return worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[found.case.form]
+
+
+def near_noise(diagnosis: Diagnosis) -> bool:
+    """Whether the model, with the effect found in it, leaves little more than the noise."""
+    best = diagnosis.best
+    errors = (
+        (diagnosis.before_fit, diagnosis.before_validate) if best is None else (best.after_fit, best.after_validate)
+    )
+    return worst_over_noise(*errors) <= NEAR_NOISE
+
+
+def dependence_text(maps: Sequence[ResidualMap], most: int = 2) -> str:
+    """The coordinates the residual depends on most, with their shares; empty where there is none."""
+    strongest = [m for m in maps if m.share > LEAST_SHARE][:most]
+    names = [COORDINATE_NAMES.get(m.coordinate, m.coordinate.replace("_", " ")) for m in strongest]
+    return " and ".join(f"{name} ({100 * m.share:.0f} %)" for name, m in zip(names, strongest))
+
+
+def noise_text(case: Case) -> str:
+    """The noise by channel, the form of the residual, and the band it is compared in."""
+    measured = {*case.fit_records[0].measured, "position"}
+    parts = [
+        f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})"
+        for channel, noise in case.noise.items()
+        if channel in measured
+    ]
+    band = getattr(case.fit_records[0], "whole", None)
+    text = f"{', '.join(parts)}; residual as {case.form.replace('_', ' ')}"
+    if band is not None and band.width > 0:
+        text += f", below {BAND / band.width:.3g} Hz: the band that the position's noise allows"
+    return text
+
+
+def comparison_statement(found: Comparison) -> str:
+    """How far the model is above the noise, and on which coordinates its residual depends."""
+    if is_adequate(found):
+        most = worst_over_noise(found.fit, found.validate)
+        return f"The error is {over_noise_text(most)} the noise: the residual is at the noise level."
+    over = held_out_over_noise(found.fit, found.validate)
+    text = f"The error is {over_noise_text(over)} the noise on the held-out records."
+    fit = worst_over_noise(found.fit, {})
+    if fit > CLEARLY_WORSE * over:
+        text += f" On the fit records it is {over_noise_text(fit)}."
+    return f"{text} The residual depends on {dependence_text(found.maps) or 'no recorded coordinate'}."
+
+
+def diagnosis_statement(found: Diagnosis) -> str:
+    """The decision of a diagnosis with the errors behind it."""
+    if found.verdict == "adequate":
+        return f"Nothing is missing: {found.reason}."
+    depends = dependence_text(found.maps)
+    if found.verdict == "unexplained" or found.best is None:
+        return (
+            f"No effect of the library explains the residual: {found.reason}. It depends on "
+            f"{depends or 'no recorded coordinate'}."
+        )
+    channel = worst_channel(found.case, found.before_validate)
+    before, after = found.before_validate[channel], found.best.after_validate[channel]
+    unit = channel_unit(found.case, channel)
+    rms = f"{quantity_text(before.rms, unit)} to {quantity_text(after.rms, unit)}"
+    ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
+    error = f"the error of {channel.replace('_', ' ')} on the held-out records"
+    if found.detected_by:
+        return f"{found.effect} is missing: {found.detected_by}. With it {error} changes from {rms}, {ratio}."
+    if dominated_by_few_samples(before, after):
+        text = f"{found.effect} is missing. With it {error} falls {ratio}."
+        text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
+    else:
+        text = f"{found.effect} is missing. With it {error} falls from {rms}, {ratio}."
+    fit = (worst_over_noise(found.before_fit, {}), worst_over_noise(found.best.after_fit, {}))
+    if fit[0] > CLEARLY_WORSE * before.over_noise or fit[1] > CLEARLY_WORSE * after.over_noise:
+        text += f" On the fit records it falls from {over_noise_text(fit[0])} to {over_noise_text(fit[1])}."
+    if depends:
+        text += f" Without it the residual depends on {depends}."
+    if found.unexplained_share > NEGLIGIBLE_SHARE:
+        text += f" {100 * found.unexplained_share:.0f} % of the misfit remains: add it, and diagnose again."
+    return text
+
+
+def equivalence_statement(found: Diagnosis) -> str:
+    """Effects that these records cannot distinguish from the one named; empty where there is none."""
+    names = list(found.indistinguishable)
+    if not names or not found.effect:
+        return ""
+    return (
+        f"These records cannot distinguish {found.effect} from {' or '.join(names)}: the difference on the held-out "
+        "records is not significant. 'stagecad suggest' looks for a motion that separates them."
+    )
+
+
+def replacement_statements(diagnosis: Diagnosis) -> list[str]:
+    """Effects added earlier that should be removed or replaced."""
+    lines = []
+    for swap in diagnosis.swaps:
+        before, after = over_noise_text(swap.before), over_noise_text(swap.after)
+        change = f"({before} to {after} the noise on the held-out records)"
+        if swap.new is None:
+            lines.append(f"{swap.old}, added earlier, is no longer needed {change}: add --drop {swap.old}")
+        else:
+            lines.append(
+                f"{swap.new} in place of {swap.old}, added earlier, explains more {change}: "
+                f"add {swap.new} --drop {swap.old}"
+            )
+    return lines
+
+
+def unphysical_statements(diagnosis: Diagnosis) -> list[str]:
+    """Effects that would reduce the error only with a value beyond its physical range.
+
+    Beside an effect that is named, only those that would explain at least half as much as it does.
+    """
+    named = explained_share(diagnosis.base, diagnosis.best) if diagnosis.best is not None else 0.0
+    least = max(WORTH_SAYING, 0.5 * named)
+    lines = []
+    for trial in diagnosis.trials[:12]:
+        amplitude = next((p for p in trial.effect.parameters if p.role == "amplitude"), None)
+        blocked, predicted = trial.refit.blocked_reduction, trial.refit.predicted_reduction
+        if amplitude is not None and blocked >= least and blocked > 2.0 * predicted:
+            error = 100.0 * (1.0 - (1.0 - min(blocked, 1.0)) ** 0.5)
+            lines.append(
+                f"{trial.public_name} would lower the error by {error:.0f} %, but only with a {amplitude.name} below "
+                f"{amplitude.low:g} {amplitude.unit}, which is not physical."
+            )
+    return lines
+
+
+def suggestion_statements(found: Suggestion) -> list[str]:
+    """The next motion, or why none is needed."""
+    lines = []
+    if found.revisited:
+        lines.append(
+            f"Nothing is missing now; {found.revisited}, added last, is compared with effects that could replace it."
+        )
+    if len(found.rivals) < 2:
+        state = {
+            "adequate": "the residual is at the noise level, and no effects compete",
+            "unexplained": "no effect of the library explains the residual, so none compete",
+        }.get(found.diagnosis.verdict, f"no other effect competes with {found.diagnosis.effect}")
+        return [*lines, f"{state}: the space-filling motion covers what these records do not contain."]
+    for name in found.inseparable:
+        lines.append(
+            f"no motion of this family separates {found.rivals[0]} from {name}: on this rig, with these channels, they "
+            "are equivalent."
+        )
+    best = found.motions[0]
+    for pair in best.pairs:
+        if pair.effects[1] not in found.inseparable:
+            lines.append(
+                f"run {best.motion.name}: separates {pair.effects[1]} from {pair.effects[0]} at "
+                f"{_sigma(pair.deviations)} in {best.motion.seconds:.0f} s; these records: {_sigma(pair.records)}"
+                + (" (already separated)" if pair.records >= SEPARATED else "")
+            )
+    return lines
+
+
+def _sigma(deviations: float) -> str:
+    return f"{deviations:.1f} sigma" if deviations < 100.0 else f"{deviations:.0f} sigma"
