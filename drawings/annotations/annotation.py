@@ -173,6 +173,9 @@ class DetailMark:
     letter: str
 
 
+MeasuredDimension = LinearDimension | RadialDimension | AngularDimension
+"""Written to DXF as DIMENSION entities."""
+
 Annotation = (
     LinearDimension
     | RadialDimension

@@ -23,7 +23,7 @@ from drawings.annotations.annotation import (
     SurfaceTextureSymbol,
 )
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, TEXT_HEIGHT
-from drawings.annotations.primitives import ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
+from drawings.annotations.primitives import THICK, ArcStroke, FilledPolygon, Primitive, Stroke, Text, rectangle
 from drawings.annotations.symbols import symbol_primitives, symbol_text_primitives, symbol_text_width, symbol_width
 from drawings.views.bounding_box import bounding_box, extreme_points, view_box
 from drawings.views.view import Arc, Box2, Point2, View
@@ -325,7 +325,7 @@ def _section(m: SectionMark) -> Iterator[Primitive]:
     along = _unit(m.start, m.end)
     thick, stem = 6.0, 9.0
     for point, inward in ((m.start, along), (m.end, (-along[0], -along[1]))):
-        yield Stroke((point, (point[0] + inward[0] * thick, point[1] + inward[1] * thick)), "FRAME")
+        yield Stroke((point, (point[0] + inward[0] * thick, point[1] + inward[1] * thick)), "SECTION", THICK)
         tip = (point[0] + m.sight[0] * stem, point[1] + m.sight[1] * stem)
         yield Stroke((point, tip))
         yield arrow(tip, m.sight, ARROW * 1.3)

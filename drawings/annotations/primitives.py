@@ -1,25 +1,71 @@
-"""What the frame, the title block, tables and symbols are made of: strokes, filled areas and texts."""
+"""Graphical primitives of a sheet in paper coordinates (mm from its lower left corner): lines, arcs, areas, texts.
+
+A sheet is a list of them; DXF, SVG and PDF are written from it (`drawings.export.drawing_model`).
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from drawings.annotations.font import TEXT_HEIGHT
-from drawings.views.view import Arc, Box2, Point2
+from drawings.views.view import Arc, Box2, Layer, Point2
 
-SheetLayer = Literal["FRAME", "BORDER", "TEXT"]
-"""Layers of the sheet itself: the frame's heavy line, thin lines of borders and tables, lettering."""
-
+SheetLayer = Layer | Literal["DIMENSION", "TEXT", "FRAME", "BORDER"]
+"""Layers of views, of annotations, and of the sheet itself: heavy and thin lines of frame and tables."""
+LineType = Literal["CONTINUOUS", "DASHED", "CHAIN", "PHANTOM"]
 Alignment = Literal["left", "middle", "right"]
+
+
+class LineStyle(NamedTuple):
+    """How a line is drawn.
+
+    Attributes:
+        weight: mm.
+        line_type: dashes and gaps (`LINE_TYPES`).
+    """
+
+    weight: float
+    line_type: LineType = "CONTINUOUS"
+
+
+LAYERS: dict[SheetLayer, LineStyle] = {
+    "VISIBLE": LineStyle(0.5),
+    "HIDDEN": LineStyle(0.25, "DASHED"),
+    "CENTRE": LineStyle(0.25, "CHAIN"),
+    "SECTION": LineStyle(0.25, "CHAIN"),
+    "HATCH": LineStyle(0.18),
+    "PHANTOM": LineStyle(0.25, "PHANTOM"),
+    "DIMENSION": LineStyle(0.25),
+    "TEXT": LineStyle(0.25),
+    "FRAME": LineStyle(0.7),
+    "BORDER": LineStyle(0.25),
+}
+"""Line weight and line type of each layer (ISO 128-2: wide lines are twice as wide as narrow ones)."""
+
+LINE_TYPES: dict[LineType, tuple[float, ...]] = {
+    "CONTINUOUS": (),
+    "DASHED": (3.0, 1.0),
+    "CHAIN": (6.0, 1.0, 1.0, 1.0),
+    "PHANTOM": (6.0, 1.0, 1.0, 1.0, 1.0, 1.0),
+}
+"""Lengths of dashes and gaps in turn, mm on paper."""
+
+THICK = LineStyle(0.7)
+"""Ends of a cutting line (ISO 128-3)."""
 
 
 @dataclass(frozen=True)
 class Stroke:
-    """A line through points, mm."""
+    """A line through points.
+
+    Args:
+        style: that of the layer when left out.
+    """
 
     points: tuple[Point2, ...]
     layer: SheetLayer = "BORDER"
+    style: LineStyle | None = None
 
 
 @dataclass(frozen=True)
@@ -28,11 +74,12 @@ class ArcStroke:
 
     arc: Arc
     layer: SheetLayer = "BORDER"
+    style: LineStyle | None = None
 
 
 @dataclass(frozen=True)
 class FilledPolygon:
-    """A filled polygon."""
+    """A filled polygon: an arrow head, for instance."""
 
     points: tuple[Point2, ...]
     layer: SheetLayer = "BORDER"
@@ -40,11 +87,12 @@ class FilledPolygon:
 
 @dataclass(frozen=True)
 class Text:
-    """A text on one line.
+    """A text on one line, in the font and width factor of the sheets.
 
     Args:
         at: on the base line, at the text's left end, middle or right end.
         height: of capitals, mm.
+        angle: of the base line, degrees.
     """
 
     text: str

@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drawings.artefacts.uncollected import uncollected
 from stagecad.solids.artefacts.part import MadePart
 from stagecad.solids.artefacts.store import Entry, Store
 from stagecad.solids.assembly.assemble import assemble
@@ -59,10 +58,9 @@ def make_picture(
         picture = machine_picture(name, instances, scene, exact=exact)
         (folder / _FILE).write_text(json.dumps(picture_document(picture) if picture else None), "utf-8")
 
-    with uncollected():
-        entry = store.make(_named(name), design, _MODULES, make, _keys(parts))
-        document = entry.document(_FILE)
-        return picture_of(document) if document else None
+    entry = store.make(_named(name), design, _MODULES, make, _keys(parts))
+    document = entry.document(_FILE)
+    return picture_of(document) if document else None
 
 
 def _named(picture: str) -> str:

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from drawings.artefacts.pictures import PICTURES, PROCEDURE, make_picture
-from drawings.artefacts.uncollected import uncollected
 from stagecad import __version__
 from stagecad.parameters.mass_properties import combined
 from stagecad.solids.artefacts.part import MadePart, find_part, make_part
@@ -72,7 +71,13 @@ class MadeSheet:
         return name if name in self.entry.hashes else None
 
 
-_OF_ALL = (__name__, "drawings.export.document", "drawings.export.render", "drawings.export.lint")
+_OF_ALL = (
+    __name__,
+    "drawings.export.dxf",
+    "drawings.export.svg",
+    "drawings.export.pdf",
+    "drawings.export.lint",
+)
 _OF_ASSEMBLY = (*_OF_ALL, "drawings.artefacts.pictures", "drawings.sheets.assembly")
 _OF_PROCEDURE = (*_OF_ASSEMBLY, "drawings.procedure.procedure", "drawings.procedure.sheet")
 
@@ -85,8 +90,11 @@ def _depends(made: MadePart) -> tuple[str, ...]:
     return (made.entry.key, *_libraries())
 
 
+_LIBRARIES = ("ezdxf", "matplotlib", "fonttools", "reportlab", "pypdfium2")
+
+
 def _libraries() -> tuple[str, ...]:
-    return tuple(f"{name} {number}" for name, number in versions(("ezdxf", "matplotlib", "fonttools")).items())
+    return tuple(f"{name} {number}" for name, number in versions(_LIBRARIES).items())
 
 
 def find_sheets(
@@ -165,8 +173,7 @@ def draw_whole(
             sheet = _procedure_sheet(assembled, reading, values, tuple(pictures.values()))
         (folder / SHEETS).write_text(json.dumps([write_sheet(sheet, folder)], indent=1), "utf-8")
 
-    with uncollected():
-        return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
+    return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
 
 
 def all_parts(store: Store, design: Any) -> dict[str, MadePart]:
@@ -241,8 +248,7 @@ def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tu
         documents = [write_sheet(sheet, folder) for sheet in sheets_of(described, reading, gauge, exact=exact)]
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
 
-    with uncollected():
-        return _sheets(store.make(f"drawing of {part}", design, _modules(part), make, _depends(made)))
+    return _sheets(store.make(f"drawing of {part}", design, _modules(part), make, _depends(made)))
 
 
 def describe(made: MadePart, design: Any) -> Any:
@@ -276,17 +282,25 @@ def digest(design: Any, reads: Sequence[str]) -> str:
 
 
 def write_sheet(sheet: Any, folder: Path) -> dict[str, Any]:
-    """Write the four files of a sheet, and tell what it is."""
-    from drawings.export.document import document_of, dxf_bytes
+    """Write the four files of a sheet; returns its description."""
+    from drawings.export.drawing_model import drawing_model
+    from drawings.export.dxf import dxf_bytes, dxf_document
     from drawings.export.lint import lint
-    from drawings.export.render import render
+    from drawings.export.pdf import pdf_bytes, png_bytes
+    from drawings.export.svg import svg_bytes
     from drawings.sheets.sheet import scale_text
 
-    document = document_of(sheet)
-    (folder / f"{sheet.name}.dxf").write_bytes(dxf_bytes(document))
-    renderings = render(document, sheet.paper)
-    for kind in ("svg", "pdf", "png"):
-        (folder / f"{sheet.name}.{kind}").write_bytes(getattr(renderings, kind))
+    drawing = drawing_model(sheet)
+    document = dxf_document(drawing)
+    pdf = pdf_bytes(drawing)
+    contents = {
+        "dxf": dxf_bytes(document),
+        "svg": svg_bytes(drawing),
+        "pdf": pdf,
+        "png": png_bytes(pdf, sheet.paper),
+    }
+    for kind, data in contents.items():
+        (folder / f"{sheet.name}.{kind}").write_bytes(data)
     return {
         "name": sheet.name,
         "part": sheet.part,

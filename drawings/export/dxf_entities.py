@@ -1,125 +1,199 @@
-"""The entities that a sheet is made of, put into its DXF document.
+"""DXF entities of primitives and dimensions.
 
-ezdxf checks each attribute of each entity by itself as it is set, which takes longer than all else that is done to
-write a sheet. What is put here has the same few attributes every time, so entities are filled at once; a test holds
-them against those that ezdxf makes.
+A DIMENSION entity has its measured points, its text with `<>` in place of the number, and a block with its primitives.
+A program that opens the file measures the number itself; the block has the text where the layout put it.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from ezdxf.entities.arc import Arc as ArcEntity
-from ezdxf.entities.circle import Circle as CircleEntity
-from ezdxf.entities.line import Line as LineEntity
-from ezdxf.entities.lwpolyline import LWPolyline as PolylineEntity
-from ezdxf.entities.text import Text as TextEntity
-from ezdxf.math import Vec3
+from ezdxf.enums import TextEntityAlignment
 
-from drawings.annotations.font import TEXT_STYLE, WIDTH_FACTOR
-from drawings.annotations.primitives import ArcStroke, Primitive, Stroke, Text
-from drawings.views.view import Arc, Point2
+from drawings.annotations.annotation import AngularDimension, LinearDimension, MeasuredDimension
+from drawings.annotations.font import TEXT_HEIGHT, TEXT_STYLE, WIDTH_FACTOR
+from drawings.annotations.primitives import LAYERS, ArcStroke, FilledPolygon, Primitive, Stroke, Text
+from drawings.export.drawing_model import PrimitiveGroup
+from drawings.sheets.sheet import scale_text
+from drawings.views.view import Arc, Point2, View
 
-WIDE = 70
-"""Weight of ink for the frame's layer where it stands in model space, hundredths of a millimetre."""
-_ANCHORS = {"left": 0, "middle": 1, "right": 2}
-"""How DXF numbers the places a text is put by."""
+_ALIGNMENTS = {
+    "left": TextEntityAlignment.LEFT,
+    "middle": TextEntityAlignment.CENTER,
+    "right": TextEntityAlignment.RIGHT,
+}
+_DECIMALS = 9
+"""Of lengths in model space, mm: the noise of scaling to paper and back is left out."""
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where paper coordinates are in model space: at (p + shift) / scale."""
+class ModelMapping:
+    """From the paper to model space: (x, y) is at ((x + shift) / scale, y / scale)."""
 
     scale: float = 1.0
-    shift: Point2 = (0.0, 0.0)
+    shift: float = 0.0
 
     def __call__(self, point: Point2) -> Point2:
-        return ((point[0] + self.shift[0]) / self.scale, (point[1] + self.shift[1]) / self.scale)
-
-    def length(self, value: float) -> float:
-        return value / self.scale
+        return ((point[0] + self.shift) / self.scale, point[1] / self.scale)
 
 
-ON_PAPER = Place()
+ON_PAPER = ModelMapping()
 
 
 def dxf_text(text: str) -> str:
-    """Text as every program that reads DXF shows it, whatever its font has."""
+    """Text with the codes of DXF for the signs that not every font has."""
     return text.replace("⌀", "%%c").replace("°", "%%d").replace("±", "%%p")
 
 
-def _add(layout: Any, entity: Any, attributes: dict[str, Any]) -> None:
-    """An entity with these attributes, at the end of a layout."""
-    doc, record = layout.doc, layout.block_record
-    handle = doc.entitydb.next_handle()
-    entity.doc = doc
-    entity.dxf.__dict__.update(attributes, handle=handle, owner=record.dxf.handle)
-    if layout.is_any_paperspace:
-        entity.dxf.__dict__["paperspace"] = 1
-    doc.entitydb[handle] = entity
-    record.entity_space.add(entity)
+def add_primitive(layout: Any, primitive: Primitive, mapping: ModelMapping) -> None:
+    """Add a primitive to a layout or block."""
+    match primitive:
+        case Stroke(points):
+            attributes = _attributes(primitive, mapping)
+            if len(points) == 2:
+                layout.add_line(mapping(points[0]), mapping(points[1]), dxfattribs=attributes)
+            else:
+                layout.add_lwpolyline(list(map(mapping, points)), dxfattribs=attributes)
+        case ArcStroke(arc):
+            _add_arc(layout, arc, mapping, _attributes(primitive, mapping))
+        case FilledPolygon(points):
+            _add_polygon(layout, list(map(mapping, points)), primitive.layer)
+        case Text():
+            height = round(primitive.height / mapping.scale, _DECIMALS)
+            attributes = {"layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR}
+            entity = layout.add_text(
+                dxf_text(primitive.text), height=height, rotation=primitive.angle, dxfattribs=attributes
+            )
+            entity.set_placement(mapping(primitive.at), align=_ALIGNMENTS[primitive.alignment])
 
 
-def add_line(layout: Any, start: Point2, end: Point2, attributes: dict[str, Any]) -> None:
-    """A straight line."""
-    _add(layout, LineEntity(), {**attributes, "start": Vec3(*start), "end": Vec3(*end)})
+def _attributes(primitive: Stroke | ArcStroke, mapping: ModelMapping) -> dict[str, Any]:
+    """Layer, and what is not that of the layer: line type, weight, and the scale of the line type in model space."""
+    attributes: dict[str, Any] = {"layer": primitive.layer}
+    own, style = LAYERS[primitive.layer], primitive.style or LAYERS[primitive.layer]
+    if style.line_type != own.line_type:
+        attributes["linetype"] = style.line_type
+    if style.weight != own.weight:
+        attributes["lineweight"] = round(100 * style.weight)
+    if style.line_type != "CONTINUOUS":
+        attributes["ltscale"] = 1.0 / mapping.scale
+    return attributes
 
 
-def add_polyline(layout: Any, points: list[Point2], attributes: dict[str, Any]) -> None:
-    """Straight lines through points."""
-    entity = PolylineEntity()
-    values = np.zeros((len(points), 5))
-    values[:, :2] = points
-    entity.lwpoints.values = values
-    _add(layout, entity, attributes)
-
-
-def add_arc(layout: Any, centre: Point2, radius: float, arc: Arc, attributes: dict[str, Any]) -> None:
-    """A circle, or the part of it that an arc's angles say."""
-    attributes = {**attributes, "center": Vec3(*centre), "radius": radius}
+def _add_arc(layout: Any, arc: Arc, mapping: ModelMapping, attributes: dict[str, Any]) -> None:
+    centre, radius = mapping(arc.centre), round(arc.radius / mapping.scale, _DECIMALS)
     if arc.end_angle - arc.start_angle > 359.999:
-        _add(layout, CircleEntity(), attributes)
+        layout.add_circle(centre, radius, dxfattribs=attributes)
     else:
-        _add(layout, ArcEntity(), {**attributes, "start_angle": arc.start_angle, "end_angle": arc.end_angle})
+        layout.add_arc(centre, radius, arc.start_angle, arc.end_angle, dxfattribs=attributes)
 
 
-def add_words(layout: Any, words: Text, place: Place) -> None:
-    """A line of text."""
-    at = Vec3(*place(words.at))
-    attributes = {
-        "layer": "TEXT", "style": TEXT_STYLE, "width": WIDTH_FACTOR, "text": dxf_text(words.text),
-        "height": float(place.length(words.height)), "rotation": float(words.angle),
-        "insert": at, "align_point": at, "halign": _ANCHORS[words.alignment], "valign": 0,
-    }  # fmt: skip
-    _add(layout, TextEntity(), attributes)
-
-
-def add_filled(layout: Any, points: list[Point2], attributes: dict[str, Any]) -> None:
-    """A filled polygon."""
+def _add_polygon(layout: Any, points: list[Point2], layer: str) -> None:
     if len(points) <= 4:
         # A SOLID runs through its corners crosswise.
-        layout.add_solid([*points[:2], *reversed(points[2:])], dxfattribs=attributes)
+        layout.add_solid([*points[:2], *reversed(points[2:])], dxfattribs={"layer": layer})
     else:
-        layout.add_hatch(dxfattribs=attributes).paths.add_polyline_path(points)
+        layout.add_hatch(dxfattribs={"layer": layer}).paths.add_polyline_path(points)
 
 
-def put(layout: Any, ink: Primitive, place: Place, layer: str = "") -> None:
-    """Some ink, on a layer or, if none is named, on its own in paper space and on that of dimensions in model space."""
-    if isinstance(ink, Text):
-        add_words(layout, ink, place)
-        return
-    attributes: dict[str, Any] = {"layer": layer or (ink.layer if layout.is_any_paperspace else "DIMENSION")}
-    if not layout.is_any_paperspace and ink.layer == "FRAME":
-        attributes = {"layer": "SECTION", "linetype": "CONTINUOUS", "lineweight": WIDE}
-    if isinstance(ink, ArcStroke):
-        add_arc(layout, place(ink.arc.centre), place.length(ink.arc.radius), ink.arc, attributes)
-    elif isinstance(ink, Stroke):
-        points = [place(point) for point in ink.points]
-        if len(points) == 2:
-            add_line(layout, points[0], points[1], attributes)
-        else:
-            add_polyline(layout, points, attributes)
-    else:
-        add_filled(layout, [place(point) for point in ink.points], attributes)
+def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> None:
+    """Add the DIMENSION of a group with its block, in the dimension style of its scale and decimals."""
+    d, view = group.dimension, group.view
+    if d is None or view is None:
+        raise ValueError("the group shows no dimension")
+    block = doc.blocks.new_anonymous_block(type_char="D")
+    for primitive in group.primitives:
+        add_primitive(block, primitive, mapping)
+    text, decimals = measured_text(d)
+    attributes: dict[str, Any] = {
+        "layer": "DIMENSION",
+        "geometry": block.name,
+        "dimstyle": _dimension_style(doc, mapping.scale, decimals),
+        "text": dxf_text(text),
+        "attachment_point": 5,
+    }
+    first = next((primitive for primitive in group.primitives if isinstance(primitive, Text)), None)
+    if first:
+        attributes["text_midpoint"] = (*mapping(_middle(first)), 0.0)
+    for name, value in _definition(d, view).items():
+        attributes[name] = (*mapping(value), 0.0) if isinstance(value, tuple) else value
+    entity = doc.modelspace().new_entity("DIMENSION", attributes)
+    angular = isinstance(d, AngularDimension)
+    entity.dxf.actual_measurement = math.radians(d.measured) if angular else entity.get_measurement()
+
+
+def _definition(d: MeasuredDimension, view: View) -> dict[str, Any]:
+    """Type and definition points of a DIMENSION, points on paper."""
+    # 32: the block belongs to this dimension alone; 128: the text has a place of its own.
+    own = 32 | 128
+    if isinstance(d, LinearDimension):
+        return {
+            "dimtype": 0 | own,
+            "defpoint": _foot(d, view),
+            "defpoint2": view.to_paper(d.first),
+            "defpoint3": view.to_paper(d.second),
+            "angle": d.angle,
+        }
+    if isinstance(d, AngularDimension):
+        return {
+            "dimtype": 5 | own,
+            "defpoint": d.arc_at,
+            "defpoint2": view.to_paper(d.first),
+            "defpoint3": view.to_paper(d.second),
+            "defpoint4": view.to_paper(d.vertex),
+        }
+    (u, v), angle = d.centre, math.radians(d.towards)
+    x, y = d.radius * math.cos(angle), d.radius * math.sin(angle)
+    diameter = d.kind == "diameter"
+    return {
+        "dimtype": (3 if diameter else 4) | own,
+        "defpoint": view.to_paper((u - x, v - y) if diameter else d.centre),
+        "defpoint4": view.to_paper((u + x, v + y)),
+    }
+
+
+def measured_text(d: MeasuredDimension) -> tuple[str, int]:
+    """A dimension's text with `<>` in place of the measured number, and the number's decimals.
+
+    Raises:
+        ValueError: the text does not contain the measured number.
+    """
+    for decimals in range(4, -1, -1):
+        number = f"{d.measured:.{decimals}f}"
+        start = d.text.find(number)
+        while start >= 0:
+            end = start + len(number)
+            if not d.text[start - 1 : start].isdigit() and not d.text[end : end + 1].isdigit():
+                return f"{d.text[:start]}<>{d.text[end:]}", decimals
+            start = d.text.find(number, start + 1)
+    raise ValueError(f"dimension {', '.join(d.names)} has the text '{d.text}', but measures {d.measured:.4f}")
+
+
+def _middle(text: Text) -> Point2:
+    """Middle of a centred text."""
+    angle = math.radians(text.angle)
+    return (text.at[0] - math.sin(angle) * text.height / 2, text.at[1] + math.cos(angle) * text.height / 2)
+
+
+def _foot(d: LinearDimension, view: View) -> Point2:
+    """Where the extension line of the second point meets the dimension line."""
+    angle = math.radians(d.angle)
+    u = (math.cos(angle), math.sin(angle))
+    point = view.to_paper(d.second)
+    along = (point[0] - d.line_at[0]) * u[0] + (point[1] - d.line_at[1]) * u[1]
+    return (d.line_at[0] + along * u[0], d.line_at[1] + along * u[1])
+
+
+def _dimension_style(doc: Any, scale: float, decimals: int) -> str:
+    """Name of the dimension style for a scale and a number of decimals; added when it is not there."""
+    name = f"{scale_text(scale).replace(':', '-')} {decimals} decimals"
+    if name not in doc.dimstyles:
+        lines = {"dimscale": 1.0 / scale, "dimasz": 3.0, "dimexe": 2.0, "dimexo": 1.0}
+        text = {"dimtxt": TEXT_HEIGHT, "dimtxsty": TEXT_STYLE, "dimgap": 1.0, "dimdsep": ord("."), "dimlunit": 2}
+        places = {"dimtad": 1, "dimtih": 0, "dimtoh": 0, "dimtofl": 1, "dimtmove": 2}
+        # All trailing zeros are kept, since decimals are the tolerance class.
+        zeros = {"dimdec": decimals, "dimzin": 0, "dimadec": decimals, "dimazin": 0}
+        doc.dimstyles.new(name, dxfattribs={**lines, **text, **places, **zeros})
+    return name

@@ -1,68 +1,70 @@
-"""A sheet as SVG: a group for each line weight, a path for each line; of each text its outlines; in millimetres."""
+"""A sheet as SVG in millimetres: a group for each line style; texts as outlines of their glyphs."""
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Iterable, Iterator
+from xml.sax.saxutils import quoteattr
 
-import numpy as np
-
-from drawings.annotations.font import glyph
-from drawings.export.outline_words import written
-from drawings.export.strokes import Shown
-from drawings.export.texts import CUBIC, LINE, MOVE, QUADRATIC, Matrix, PaperText, placed_sign
-from drawings.sheets.frame import PAPERS, Paper
-
-FINE = 1000.0
-"""Steps of a millimetre in which the signs of texts are written."""
-_WORDS = {
-    (MOVE, 0): "M%.3f %.3f",
-    (LINE, 0): "L%.3f %.3f",
-    (CUBIC, 0): "C%.3f %.3f",
-    (CUBIC, 1): " %.3f %.3f",
-    (CUBIC, 2): " %.3f %.3f",
-}
-_LETTERS = {MOVE: "m", LINE: "l", QUADRATIC: "q", CUBIC: "c"}
+from drawings.annotations.font import WIDTH_FACTOR, cap_height, glyph_advance, glyph_outline
+from drawings.annotations.primitives import LINE_TYPES, ArcStroke, Stroke, Text
+from drawings.export.drawing_model import DrawingModel, bezier_curves, text_matrix, text_origin
+from drawings.views.view import Point2
 
 
-def svg(shown: Shown, paper: Paper) -> bytes:
+def svg_bytes(drawing: DrawingModel) -> bytes:
     """The file; the same bytes for the same sheet."""
-    width, height = PAPERS[paper]
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
-        f'viewBox="0 0 {width:g} {height:g}" stroke-linecap="round" stroke-linejoin="round">\n'
-        '<rect width="100%" height="100%" fill="white"/>\n'
-    ]
-    for lot in shown.lots:
-        flipped = lot.points * (1.0, -1.0) + (0.0, height)
-        stroke = f'<g fill="none" stroke="black" stroke-width="{lot.weight or 0.0:g}">\n'
-        parts.append("<g>\n" if lot.weight is None else stroke)
-        parts.append(written(flipped, lot.codes, _WORDS, lot.begins, '<path d="', '"/>\n'))
-        parts.append("</g>\n")
-    parts.append("<g>\n")
-    parts += (f'<path d="{_path(text, height)}"/>\n' for text in shown.texts)
-    parts.append("</g>\n")
-    return "".join((*parts, "</svg>\n")).encode("ascii")
+    return "\n".join(_lines(drawing)).encode("utf-8")
 
 
-def _path(text: PaperText, height: float) -> str:
-    """Outlines of a text."""
-    matrix = text.matrix
-    return "".join(f"M{x:.3f} {height - y:.3f}{_sign(sign, matrix)}" for sign, (x, y) in text.signs())
+def _lines(drawing: DrawingModel) -> Iterator[str]:
+    width, height = drawing.size
+    texts = drawing.texts()
+    yield f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm"'
+    yield f' viewBox="0 0 {width:g} {height:g}" stroke-linecap="round" stroke-linejoin="round">'
+    yield "<defs>"
+    for character in sorted({character for text in texts for character in text.text}):
+        if outline := glyph_outline(character):
+            yield f'<path id="{_glyph_id(character)}" d="{outline}"/>'
+    yield '</defs>\n<rect width="100%" height="100%" fill="white"/>'
+    # The y axis of SVG points downward.
+    yield f'<g transform="matrix(1 0 0 -1 0 {height:g})">'
+    for (weight, line_type), strokes in drawing.strokes().items():
+        dashes = " ".join(f"{length:g}" for length in LINE_TYPES[line_type])
+        dashed = f' stroke-dasharray="{dashes}"' if dashes else ""
+        yield f'<g fill="none" stroke="black" stroke-width="{weight:g}"{dashed}>'
+        yield from (f'<path d="{_outline(stroke)}"/>' for stroke in strokes)
+        yield "</g>"
+    yield "<g>"
+    yield from (f'<path d="M{_numbers(polygon.points)}z"/>' for polygon in drawing.polygons())
+    yield "</g>"
+    for text in texts:
+        yield from _text(text)
+    yield "</g>\n</svg>\n"
 
 
-@cache
-def _sign(sign: str, matrix: Matrix) -> str:
-    """Outlines of a sign, from where it begins on: each point from the end of the line or curve before."""
-    places = np.rint(placed_sign(sign, matrix) * (FINE, -FINE)).astype(np.int64).tolist()
-    codes = glyph(sign).codes.tolist()
-    found: list[str] = []
-    end, before, of_curve = (0, 0), 0, 0
-    for (x, y), code in zip(places, codes, strict=True):
-        size = {QUADRATIC: 2, CUBIC: 3}.get(code, 1)
-        of_curve = of_curve % size + 1 if code == before else 1
-        letter = _LETTERS[code] if of_curve == 1 else " "
-        found.append(f"{letter}{(x - end[0]) / FINE:g} {(y - end[1]) / FINE:g}")
-        if of_curve == size:
-            end = (x, y)
-        before = code
-    return "".join(found)
+def _outline(stroke: Stroke | ArcStroke) -> str:
+    if isinstance(stroke, Stroke):
+        return f"M{_numbers(stroke.points)}"
+    start, curves = bezier_curves(stroke.arc)
+    return f"M{_numbers([start])}" + "".join(f"C{_numbers(curve)}" for curve in curves)
+
+
+def _numbers(points: Iterable[Point2]) -> str:
+    return " ".join(f"{x:.3f} {y:.3f}" for x, y in points)
+
+
+def _text(text: Text) -> Iterator[str]:
+    """A text as a group of references to glyphs, in units of the font."""
+    unit = text.height / cap_height()
+    matrix = (*text_matrix(text, WIDTH_FACTOR * unit, unit), *text_origin(text))
+    yield f'<g aria-label={quoteattr(text.text)} transform="matrix({" ".join(f"{v:.6g}" for v in matrix)})">'
+    x = 0.0
+    for character in text.text:
+        if glyph_outline(character):
+            yield f'<use href="#{_glyph_id(character)}" x="{x:g}"/>'
+        x += glyph_advance(character)
+    yield "</g>"
+
+
+def _glyph_id(character: str) -> str:
+    return f"u{ord(character):x}"

@@ -5,7 +5,11 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+from ezdxf.document import Drawing
+
 from drawings.annotations.annotation import AngularDimension, Annotation, Callout, LinearDimension, RadialDimension
+from drawings.export.drawing_model import drawing_model
+from drawings.export.dxf import dxf_document
 from drawings.sheets.part import Described, sheets_of
 from drawings.sheets.sheet import Sheet
 from stagecad.parameters.design import Design
@@ -49,3 +53,8 @@ def words(annotation: Annotation) -> str:
             return " ".join(annotation.lines)
         case _:
             return ""
+
+
+def document_of(sheet: Sheet) -> Drawing:
+    """The DXF document of a sheet."""
+    return dxf_document(drawing_model(sheet))

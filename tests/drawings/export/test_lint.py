@@ -9,11 +9,11 @@ import pytest
 from ezdxf.document import Drawing
 
 from drawings.annotations.annotation import Callout, FeatureControlFrame, LinearDimension, Note
-from drawings.export.document import document_of
 from drawings.export.lint import Hit, lint
 from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock
 from drawings.views.view import PROJECTIONS, Segment, View
+from tests.drawings.drawn import document_of
 
 TITLE = TitleBlock(
     "block", "Stage", "THS_BLOCK", "Steel", "1 g", "1:2", 1, 1, "1", "0123", "Part drawing", "", (("X", "±0.1"),)

@@ -11,7 +11,6 @@ from test_procedure import made, rows, thesis
 from drawings.annotations.annotation import Balloon
 from drawings.annotations.font import SMALL_HEIGHT, text_width
 from drawings.annotations.primitives import Stroke, Text
-from drawings.export.document import document_of
 from drawings.pictures.picture import Picture
 from drawings.procedure.procedure import Procedure, Step
 from drawings.procedure.sheet import broken, procedure_sheet
@@ -20,6 +19,7 @@ from drawings.sheets.sheet import Sheet
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
 from drawings.views.view import PROJECTIONS, Segment, View
+from tests.drawings.drawn import document_of
 
 TITLE = TitleBlock("assembly procedure", "", "NAME", "", "", "1:1", 1, 1, "0", "0", "Assembly procedure", "", ())
 

@@ -20,7 +20,6 @@ from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.primitives import Text
 from drawings.artefacts.pictures import PICTURES
 from drawings.artefacts.sheets import extent_of
-from drawings.export.document import document_of
 from drawings.export.lint import lint
 from drawings.pictures.machine import machine_picture
 from drawings.pictures.picture import Picture, picture_document, picture_of
@@ -35,6 +34,7 @@ from stagecad.parameters.design import Design
 from stagecad.solids.artefacts.assembly import shapes_of
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.machine import Machine
+from tests.drawings.drawn import document_of
 
 ROOT = Path(__file__).parents[3]
 

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 from drawings.artefacts.sheets import WHOLE, draw_whole
-from drawings.export.document import document_of
 from drawings.export.lint import lint
 from drawings.sheets.part import sheets_of
 from stagecad.parameters.derived import COMPUTED
@@ -20,7 +19,7 @@ from stagecad.parameters.load import load_design
 from stagecad.solids.artefacts.store import Store
 from stagecad.solids.artefacts.tracked_design import Reading, walk
 from stagecad.solids.modelling.registry import MADE, module_of
-from tests.drawings.drawn import described, thesis
+from tests.drawings.drawn import described, document_of, thesis
 from workbench.machine.procedure_values import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections import Counter
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from drawings.annotations.annotation import (
     AngularDimension,
@@ -17,14 +20,16 @@ from drawings.annotations.annotation import (
     LinearDimension,
     RadialDimension,
 )
+from drawings.annotations.primitives import ArcStroke
 from drawings.dimensions.text import number
-from drawings.export.document import document_of
+from drawings.export.drawing_model import drawing_model
 from drawings.export.lint import lint
+from drawings.export.pdf import DPI, pdf_bytes, png_bytes
 from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
 from stagecad.solids.artefacts.tracked_design import Reading
 from stagecad.solids.assembly.verification import Gauge
 from stagecad.solids.modelling.registry import MADE, module_of
-from tests.drawings.drawn import described, sheets, thesis, words
+from tests.drawings.drawn import described, document_of, sheets, thesis, words
 
 pytestmark = pytest.mark.xdist_group("sheets of the thesis")
 """One process draws each sheet once for all these tests."""
@@ -132,6 +137,22 @@ def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
 def test_the_sheets_of_the_thesis_are_free_of_hits(part: str) -> None:
     for sheet in sheets(part):
         assert [str(hit) for hit in lint(document_of(sheet))] == [], sheet.name
+
+
+def test_the_crowns_of_the_pads_are_in_the_picture() -> None:
+    """The centres of their arcs are 2 m from the stage."""
+    (sheet,) = sheets("stage")
+    drawing = drawing_model(sheet)
+    picture = np.asarray(Image.open(io.BytesIO(png_bytes(pdf_bytes(drawing), sheet.paper))))
+    scale, height = DPI[sheet.paper] / 25.4, drawing.size[1]
+    strokes = [stroke for strokes in drawing.strokes().values() for stroke in strokes]
+    crowns = [stroke.arc for stroke in strokes if isinstance(stroke, ArcStroke) and stroke.arc.radius > 500.0]
+    assert len(crowns) >= 4
+    for arc in crowns:
+        angle = math.radians((arc.start_angle + arc.end_angle) / 2)
+        x, y = arc.centre[0] + arc.radius * math.cos(angle), arc.centre[1] + arc.radius * math.sin(angle)
+        row, column = round((height - y) * scale), round(x * scale)
+        assert picture[row - 2 : row + 3, column].min() < 128
 
 
 def test_a_datum_that_is_an_axis_stands_in_line_with_its_diameter() -> None:
