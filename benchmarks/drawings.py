@@ -63,8 +63,8 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     from drawings.artefacts.pictures import PICTURES, make_picture
     from drawings.artefacts.sheets import draw_part, draw_whole
     from stagecad.parameters.load import load_design
-    from stagecad.solids.artefacts.part import make_part
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.part import build_part
+    from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
     from workbench.machine.procedure_values import procedure_values
 
@@ -78,13 +78,13 @@ def sheet_seconds(runs: int) -> dict[str, float]:
         times[name] = min(times.get(name, math.inf), (time.process_time() - start) / count)
 
     with tempfile.TemporaryDirectory() as made:
-        parts = {name: make_part(Store(Path(made)), name, design) for name in part_names(design)}
-        procedure_values(Store(Path(made)), design)
+        parts = {name: build_part(ArtefactStore(Path(made)), name, design) for name in part_names(design)}
+        procedure_values(ArtefactStore(Path(made)), design)
         # The first round loads what is loaded late, and compiles.
         for number in range(runs + 1):
             with tempfile.TemporaryDirectory() as folder:
                 shutil.copytree(made, folder, dirs_exist_ok=True)
-                store = Store(Path(folder))
+                store = ArtefactStore(Path(folder))
                 if number == 1:
                     times.clear()
                 for part in MADE:
@@ -108,8 +108,8 @@ def clocked(runs: int) -> dict[str, float]:
     from drawings.artefacts.pictures import PICTURES
     from drawings.artefacts.workers import run_tasks
     from stagecad.parameters.load import load_design
-    from stagecad.solids.artefacts.part import make_part
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.part import build_part
+    from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import part_names
     from workbench.machine.procedure_values import procedure_values
 
@@ -117,8 +117,8 @@ def clocked(runs: int) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         design, made = load_design(), Path(folder) / "made"
         for name in part_names(design):
-            make_part(Store(made), name, design)
-        procedure_values(Store(made), design)
+            build_part(ArtefactStore(made), name, design)
+        procedure_values(ArtefactStore(made), design)
         for whole, pictures in PICTURES.items():
             names: list[str] = []
             needs: dict[str, list[str]] = {}
@@ -144,15 +144,15 @@ def one_of(folder: str, name: str, late: bool) -> None:
     from drawings.artefacts.pictures import make_picture
     from drawings.artefacts.sheets import draw_whole
     from stagecad.parameters.load import load_design
-    from stagecad.solids.artefacts.part import make_part
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.part import build_part
+    from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import part_names
     from workbench.machine.procedure_values import procedure_values
 
     place, _, picture = name.partition("/")
-    store, design = Store(Path(folder) / place), load_design()
+    store, design = ArtefactStore(Path(folder) / place), load_design()
     if picture:
-        parts = {part: make_part(store, part, design) for part in part_names(design)}
+        parts = {part: build_part(store, part, design) for part in part_names(design)}
         make_picture(store, picture, parts, design, exact=not late)
     else:
         draw_whole(store, place.split()[0], design, procedure_values, exact=not late)
@@ -171,12 +171,12 @@ def rendering_seconds(runs: int) -> tuple[float, float]:
     from drawings.export.svg import svg_bytes
     from drawings.sheets.part import sheets_of
     from stagecad.parameters.load import load_design
-    from stagecad.solids.artefacts.part import make_part
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.part import build_part
+    from stagecad.solids.artefacts.store import ArtefactStore
 
     design = load_design()
     with tempfile.TemporaryDirectory() as folder:
-        (sheet,) = sheets_of(describe(make_part(Store(Path(folder)), "stage", design), design), design)
+        (sheet,) = sheets_of(describe(build_part(ArtefactStore(Path(folder)), "stage", design), design), design)
     drawing = drawing_model(sheet)
     document = dxf_document(drawing)
 

@@ -19,19 +19,19 @@ def design() -> Design:
 @pytest.fixture(scope="session")
 def store(tmp_path_factory: pytest.TempPathFactory):
     """The artefact store of the session: each solid is made once, by the worker that needs it first."""
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.store import ArtefactStore
 
     base = tmp_path_factory.getbasetemp()
     # The workers of one session have sibling folders: the store stands in their parent.
     shared = base.parent if os.environ.get("PYTEST_XDIST_WORKER") else base
-    return Store(Path(shared) / "solids_cache")
+    return ArtefactStore(Path(shared) / "solids_cache")
 
 
 @pytest.fixture(scope="session")
 def machine(design: Design, store):
-    from stagecad.solids.assembly.machine import make_machine
+    from stagecad.solids.assembly.machine import build_machine
 
-    return make_machine(design, store)
+    return build_machine(design, store)
 
 
 @pytest.fixture(scope="session")

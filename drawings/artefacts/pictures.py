@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.solids.artefacts.part import MadePart
-from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.modelling.registry import ASSEMBLY
 
@@ -30,13 +30,13 @@ _FILE = "picture.json"
 _MODULES = ("drawings.pictures.machine", "stagecad.solids.assembly.assemble", __name__)
 
 
-def find_picture(store: Store, name: str, parts: Mapping[str, MadePart], design: Any) -> Entry | None:
+def find_picture(store: ArtefactStore, name: str, parts: Mapping[str, BuiltPart], design: Any) -> Artefact | None:
     """A picture in the cache, or None where it has to be made."""
     return store.find(_named(name), design, _MODULES, _keys(parts))
 
 
 def make_picture(
-    store: Store, name: str, parts: Mapping[str, MadePart], design: Any, *, exact: bool = True
+    store: ArtefactStore, name: str, parts: Mapping[str, BuiltPart], design: Any, *, exact: bool = True
 ) -> Picture | None:
     """A picture from the cache, worked out now when it lacks it; none where the machine has nothing to show there.
 
@@ -50,7 +50,7 @@ def make_picture(
     def make(reading: Any, folder: Path) -> None:
         from drawings.pictures.machine import machine_picture
         from drawings.pictures.scene import scene_of
-        from stagecad.solids.artefacts.assembly import shapes_of
+        from stagecad.solids.assembly.built_assembly import shapes_of
 
         instances = assemble(dict(parts), reading)
         shapes = {shape: solid.wrapped for shape, solid in shapes_of(instances, parts, reading).items()}
@@ -67,5 +67,5 @@ def _named(picture: str) -> str:
     return f"picture {picture} of the machine"
 
 
-def _keys(parts: Mapping[str, MadePart]) -> list[str]:
+def _keys(parts: Mapping[str, BuiltPart]) -> list[str]:
     return [made.entry.key for made in parts.values()]

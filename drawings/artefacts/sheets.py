@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any
 from drawings.artefacts.pictures import PICTURES, PROCEDURE, make_picture
 from stagecad import __version__
 from stagecad.parameters.mass_properties import combined
-from stagecad.solids.artefacts.part import MadePart, find_part, make_part
+from stagecad.solids.artefacts.part import BuiltPart, build_part, find_part
 from stagecad.solids.artefacts.source_digest import versions
-from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.machine import part_mass
-from stagecad.solids.assembly.mass import placed
+from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.registry import ASSEMBLY, module_name, module_of, part_names
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ FORMATS = ("dxf", "svg", "pdf", "png")
 SHEETS = "sheets.json"
 WHOLE = (ASSEMBLY, PROCEDURE)
 """Sheets that need every part."""
-Calculate = Callable[[Store, Any], "ProcedureValues"]
+Calculate = Callable[[ArtefactStore, Any], "ProcedureValues"]
 """Gives what the procedure of a design has to calculate, once its parts are in the store; it must pickle."""
 
 
@@ -58,7 +58,7 @@ class MadeSheet:
     scale: str
     views: tuple[str, ...]
     hits: tuple[str, ...]
-    entry: Entry
+    entry: Artefact
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -86,7 +86,7 @@ def _modules(part: str) -> tuple[str, ...]:
     return (*_OF_ALL, "drawings.sheets.part", "drawings.pmi.ap242", module_name(part))
 
 
-def _depends(made: MadePart) -> tuple[str, ...]:
+def _depends(made: BuiltPart) -> tuple[str, ...]:
     return (made.entry.key, *_libraries())
 
 
@@ -98,7 +98,7 @@ def _libraries() -> tuple[str, ...]:
 
 
 def find_sheets(
-    store: Store, part: str, design: Any, calculate: Calculate | None = None
+    store: ArtefactStore, part: str, design: Any, calculate: Calculate | None = None
 ) -> tuple[MadeSheet, ...] | None:
     """The sheets of a part, of the assembly, or of its procedure, from the cache, or None where they have to be made.
 
@@ -120,7 +120,7 @@ def find_sheets(
     return _sheets(entry) if entry is not None else None
 
 
-def _values(store: Store, part: str, design: Any, calculate: Calculate | None) -> ProcedureValues | None:
+def _values(store: ArtefactStore, part: str, design: Any, calculate: Calculate | None) -> ProcedureValues | None:
     return calculate(store, design) if part == PROCEDURE and calculate is not None else None
 
 
@@ -131,7 +131,7 @@ def _whole(keys: Sequence[str], part: str, values: ProcedureValues | None) -> tu
     return _OF_PROCEDURE, (*keys, *_libraries(), repr(values))
 
 
-def _sheets(entry: Entry) -> tuple[MadeSheet, ...]:
+def _sheets(entry: Artefact) -> tuple[MadeSheet, ...]:
     return tuple(
         MadeSheet(
             document["name"],
@@ -147,7 +147,7 @@ def _sheets(entry: Entry) -> tuple[MadeSheet, ...]:
 
 
 def draw_whole(
-    store: Store, part: str, design: Any, calculate: Calculate | None = None, *, exact: bool = True
+    store: ArtefactStore, part: str, design: Any, calculate: Calculate | None = None, *, exact: bool = True
 ) -> tuple[MadeSheet, ...]:
     """A sheet of the whole machine from the cache, drawn now when it lacks it.
 
@@ -176,12 +176,12 @@ def draw_whole(
     return _sheets(store.make(f"drawing of {part}", design, modules, make, depends))
 
 
-def all_parts(store: Store, design: Any) -> dict[str, MadePart]:
+def all_parts(store: ArtefactStore, design: Any) -> dict[str, BuiltPart]:
     """Every part of the machine from the cache, made now where it lacks one."""
-    return {name: make_part(store, name, design) for name in part_names(design)}
+    return {name: build_part(store, name, design) for name in part_names(design)}
 
 
-def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
+def _assembled(parts: dict[str, BuiltPart], design: Any) -> Assembled:
     """The machine as its sheets need it."""
     from drawings.sheets.assembly import Assembled
     from stagecad.solids.assembly.bill_of_materials import bill_of_materials
@@ -198,7 +198,7 @@ def _assembled(parts: dict[str, MadePart], design: Any) -> Assembled:
     )
 
 
-def extent_of(instances: Sequence[Instance], parts: dict[str, MadePart], design: Any) -> Extent:
+def extent_of(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> Extent:
     """The box of all parts at the middle of travel, each part's own box taken to where it stands; and the travel."""
     from drawings.sheets.assembly_dimensions import Extent
 
@@ -229,21 +229,21 @@ def _shown_mass(kilograms: float) -> str:
     return f"{kilograms:.2f} kg" if kilograms >= 1.0 else f"{1000 * kilograms:.3g} g"
 
 
-def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tuple[MadeSheet, ...]:
+def draw_part(store: ArtefactStore, part: str, design: Any, *, exact: bool = True) -> tuple[MadeSheet, ...]:
     """The sheets of one part from the cache, drawn now when it lacks them.
 
     Args:
         exact: how lines are hidden (`drawings.views.projection.project`).
     """
-    made = make_part(store, part, design)
+    made = build_part(store, part, design)
 
     def make(reading: Any, folder: Path) -> None:
         from drawings.pmi.ap242 import write_ap242
         from drawings.sheets.part import sheets_of
-        from stagecad.solids.assembly.verification import Gauge
+        from stagecad.solids.modelling.verification import DimensionVerifier
 
         described = describe(made, reading)
-        gauge = Gauge(described.solid)
+        gauge = DimensionVerifier(described.solid)
         write_ap242(part, reading, described.solid, folder / f"{part}_ap242.step", gauge)
         documents = [write_sheet(sheet, folder) for sheet in sheets_of(described, reading, gauge, exact=exact)]
         (folder / SHEETS).write_text(json.dumps(documents, indent=1), "utf-8")
@@ -251,7 +251,7 @@ def draw_part(store: Store, part: str, design: Any, *, exact: bool = True) -> tu
     return _sheets(store.make(f"drawing of {part}", design, _modules(part), make, _depends(made)))
 
 
-def describe(made: MadePart, design: Any) -> Any:
+def describe(made: BuiltPart, design: Any) -> Any:
     """A made part as its sheets need it."""
     from drawings.sheets.part import Described
 

@@ -14,8 +14,8 @@ from typing import Any
 from drawings.artefacts.pictures import PICTURES, PROCEDURE, find_picture, make_picture
 from drawings.artefacts.sheets import WHOLE, Calculate, MadeSheet, all_parts, draw_part, draw_whole, find_sheets
 from drawings.artefacts.workers import run_tasks
-from stagecad.solids.artefacts.part import find_part, make_part
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.part import build_part, find_part
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
 MAKE, SHOW = "make ", "show "
@@ -26,7 +26,7 @@ SLOWEST_FIRST = ("base", "spring", PROCEDURE, ASSEMBLY, "stage", "holder", "tip"
 
 
 def make_sheets(
-    store: Store,
+    store: ArtefactStore,
     parts: Iterable[str],
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
@@ -69,7 +69,7 @@ def make_sheets(
     return {part: found[part] for part in wanted}
 
 
-def _needs(store: Store, missing: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
+def _needs(store: ArtefactStore, missing: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
     """What has to be done before each of some sheets, one of the whole machine among them, and before that.
 
     The whole machine needs every part, and its pictures: they are made first, side by side.
@@ -97,12 +97,12 @@ def _draw_elsewhere(
     folder: Path, design: Any, calculate: Calculate | None, part: str, late: bool
 ) -> tuple[MadeSheet, ...]:
     if part.startswith(MAKE):
-        make_part(Store(folder), part.removeprefix(MAKE), design)
+        build_part(ArtefactStore(folder), part.removeprefix(MAKE), design)
         return ()
     if part.startswith(SHOW):
-        store = Store(folder)
+        store = ArtefactStore(folder)
         make_picture(store, part.removeprefix(SHOW), all_parts(store, design), design, exact=not late)
         return ()
     if part in WHOLE:
-        return draw_whole(Store(folder), part, design, calculate, exact=not late)
-    return draw_part(Store(folder), part, design, exact=not late)
+        return draw_whole(ArtefactStore(folder), part, design, calculate, exact=not late)
+    return draw_part(ArtefactStore(folder), part, design, exact=not late)

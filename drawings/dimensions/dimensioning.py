@@ -24,7 +24,7 @@ from stagecad.parameters.dimension import (
     Point,
     SurfaceTexture,
 )
-from stagecad.solids.assembly.verification import Gauge, Surface
+from stagecad.solids.modelling.verification import DimensionVerifier, Surface
 
 EXACT = 1e-6
 """How near the solid must come to what is printed, before rounding, mm."""
@@ -52,7 +52,7 @@ def request(
     dimensions: Sequence[Dimension],
     requirements: Sequence[FaceRequirement],
     design: Any,
-    gauge: Gauge,
+    gauge: DimensionVerifier,
     views: Sequence[View],
 ) -> Request:
     """Every declaration, in the view that shows it best.
@@ -89,7 +89,7 @@ def _together(dimension: Dimension, dimensions: Sequence[Dimension], maker: _Mak
 class _Maker:
     """Makes requests of declarations, and remembers what could not be shown."""
 
-    def __init__(self, design: Any, gauge: Gauge, views: Sequence[View]) -> None:
+    def __init__(self, design: Any, gauge: DimensionVerifier, views: Sequence[View]) -> None:
         self.design, self.gauge, self.views = design, gauge, views
         self.asked: list[DimensionSpec] = []
         self.notes: list[str] = []

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from drawings.views.view import Point2, View, degrees_of, dot
 from stagecad.parameters.dimension import DatumFeature, FaceRequirement, GeometricTolerance, Point, SurfaceTexture
-from stagecad.solids.assembly.verification import Gauge
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 SQUARE = 1e-6
 """Sine of the angle under which two directions still count as square or parallel."""
@@ -15,7 +15,9 @@ LONGEST = 40.0
 """How far to either side of its point a face is followed, mm on paper."""
 
 
-def face_line(view: View, requirement: FaceRequirement, gauge: Gauge) -> tuple[Point2, Point2, float] | None:
+def face_line(
+    view: View, requirement: FaceRequirement, gauge: DimensionVerifier
+) -> tuple[Point2, Point2, float] | None:
     """Ends of the line as which a face is seen, and the direction out of it, degrees; none where it is seen otherwise.
 
     Args:
@@ -43,7 +45,7 @@ def face_line(view: View, requirement: FaceRequirement, gauge: Gauge) -> tuple[P
 
 
 def _outline(
-    view: View, requirement: DatumFeature | GeometricTolerance, gauge: Gauge
+    view: View, requirement: DatumFeature | GeometricTolerance, gauge: DimensionVerifier
 ) -> tuple[Point2, Point2, float] | None:
     """The outline, to the right or above, of a round face seen from the side."""
     axis = requirement.normal

@@ -23,9 +23,9 @@ from drawings.pmi.step_text import directed_distances, typed_limits, with_proper
 from drawings.pmi.unique_shapes import Unshared
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
-from stagecad.solids.assembly.verification import Gauge
 from stagecad.solids.export.step_stl_glb import constant_text
 from stagecad.solids.modelling.part import PartModule
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -34,7 +34,7 @@ NAME, NOTE = "dimension name", "dimensional note"
 """Names of the texts that go with a dimension: its own name, and what stands beside it on the sheet."""
 
 
-def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, gauge: Gauge | None = None) -> None:
+def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, gauge: DimensionVerifier | None = None) -> None:
     """Write a made part with its tolerances as data.
 
     Args:
@@ -53,11 +53,13 @@ def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, gauge: Gaug
     atomic_write_bytes(path, ap242_bytes(part, module_of(part), design, solid, gauge))
 
 
-def ap242_bytes(part: str, module: PartModule, design: Any, solid: cq.Shape, gauge: Gauge | None = None) -> bytes:
+def ap242_bytes(
+    part: str, module: PartModule, design: Any, solid: cq.Shape, gauge: DimensionVerifier | None = None
+) -> bytes:
     """The STEP file as bytes, the same for the same solid and declarations."""
     information = information_of(module, design)
     material = design.materials[module.material(design)]
-    text = _written(part, solid, gauge or Gauge(solid), information, material)
+    text = _written(part, solid, gauge or DimensionVerifier(solid), information, material)
     text = directed_distances(typed_limits(constant_text(text, part)))
     return with_properties(text, information.texts).encode()
 
@@ -68,7 +70,9 @@ def information_of(module: PartModule, design: Any) -> ManufacturingInformation:
     return manufacturing_information(design, module.dimensions(design), requirements, getattr(module, "NOTES", ()))
 
 
-def _written(part: str, solid: cq.Shape, gauge: Gauge, information: ManufacturingInformation, material: Any) -> str:
+def _written(
+    part: str, solid: cq.Shape, gauge: DimensionVerifier, information: ManufacturingInformation, material: Any
+) -> str:
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static
     from OCP.Message import Message, Message_Gravity
@@ -130,7 +134,7 @@ class _Annotated:
         self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
         self._tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
 
-    def add(self, gauge: Gauge, information: ManufacturingInformation) -> None:
+    def add(self, gauge: DimensionVerifier, information: ManufacturingInformation) -> None:
         for dimension in information.dimensions:
             self._add_dimension(dimension, attachment(gauge, dimension.declaration))
         datums = {datum.letter: faces_at(gauge, datum.points, datum.normal) for datum in information.datums}

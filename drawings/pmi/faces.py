@@ -1,8 +1,8 @@
 """Which faces and edges of a solid a declared dimension stands on, so that it can be attached to them in a STEP file.
 
-A declaration says where to look; `stagecad.solids.assembly.verification` reads the number there, and this finds what it
-was read from, in the same order of preference: the face at the point, the round feature whose axis passes it, the end
-of a bore, the outermost faces whose middle it is.
+A declaration says where to look; `stagecad.solids.modelling.verification` reads the number there, and this finds what
+it was read from, in the same order of preference: the face at the point, the round feature whose axis passes it, the
+end of a bore, the outermost faces whose middle it is.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from stagecad.parameters.dimension import Dimension, Point
-from stagecad.solids.assembly.verification import NEAR, Gauge, Surface
+from stagecad.solids.modelling.verification import NEAR, DimensionVerifier, Surface
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -58,7 +58,7 @@ class _End:
     middle: bool = False
 
 
-def attachment(gauge: Gauge, dimension: Dimension) -> Attachment:
+def attachment(gauge: DimensionVerifier, dimension: Dimension) -> Attachment:
     """Faces and edges of the gauged solid that a dimension stands on.
 
     Raises:
@@ -88,7 +88,7 @@ def attachment(gauge: Gauge, dimension: Dimension) -> Attachment:
             raise LookupError(f"dimension '{dimension.name}': a {dimension.kind} stands on no face")
 
 
-def faces_at(gauge: Gauge, points: Iterable[Point], normal: Point) -> tuple[cq.Face, ...]:
+def faces_at(gauge: DimensionVerifier, points: Iterable[Point], normal: Point) -> tuple[cq.Face, ...]:
     """The faces a datum or a geometrical tolerance speaks of, one by point.
 
     Args:
@@ -101,14 +101,14 @@ def faces_at(gauge: Gauge, points: Iterable[Point], normal: Point) -> tuple[cq.F
     return tuple(_face_at(gauge, point, normal).face for point in points)
 
 
-def _face_at(gauge: Gauge, point: Point, normal: Point) -> Surface:
+def _face_at(gauge: DimensionVerifier, point: Point, normal: Point) -> Surface:
     for surface in gauge.surfaces:
         if surface.holds(point) and (surface.kind != "PLANE" or _parallel(surface, normal)):
             return surface
     return _round(gauge, (point,), normal)
 
 
-def _distance(gauge: Gauge, dimension: Dimension, along: Point) -> Attachment:
+def _distance(gauge: DimensionVerifier, dimension: Dimension, along: Point) -> Attachment:
     find = _place if dimension.kind == "linear" else _level
     points = dimension.points[:2]
     first, second = (find(gauge, point, along) for point in points)
@@ -141,7 +141,7 @@ def _abreast(first: Surface | None, second: Surface | None, along: Point) -> boo
     return apart > NEAR and abs(abs(_dot(_minus(second.origin, first.origin), along)) - apart) < NEAR
 
 
-def _place(gauge: Gauge, point: Point, along: Point) -> _End:
+def _place(gauge: DimensionVerifier, point: Point, along: Point) -> _End:
     for surface in gauge.surfaces:
         if surface.place(point, along) is not None and surface.holds(point):
             if surface.kind == "PLANE":
@@ -150,7 +150,7 @@ def _place(gauge: Gauge, point: Point, along: Point) -> _End:
     return _axis(gauge, point, along) or _level(gauge, point, along)
 
 
-def _axis(gauge: Gauge, point: Point, along: Point) -> _End | None:
+def _axis(gauge: DimensionVerifier, point: Point, along: Point) -> _End | None:
     """The round feature whose axis passes the point, all faces of it; or the crown whose middle it is."""
     found = [
         s
@@ -175,7 +175,7 @@ def _beyond(surface: Surface, point: Point) -> float:
     return max(low - at, at - high, 0.0)
 
 
-def _level(gauge: Gauge, point: Point, along: Point) -> _End:
+def _level(gauge: DimensionVerifier, point: Point, along: Point) -> _End:
     """The plane at the point's level, the nearest one; else the edge at which a bore ends; else the outermost faces."""
     at = _dot(point, along)
     planes = [s for s in gauge.surfaces if s.kind == "PLANE" and _parallel(s, along)]
@@ -222,7 +222,7 @@ def _chamfer(surface: Surface, along: Point) -> Attachment:
     return Attachment(tuple(ends[0][:1]), tuple(ends[1][:1]), oriented=True)
 
 
-def _round(gauge: Gauge, points: Sequence[Point], axis: Point) -> Surface:
+def _round(gauge: DimensionVerifier, points: Sequence[Point], axis: Point) -> Surface:
     point, touch = points[0], points[1] if len(points) > 1 else None
     for kind in ("CYLINDER", "CONE"):
         for s in gauge.surfaces:
@@ -238,14 +238,14 @@ def _round(gauge: Gauge, points: Sequence[Point], axis: Point) -> Surface:
     raise LookupError(f"no round face about {axis} through {point}")
 
 
-def _on(gauge: Gauge, point: Point, *kinds: str) -> Surface:
+def _on(gauge: DimensionVerifier, point: Point, *kinds: str) -> Surface:
     for surface in gauge.surfaces:
         if surface.kind in kinds and surface.holds(point):
             return surface
     raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
 
 
-def _reference(gauge: Gauge, along: Point) -> Surface:
+def _reference(gauge: DimensionVerifier, along: Point) -> Surface:
     """The round face along a direction that a slope is told against, or the plane nearest to it."""
     cylinders = [s for s in gauge.surfaces if s.kind == "CYLINDER"]
     for surface in sorted(cylinders, key=lambda s: -s.radius):
@@ -254,7 +254,7 @@ def _reference(gauge: Gauge, along: Point) -> Surface:
     raise LookupError(f"no round face that a slope along {along} could be told against")
 
 
-def _pattern(gauge: Gauge, first: Surface, count: int) -> Attachment:
+def _pattern(gauge: DimensionVerifier, first: Surface, count: int) -> Attachment:
     """The face with all that are like it, where these are as many features as the dimension stands for."""
     like = [s for s in gauge.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
     # A bore may be cut into several faces about one axis, and two holes may share an axis.

@@ -9,8 +9,8 @@ from fractions import Fraction
 from typing import Any
 
 from stagecad.solids.assembly.bill_of_materials import Row
+from stagecad.solids.modelling.dimensioning import THREAD_DESIGNATION
 from stagecad.solids.modelling.registry import module_of
-from stagecad.solids.modelling.threads import DESIGNATION
 
 CALCULATED = "calculated"
 
@@ -94,7 +94,7 @@ def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dic
         "feet": counted("base", "foot hole drill depth"),
         "setting_pins": counted("base", "setting-pin hole"),
         "piezo_screws": counted("holder", "clamp hole tap drill"),
-        "eye_bolt": Figure(DESIGNATION["m10"], "threads"),
+        "eye_bolt": Figure(THREAD_DESIGNATION["m10"], "threads"),
         "setting_pin": given("base.setting_pin_hole"),
         "way_gap": given("base.way_gap"),
         "way_thread": given("screws.way.thread"),
@@ -116,7 +116,7 @@ def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dic
         "lift_per_turn": worked(values.lift_per_turn, "m", 3),
         "lift_per_degree": worked(values.lift_per_degree, "m"),
         "half_range_turns": Figure(f"{values.adjustment / values.lift_per_turn:.1f}", CALCULATED),
-        "piezo_screw": Figure(DESIGNATION["m4"], "threads"),
+        "piezo_screw": Figure(THREAD_DESIGNATION["m4"], "threads"),
         "piezo_proud": Figure(f"{proud:.2f} mm", "holder.floor, piezo.length, holder.height"),
         "piezo_spacing": given("actuator.piezo_spacing"),
         "tip_height": given("actuator.tip_height"),
@@ -124,7 +124,7 @@ def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dic
         "play": Figure(f"{play:.2f} mm", "base.pocket_diameter, holder.diameter"),
         "pads": given("pads.count"),
         "film": given("bearing.film_thickness"),
-        "jack_screw": Figure(DESIGNATION["m3"], "threads"),
+        "jack_screw": Figure(THREAD_DESIGNATION["m3"], "threads"),
         "travel": given("stage.travel"),
         "bias_voltage": given("actuator.bias_voltage"),
         "shim": given("shim.thinnest"),

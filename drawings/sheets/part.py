@@ -22,7 +22,7 @@ from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
 from drawings.views.view import PROJECTIONS, Arc, Box2, Curve, Layer, View
 from stagecad.parameters.dimension import Dimension, FaceRequirement
-from stagecad.solids.assembly.verification import Gauge
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -113,7 +113,9 @@ class Described:
     revision: str
 
 
-def sheets_of(part: Described, design: Any, gauge: Gauge | None = None, *, exact: bool = True) -> tuple[Sheet, ...]:
+def sheets_of(
+    part: Described, design: Any, gauge: DimensionVerifier | None = None, *, exact: bool = True
+) -> tuple[Sheet, ...]:
     """The sheets of a part.
 
     Args:
@@ -124,14 +126,19 @@ def sheets_of(part: Described, design: Any, gauge: Gauge | None = None, *, exact
     """
     plans = sheet_plans(part.name, design)
     views = Views(part.solid.wrapped, exact=exact)
-    gauge = gauge or Gauge(part.solid)
+    gauge = gauge or DimensionVerifier(part.solid)
     return tuple(
         _sheet(part, design, plans, number, views.of(plan), gauge) for number, plan in enumerate(plans, start=1)
     )
 
 
 def _sheet(
-    part: Described, design: Any, plans: tuple[SheetPlan, ...], number: int, views: tuple[View, ...], gauge: Gauge
+    part: Described,
+    design: Any,
+    plans: tuple[SheetPlan, ...],
+    number: int,
+    views: tuple[View, ...],
+    gauge: DimensionVerifier,
 ) -> Sheet:
     plan = plans[number - 1]
     dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]

@@ -14,9 +14,9 @@ from typing import Any
 
 from drawings.sheets.frame import Paper
 from drawings.views.view import PROJECTIONS, Cut
+from stagecad.parameters.derived import Derived
 from stagecad.parameters.dimension import FaceRequirement, Point
 from stagecad.solids.parts.base_clamp import clamps
-from stagecad.solids.parts.tip import piezo_places
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ def _tip(design: Any) -> tuple[SheetPlan, ...]:
 
 
 def _holder(design: Any) -> tuple[SheetPlan, ...]:
-    (x, y), *_ = piezo_places(design)
+    (x, y), *_ = Derived(design).piezo_places
     views = (
         _TOP,
         _FRONT,

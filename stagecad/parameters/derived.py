@@ -194,6 +194,33 @@ class Derived:
         return tuple((x, side * across) for side in (1, -1) for x in along)
 
     @property
+    def way_hole_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the tapped holes under the ways: the left way's (y > 0) first, each by rising x.
+
+        The ways end flush with the side faces of the base, and their rows of screws are dimensioned from there.
+        """
+        way = self.design.bearing_way
+        across = self.design.base.width / 2 - way.bolt_edge
+        along = [(i - (way.bolt_count - 1) / 2) * way.bolt_spacing for i in range(way.bolt_count)]
+        return tuple((x, side * across) for side in (1, -1) for x in along)
+
+    @property
+    def bar_hole_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the tapped holes for the screws of the tooth bars."""
+        along, across = self.design.tooth_bar.screw_span / 2, self.design.teeth.bar_spacing / 2
+        half = self.design.tooth_bar.screw_spacing / 2
+        return tuple((x, side * across + step) for side in (1, -1) for x in (-along, along) for step in (-half, half))
+
+    @property
+    def payload_places(self) -> tuple[Place, ...]:
+        """Axes (x, y) of the payload's tapped holes from the middle of the stage."""
+        stage = self.design.stage
+        columns, rows, pitch = stage.payload_columns, stage.payload_rows, stage.payload_pitch
+        along = [(i - (columns - 1) / 2) * pitch for i in range(columns)]
+        across = [(j - (rows - 1) / 2) * pitch for j in range(rows)]
+        return tuple((x, y) for x in along for y in across)
+
+    @property
     def way_screw_end_margin(self) -> float:
         """From the last screw of a way to the way's end."""
         way = self.design.bearing_way

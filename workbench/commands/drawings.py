@@ -42,11 +42,11 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     from drawings.artefacts.names import chosen_sheets
     from drawings.artefacts.tasks import make_sheets
     from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.machine.procedure_values import procedure_values
 
     wanted = chosen_sheets(names, run.design)
-    store = Store()
+    store = ArtefactStore()
 
     def draw() -> tuple[list[MadeSheet], list[str]]:
         with run.progress() as progress:

@@ -32,11 +32,11 @@ def command(run: Run, simulations: bool) -> None:
     from drawings.procedure.procedure import procedure
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.outputs import write_stored
-    from stagecad.solids.artefacts.pictures import make_pictures
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.assembly.bill_of_materials import document as bill_document
-    from stagecad.solids.assembly.interference import clashes, make_meetings
+    from stagecad.solids.assembly.interference import build_interferences, clashes
     from stagecad.solids.assembly.machine import find_machine
+    from stagecad.solids.assembly.pictures import build_pictures
     from stagecad.solids.modelling.registry import chosen
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
@@ -47,17 +47,18 @@ def command(run: Run, simulations: bool) -> None:
     design = run.design
     document = write_parts(run, chosen((), design))
     run.say(f"parts: {len(document['changed'])} of {document['files']} files written")
-    store = Store()
+    store = ArtefactStore()
     machine = find_machine(design, store)
     assert machine is not None
     with run.progress() as progress:
         task = progress.add_task("pictures", total=len(machine.parts) + 2)
-        files = make_pictures(store, machine, lambda name: progress.update(task, advance=1, description=name))
+        files = build_pictures(store, machine, lambda name: progress.update(task, advance=1, description=name))
         write_stored(run.out / "pictures", files)
         pictures = {Path(name).stem: run.out / "pictures" / name for name in files}
         progress.update(task, description="interference")
-        meetings = make_meetings(store, machine.parts, design)
-    run.say(f"interference: {len(clashes(meetings))} clashes, {len(meetings)} contacts, fits and near places looked at")
+        interferences = build_interferences(store, machine.parts, design)
+    pairs, found = len(interferences), len(clashes(interferences))
+    run.say(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
     drawings = write_drawings(run)
     hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
     run.say(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
@@ -70,7 +71,7 @@ def command(run: Run, simulations: bool) -> None:
     bill = machine.bill_of_materials
     steps = procedure(design, bill, stored_values(store, design, masses))
     page = write_report(
-        run, document, pictures, checks, check_figures, figures, bill_document(bill), meetings, steps, drawings
+        run, document, pictures, checks, check_figures, figures, bill_document(bill), interferences, steps, drawings
     )
     run.say(f"report: {page}")
     run.emit(

@@ -32,10 +32,10 @@ def command(run: Run, names: tuple[str, ...]) -> None:
 def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Make what is missing, write the files of `wanted` that differ, and return the document of the command."""
     from stagecad.solids.artefacts.outputs import DamagedError
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.machine.machine import made_machine
 
-    store = Store()
+    store = ArtefactStore()
     machine = made_machine(run, store)
     try:
         return _write(run, machine, wanted)

@@ -16,7 +16,7 @@ def made_machine(run: Run, store: Any = None) -> Machine:
     The CAD kernel cannot be interrupted within a step, and a person who waits after Ctrl-C should know: it is said on a
     terminal before the kernel begins.
     """
-    from stagecad.solids.assembly.machine import find_machine, make_machine
+    from stagecad.solids.assembly.machine import build_machine, find_machine
     from stagecad.solids.modelling.registry import part_names
 
     machine = find_machine(run.design, store)
@@ -26,4 +26,4 @@ def made_machine(run: Run, store: Any = None) -> Machine:
         if not progress.disable:
             run.note("making the parts; Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
         task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
-        return make_machine(run.design, store, lambda name: progress.update(task, advance=1, description=name))
+        return build_machine(run.design, store, lambda name: progress.update(task, advance=1, description=name))

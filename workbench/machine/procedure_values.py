@@ -10,19 +10,19 @@ if TYPE_CHECKING:
     from drawings.procedure.figures import ProcedureValues
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
-    from stagecad.solids.artefacts.store import Store
+    from stagecad.solids.artefacts.store import ArtefactStore
 
 VALUES = "procedure_values.json"
 
 
-def procedure_values(store: Store, design: Design) -> ProcedureValues:
+def procedure_values(store: ArtefactStore, design: Design) -> ProcedureValues:
     """The values of a design from the masses of its own solids, for `drawings.artefacts.tasks.make_sheets`."""
     from stagecad.solids.assembly.machine import body_masses
 
     return stored_values(store, design, body_masses(design))
 
 
-def stored_values(store: Store, design: Design, masses: BodyMasses) -> ProcedureValues:
+def stored_values(store: ArtefactStore, design: Design, masses: BodyMasses) -> ProcedureValues:
     """The values from the store, or calculated now; the field between the teeth takes a second to compute."""
     from drawings.procedure.figures import ProcedureValues
 

@@ -14,7 +14,7 @@ from stagecad.parameters.atomic import atomic_write_text
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
     from drawings.procedure.procedure import Procedure
-    from stagecad.solids.assembly.interference import Meeting
+    from stagecad.solids.assembly.interference import Interference
     from workbench.options import Run
 
 REPORT = "report.html"
@@ -34,7 +34,7 @@ def write_report(
     check_figures: Mapping[str, Path],
     simulation_figures: Sequence[Path],
     bill: Sequence[Mapping[str, Any]],
-    meetings: Sequence[Meeting],
+    interferences: Sequence[Interference],
     procedure: Procedure,
     drawings: Mapping[str, Any],
 ) -> Path:
@@ -43,12 +43,12 @@ def write_report(
     Args:
         run: of the command; the page goes to its folder.
         document: of `write_parts`: parts, moving body, measures.
-        pictures: PNG by name (`stagecad.solids.artefacts.pictures`).
+        pictures: PNG by name (`stagecad.solids.assembly.pictures`).
         checks: every design check.
         check_figures: figures of the checks by title.
         simulation_figures: PNG of the simulations.
         bill: rows of the bill of materials.
-        meetings: pairs of parts that touch, fit, or overlap.
+        interferences: pairs of parts that touch, fit, or overlap.
         procedure: steps of the assembly.
         drawings: document of `write_drawings`.
 
@@ -88,8 +88,8 @@ def write_report(
         title=run.design.file,
         assembly=_embedded(pictures["assembly"]),
         exploded=_embedded(pictures["assembly_exploded"]),
-        meetings=_by_kind(meetings),
-        clashes=sum(meeting.clash for meeting in meetings),
+        interferences=_by_kind(interferences),
+        clashes=sum(pair.clash for pair in interferences),
         assembly_files=[_link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
         moving_mass=_mass(document["moving_body"]["mass"]["value"]),
         whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
@@ -181,10 +181,10 @@ def _caption(path: Path) -> str:
     return next((words for key, words in SIMULATIONS.items() if stem.startswith(key)), stem.replace("_", " "))
 
 
-def _by_kind(meetings: Sequence[Meeting]) -> list[dict[str, Any]]:
+def _by_kind(interferences: Sequence[Interference]) -> list[dict[str, Any]]:
     """Pairs of parts by kind of meeting, at mid-travel and mid-height, with least clearance and common volume."""
     rows: dict[tuple[str, str, str], dict[str, Any]] = {}
-    for m in meetings:
+    for m in interferences:
         first, second = (name.rstrip("0123456789").rstrip("_ ") for name in (m.first, m.second))
         row = rows.setdefault(
             (m.kind, first, second),

@@ -8,18 +8,18 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
-from stagecad.solids.artefacts.store import Entry, sha256
+from stagecad.solids.artefacts.store import Artefact, sha256
 
 
 class DamagedError(Exception):
     """A stored result does not have the contents it was stored with."""
 
-    def __init__(self, entry: Entry) -> None:
+    def __init__(self, entry: Artefact) -> None:
         super().__init__(entry.key)
         self.entry = entry
 
 
-def write_stored(out: Path, files: Mapping[str, Entry]) -> list[str]:
+def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
     """Copy files of stored results into `out`, and return the names of those that were not already there.
 
     Args:

@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum
-from stagecad.solids.artefacts.store import Entry, Store
-from stagecad.solids.assembly.mass import Geometry, geometry_of
-from stagecad.solids.modelling.colours import Colour, colour_of
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.kernel import import_kernel
+from stagecad.solids.modelling.mass import Geometry, geometry_of
+from stagecad.solids.modelling.placed_shape import Colour, colour_of
 from stagecad.solids.modelling.registry import PURCHASED, module_name, module_of
 
 if TYPE_CHECKING:
@@ -34,11 +34,11 @@ FEW = 3
 
 
 @dataclass(frozen=True)
-class MadePart:
+class BuiltPart:
     """One part of one design, made."""
 
     name: str
-    entry: Entry
+    entry: Artefact
 
     @cached_property
     def _document(self) -> dict[str, Any]:
@@ -98,13 +98,13 @@ def _modules(name: str) -> tuple[str, ...]:
     return (module_name(name), __name__)
 
 
-def find_part(store: Store, name: str, design: Any) -> MadePart | None:
+def find_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart | None:
     """The part from the cache, or None where it has to be made."""
     entry = store.find(name, design, _modules(name))
-    return MadePart(name, entry) if entry is not None else None
+    return BuiltPart(name, entry) if entry is not None else None
 
 
-def make_part(store: Store, name: str, design: Any) -> MadePart:
+def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
     """The part from the cache, made now when it is not there.
 
     Raises:
@@ -132,7 +132,7 @@ def make_part(store: Store, name: str, design: Any) -> MadePart:
         (folder / "part.json").write_text(json.dumps(document, indent=1), "utf-8")
         _export(name, solid, geometry.volume, colour_of(material), folder)
 
-    return MadePart(name, store.make(name, design, _modules(name), make))
+    return BuiltPart(name, store.make(name, design, _modules(name), make))
 
 
 def _first_line(module: Any) -> str:
@@ -154,9 +154,9 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
 def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: Path) -> None:
     from stagecad.solids.export.mesh import mesh_of, save
     from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
-    from stagecad.solids.modelling.placed_shape import Piece
+    from stagecad.solids.modelling.placed_shape import PlacedShape
 
-    pieces = [Piece(name, name, colour)]
+    pieces = [PlacedShape(name, name, colour)]
     (folder / f"{name}.step").write_bytes(step_bytes(name, pieces, {name: solid.wrapped}))
     mesh = mesh_of(solid, volume)
     save(mesh, folder / "mesh.npz")
@@ -173,7 +173,7 @@ def _require_solid(name: str, solid: Any) -> None:
 
 
 def write_solid(solid: cq.Shape, path: Path) -> None:
-    """Store an exact solid."""
+    """ArtefactStore an exact solid."""
     from OCP.BinTools import BinTools
 
     if not BinTools.Write_s(solid.wrapped, str(path)):
@@ -193,13 +193,13 @@ def read_solid(path: Path) -> cq.Solid:
     return cq.Solid(shape)
 
 
-def make_parts(
-    store: Store,
+def build_parts(
+    store: ArtefactStore,
     names: Sequence[str],
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
-) -> dict[str, MadePart]:
+) -> dict[str, BuiltPart]:
     """All of `names`, those that the cache lacks made side by side.
 
     Args:
@@ -209,7 +209,7 @@ def make_parts(
         advance: called with each name as it is done.
         workers: processes; the number of processors when left out.
     """
-    done: dict[str, MadePart] = {}
+    done: dict[str, BuiltPart] = {}
     missing: list[str] = []
     for name in names:
         part = find_part(store, name, design)
@@ -221,7 +221,7 @@ def make_parts(
     workers = min(workers or os.cpu_count() or 1, len(missing))
     if len(missing) <= FEW or workers <= 1:
         for name in missing:
-            done[name] = make_part(store, name, design)
+            done[name] = build_part(store, name, design)
             advance(name)
     else:
         from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -238,9 +238,9 @@ def make_parts(
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
         for name in missing:
-            done[name] = make_part(store, name, design)
+            done[name] = build_part(store, name, design)
     return {name: done[name] for name in names}
 
 
 def _make_elsewhere(folder: Path, name: str, design: Any) -> None:
-    make_part(Store(folder), name, design)
+    build_part(ArtefactStore(folder), name, design)

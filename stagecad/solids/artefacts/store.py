@@ -1,4 +1,4 @@
-"""Store of what is slow to make (solids, meshes, exported files, pictures), kept between runs.
+"""ArtefactStore of what is slow to make (solids, meshes, exported files, pictures), kept between runs.
 
 The key of a result is the sha256 of its name, the source of the modules that make it, the versions of the CAD kernel,
 the keys of the results it is made from, and the parameters it read, with their values. Which parameters those are is
@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
 from stagecad.solids.artefacts.source_digest import source_digest, versions
-from stagecad.solids.artefacts.tracked_design import Reading, Steps, noted, walk
 
 KERNEL = ("cadquery", "cadquery-ocp")
 LARGEST = 1_000_000_000
@@ -37,7 +37,7 @@ RECORD = "entry.json"
 
 
 @dataclass(frozen=True)
-class Entry:
+class Artefact:
     """A stored result: its key, its folder, and the sha256 of each of its files."""
 
     key: str
@@ -65,7 +65,7 @@ def cache_folder() -> Path:
     return (Path(shared) if shared else Path.home() / ".cache") / "stagecad"
 
 
-class Store:
+class ArtefactStore:
     """The results below one folder.
 
     Args:
@@ -75,18 +75,18 @@ class Store:
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder if folder is not None else cache_folder()
 
-    def find(self, name: str, design: Any, modules: Sequence[str], depends: Iterable[str] = ()) -> Entry | None:
+    def find(self, name: str, design: Any, modules: Sequence[str], depends: Iterable[str] = ()) -> Artefact | None:
         """The stored result that `design` would give, or None.
 
         Args:
             name: of the result.
-            design: the design, as it is (not a `Reading`).
+            design: the design, as it is (not a `TrackedDesign`).
             modules: dotted names of the modules that make it; what they import of this project counts as well.
             depends: keys of the results it is made from.
         """
         root = self._root(name, modules, depends)
         for steps in self._read_sets(root):
-            values = {place: walk(design, place) for place in steps}
+            values = {place: value_at(design, place) for place in steps}
             if None in values.values():
                 continue
             entry = self._entry(self._key(root, values))  # type: ignore[arg-type]
@@ -101,7 +101,7 @@ class Store:
         modules: Sequence[str],
         make: Callable[[Any, Path], None],
         depends: Iterable[str] = (),
-    ) -> Entry:
+    ) -> Artefact:
         """The stored result, made by `make(reading, folder)` when the store has none.
 
         `make` writes its files into `folder` and reads the design only through `reading`.
@@ -111,15 +111,15 @@ class Store:
         if entry is not None:
             return entry
         root = self._root(name, modules, depends)
-        notes: dict[Steps, str] = {}
+        notes: dict[AccessPath, str] = {}
         entries = self.folder / "entries"
         entries.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".making-", dir=entries))
         try:
-            make(Reading(design, notes), folder)
+            make(TrackedDesign(design, notes), folder)
             key = self._key(root, notes)
             hashes = {path.name: sha256(path.read_bytes()) for path in sorted(folder.iterdir())}
-            record = {"name": name, "hashes": hashes, "reads": sorted(noted(steps) for steps in notes)}
+            record = {"name": name, "hashes": hashes, "reads": sorted(path_text(steps) for steps in notes)}
             (folder / RECORD).write_text(json.dumps(record, indent=1), "utf-8")
             target = entries / key
             try:
@@ -138,7 +138,7 @@ class Store:
             raise OSError(f"the cache in {self.folder} lost a result just written")
         return entry
 
-    def drop(self, entry: Entry) -> None:
+    def drop(self, entry: Artefact) -> None:
         """Remove a result that turned out to be damaged."""
         self._discard(entry.folder)
 
@@ -148,29 +148,29 @@ class Store:
         return sha256(json.dumps(words, sort_keys=True).encode())
 
     @staticmethod
-    def _key(root: str, values: Mapping[Steps, str]) -> str:
+    def _key(root: str, values: Mapping[AccessPath, str]) -> str:
         words = [root, sorted((repr(steps), value) for steps, value in values.items())]
         return sha256(json.dumps(words).encode())
 
-    def _entry(self, key: str) -> Entry | None:
+    def _entry(self, key: str) -> Artefact | None:
         folder = self.folder / "entries" / key
         try:
             record = json.loads((folder / RECORD).read_text("utf-8"))
             if not all((folder / name).is_file() for name in record["hashes"]):
                 return None
             os.utime(folder)
-            return Entry(key, folder, record["hashes"], tuple(record["reads"]))
+            return Artefact(key, folder, record["hashes"], tuple(record["reads"]))
         except (OSError, ValueError, KeyError):
             return None
 
-    def _read_sets(self, root: str) -> list[tuple[Steps, ...]]:
+    def _read_sets(self, root: str) -> list[tuple[AccessPath, ...]]:
         try:
             lines = (self.folder / "reads" / root).read_text("utf-8").splitlines()
             return [literal_eval(line) for line in lines]
         except (OSError, ValueError, SyntaxError):
             return []
 
-    def _note_reads(self, root: str, steps: tuple[Steps, ...]) -> None:
+    def _note_reads(self, root: str, steps: tuple[AccessPath, ...]) -> None:
         sets = [steps, *(known for known in self._read_sets(root) if known != steps)][:SETS_KEPT]
         atomic_write_text(self.folder / "reads" / root, "".join(f"{known!r}\n" for known in sets))
 

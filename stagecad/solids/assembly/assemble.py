@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.dimension import Datum
-from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.modelling.frame import UNMOVED, Frame, Vector, add, dot, mate, scaled, subtract
 
 TRAVEL_ENDS = (-1.0, 0.0, 1.0)
@@ -65,7 +65,7 @@ class Instance:
 
 
 def assemble(
-    parts: Mapping[str, MadePart], design: Any, travel: float = 0.0, height: float = 0.0
+    parts: Mapping[str, BuiltPart], design: Any, travel: float = 0.0, height: float = 0.0
 ) -> tuple[Instance, ...]:
     """All parts of the machine where they stand.
 
@@ -79,7 +79,7 @@ def assemble(
 
 
 class _Builder:
-    def __init__(self, parts: Mapping[str, MadePart], design: Any, travel: float, height: float) -> None:
+    def __init__(self, parts: Mapping[str, BuiltPart], design: Any, travel: float, height: float) -> None:
         self.parts, self.design, self.travel, self.height = parts, design, travel, height
 
     def datum(self, part: str, name: str) -> Datum:

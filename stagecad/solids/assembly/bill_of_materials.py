@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
-from stagecad.solids.artefacts.part import MadePart
+from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.assembly.assemble import Instance, count
 from stagecad.solids.modelling.registry import MADE, PURCHASED
 
@@ -43,7 +43,7 @@ class Row:
 
 def bill_of_materials(
     instances: Sequence[Instance],
-    parts: Mapping[str, MadePart],
+    parts: Mapping[str, BuiltPart],
     masses: Mapping[str, MassProperties],
     design: Any,
 ) -> tuple[Row, ...]:

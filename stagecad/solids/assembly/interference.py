@@ -19,10 +19,10 @@ from itertools import combinations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.solids.artefacts.assembly import shapes_of
-from stagecad.solids.artefacts.part import MadePart
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
+from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.modelling.frame import Frame, Vector, dot, subtract
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ THREADED = {
 
 
 @dataclass(frozen=True)
-class Meeting:
+class Interference:
     """Two parts that touch, fit, overlap or come near.
 
     Attributes:
@@ -111,19 +111,19 @@ class Meeting:
         return self.kind == CLASH
 
 
-def meetings(
-    parts: Mapping[str, MadePart],
+def find_interferences(
+    parts: Mapping[str, BuiltPart],
     design: Any,
     travels: Iterable[float] = TRAVEL_ENDS,
     heights: Iterable[float] = HEIGHT_ENDS,
-) -> list[Meeting]:
+) -> list[Interference]:
     """All pairs that meet or come within `NEAR`, for every combination of travel and height.
 
     A pair that has not moved against each other since another combination is intersected only once.
     """
     volumes: dict[tuple[Any, ...], float] = {}
     measured: set[frozenset[str]] = set()
-    found: list[Meeting] = []
+    found: list[Interference] = []
     for travel in travels:
         for height in heights:
             instances = assemble(parts, design, travel, height)
@@ -142,22 +142,22 @@ def meetings(
                     distance = _distance(one, two, shapes)
                 kind = _kind(one.part, two.part, volume, distance, design)
                 if kind is not None:
-                    found.append(Meeting(one.name, two.name, kind, travel, height, volume, distance))
+                    found.append(Interference(one.name, two.name, kind, travel, height, volume, distance))
     return found
 
 
-def make_meetings(store: Store, parts: Mapping[str, MadePart], design: Any) -> list[Meeting]:
+def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
     """All meetings at the ends and middles, from the cache or found now."""
 
     def make(reading: Any, folder: Path) -> None:
-        found = [asdict(meeting) for meeting in meetings(parts, reading)]
-        (folder / "meetings.json").write_text(json.dumps(found, indent=1), "utf-8")
+        found = [asdict(meeting) for meeting in find_interferences(parts, reading)]
+        (folder / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
     entry = store.make("interference", design, (__name__,), make, [part.entry.key for part in parts.values()])
-    return [Meeting(**document) for document in entry.document("meetings.json")]
+    return [Interference(**document) for document in entry.document("interferences.json")]
 
 
-def clashes(found: Sequence[Meeting]) -> list[Meeting]:
+def clashes(found: Sequence[Interference]) -> list[Interference]:
     """Those that are not meant."""
     return [meeting for meeting in found if meeting.clash]
 
@@ -216,7 +216,7 @@ def _placed(instance: Instance, shapes: Mapping[str, cq.Shape]) -> Any:
 Box = tuple[Vector, Vector]
 
 
-def _box(instance: Instance, parts: Mapping[str, MadePart]) -> Box:
+def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
     """Box of an instance in the assembly, mm; it encloses the part's turned box."""
     low, high = parts[instance.part].geometry.bounding_box
     # A spring off its installed length is longer or shorter along its own z.

@@ -13,13 +13,13 @@ from typing import Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties, combined
-from stagecad.solids.artefacts.assembly import MadeAssembly, find_assembly, make_assembly
-from stagecad.solids.artefacts.part import MadePart, find_part, make_part, make_parts
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.part import BuiltPart, build_part, build_parts, find_part
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import Instance
 from stagecad.solids.assembly.bill_of_materials import Row, bill_of_materials
-from stagecad.solids.assembly.mass import MM, density_of, mass_properties, placed
+from stagecad.solids.assembly.built_assembly import BuiltAssembly, build_assembly, find_assembly
 from stagecad.solids.modelling.frame import UNMOVED, mate, subtract
+from stagecad.solids.modelling.mass import MM, density_of, mass_properties, placed
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
 MOVING = ("stage", "tooth_iron", "magnet")
@@ -51,8 +51,8 @@ class Machine:
     """Parts and assembly of one design."""
 
     design: Any
-    parts: dict[str, MadePart]
-    assembly: MadeAssembly
+    parts: dict[str, BuiltPart]
+    assembly: BuiltAssembly
 
     @cached_property
     def masses(self) -> dict[str, MassProperties]:
@@ -92,15 +92,15 @@ class Machine:
         return bill_of_materials(self.assembly.instances, self.parts, self.masses, self.design)
 
 
-def part_mass(part: MadePart, design: Any) -> MassProperties:
+def part_mass(part: BuiltPart, design: Any) -> MassProperties:
     """Mass properties of a part in its own coordinates."""
     return mass_properties(part.geometry, density_of(design, part.material))
 
 
-def find_machine(design: Any, store: Store | None = None) -> Machine | None:
+def find_machine(design: Any, store: ArtefactStore | None = None) -> Machine | None:
     """The machine if the cache has all of it, else None; the CAD kernel is never imported."""
-    store = store or Store()
-    parts: dict[str, MadePart] = {}
+    store = store or ArtefactStore()
+    parts: dict[str, BuiltPart] = {}
     for name in part_names(design):
         part = find_part(store, name, design)
         if part is None:
@@ -110,8 +110,8 @@ def find_machine(design: Any, store: Store | None = None) -> Machine | None:
     return Machine(design, parts, assembly) if assembly is not None else None
 
 
-def make_machine(
-    design: Any, store: Store | None = None, advance: Callable[[str], None] = lambda name: None
+def build_machine(
+    design: Any, store: ArtefactStore | None = None, advance: Callable[[str], None] = lambda name: None
 ) -> Machine:
     """The machine, its parts and assembly made where the cache lacks them.
 
@@ -120,9 +120,9 @@ def make_machine(
         store: the cache; the user's own when left out.
         advance: called with the name of each part, and at last of the assembly, as it is done.
     """
-    store = store or Store()
-    parts = make_parts(store, part_names(design), design, advance)
-    assembly = make_assembly(store, parts, design)
+    store = store or ArtefactStore()
+    parts = build_parts(store, part_names(design), design, advance)
+    assembly = build_assembly(store, parts, design)
     advance(ASSEMBLY)
     return Machine(design, parts, assembly)
 
@@ -134,9 +134,9 @@ def body_masses(design: Any) -> BodyMasses:
     magnets follow from the stage's own datums, so that the result equals that of the whole assembly.
     """
     riders = ("tooth_iron", "magnet") if design.teeth.fitted else ()
-    store = Store()
+    store = ArtefactStore()
     # One after another: other processes for so few parts cost more than they save, and a cluster's may start none.
-    parts = {name: make_part(store, name, design) for name in ("stage", "tip", *riders)}
+    parts = {name: build_part(store, name, design) for name in ("stage", "tip", *riders)}
     plane = Datum("pads", (0.0, 0.0, design.bearing_way.height), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
     stage = parts["stage"]
     frame = mate(stage.datums["pads"], UNMOVED, plane)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stagecad.solids.export.mesh import Mesh
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.placed_shape import PlacedShape
 
 SIZE = (1400, 1000)
 MARGIN = 0.06
@@ -21,7 +21,7 @@ BELOW = (1.0, -1.15, -0.85)
 
 
 def picture(
-    pieces: Sequence[Piece],
+    pieces: Sequence[PlacedShape],
     meshes: dict[str, Mesh],
     viewer: tuple[float, float, float] = ISOMETRIC,
     size: tuple[int, int] = SIZE,
@@ -30,7 +30,7 @@ def picture(
 
     Args:
         pieces: what stands where.
-        meshes: mesh of each part, mm, by `Piece.part`.
+        meshes: mesh of each part, mm, by `PlacedShape.part`.
         viewer: direction from the part towards the viewer.
         size: width and height, pixels.
     """

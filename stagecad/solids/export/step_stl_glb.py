@@ -22,9 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stagecad.solids.export.mesh import Mesh
-from stagecad.solids.modelling.colours import Colour
 from stagecad.solids.modelling.frame import UNMOVED, Frame
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.placed_shape import Colour, PlacedShape
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
@@ -50,13 +49,13 @@ def stl_bytes(meshes: Sequence[Mesh]) -> bytes:
     return header + b"".join(block.tobytes() for block in blocks)
 
 
-def glb_bytes(name: str, pieces: Sequence[Piece], meshes: dict[str, Mesh]) -> bytes:
+def glb_bytes(name: str, pieces: Sequence[PlacedShape], meshes: dict[str, Mesh]) -> bytes:
     """glTF 2.0 binary: metres, y up, one node per piece, one mesh per part, one material per colour.
 
     Args:
         name: of the scene's root node.
         pieces: what stands where.
-        meshes: mesh of each part, mm, by `Piece.part`.
+        meshes: mesh of each part, mm, by `PlacedShape.part`.
     """
     chunks: list[bytes] = []
     views: list[dict[str, Any]] = []
@@ -155,13 +154,13 @@ def _unit_float(normals: np.ndarray) -> np.ndarray:
     return (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype("<f4")
 
 
-def step_bytes(name: str, pieces: Sequence[Piece], shapes: dict[str, TopoDS_Shape]) -> bytes:
+def step_bytes(name: str, pieces: Sequence[PlacedShape], shapes: dict[str, TopoDS_Shape]) -> bytes:
     """STEP (AP214) with names and colours, millimetres.
 
     Args:
         name: of the product; of the whole when there are several pieces.
         pieces: what stands where; a single piece that is named like the product is written as that part alone.
-        shapes: solid of each part by `Piece.part`.
+        shapes: solid of each part by `PlacedShape.part`.
 
     Raises:
         ValueError: OCCT could not write the solid.

@@ -1,6 +1,7 @@
-"""Writes down a part's dimensions briefly: the value and its tolerance class come from the parameter named.
+"""Compact declarations of a part's dimensions and of the requirements on its faces.
 
-Nothing here repeats a number: a declaration gives the key and where on the part to look.
+Value and tolerance class of a dimension come from the parameter it names: a declaration gives the key and where on the
+part to measure, and repeats no number.
 """
 
 from __future__ import annotations
@@ -21,88 +22,106 @@ from stagecad.parameters.dimension import (
     SurfaceTexture,
     View,
 )
-from stagecad.solids.modelling.threads import DESIGNATION
+
+THREAD_DESIGNATION = {
+    "m3": "M3x0.5",
+    "m4": "M4x0.7",
+    "m5": "M5x0.8",
+    "m6": "M6x1",
+    "m10": "M10x1.5",
+    "unc_3_8": "3/8-16 UNC",
+    "unc_1": "1-8 UNC",
+}
+"""By name in the table of threads. Metric: ISO 261 coarse; tap drills by ISO 2306. Unified: ASME B1.1, 2B.
+
+Threads are cosmetic: the solid has the tap drill's hole, the sheet this text.
+"""
 
 X: Point = (1.0, 0.0, 0.0)
 Y: Point = (0.0, 1.0, 0.0)
 Z: Point = (0.0, 0.0, 1.0)
+DOWN: Point = (0.0, 0.0, -1.0)
 
 
-class Declarations:
-    """The dimensions of one part, in the order in which they are written down."""
+class DimensionDeclarations:
+    """The dimensions of one part, in the order of their declaration.
 
-    def __init__(self, design: Any) -> None:
-        self._design = design
+    In all methods `key` is a parameter, either of the part's own table (`length`) or with its table (`pads.length`),
+    and further fields of `Dimension` (view, feature, count, note) are given by name.
+
+    Args:
+        design: values and tolerance classes are taken from it.
+        table: the part's own table of the parameter file.
+    """
+
+    def __init__(self, design: Any, table: str) -> None:
+        self._design, self._table = design, table
         self._all: list[Dimension] = []
+        self._common: dict[str, Any] = {}
 
     def __iter__(self) -> Iterator[Dimension]:
         return iter(self._all)
 
-    def add(self, kind: Kind, name: str, key: str, points: tuple[Point, ...], direction: Point, **more: Any) -> None:
-        """One dimension of any kind; the other methods say the same more briefly.
+    def group(self, **common: Any) -> DimensionDeclarations:
+        """Declarations that extend the same list, with fields common to all of the group."""
+        group = DimensionDeclarations(self._design, self._table)
+        group._all, group._common = self._all, {**self._common, **common}
+        return group
 
-        Args:
-            key: table and name of the parameter, "stage.length".
-            more: further fields of `Dimension` (view, feature, count, note).
-        """
-        table, entry = key.split(".")
-        value = float(getattr(getattr(self._design, table), entry))
-        self._all.append(Dimension(name, kind, value, key, points, direction, self._design.tolerance(key), **more))
+    def _value(self, key: str) -> float:
+        table, _, name = key.rpartition(".")
+        return getattr(getattr(self._design, table or self._table), name)
 
-    def linear(self, name: str, key: str, first: Point, second: Point, along: Point | None = None, **more: Any) -> None:
-        """Distance between two faces or axes, along the line through the points unless `along` says otherwise."""
-        self.add("linear", name, key, (first, second), along or towards(first, second), **more)
+    def add(self, kind: Kind, name: str, key: str, points: tuple[Point, ...], direction: Point, **fields: Any) -> None:
+        """One dimension of any kind."""
+        full = key if "." in key else f"{self._table}.{key}"
+        tolerance, fields = self._design.tolerance(full), {**self._common, **fields}
+        self._all.append(Dimension(name, kind, float(self._value(key)), full, points, direction, tolerance, **fields))
 
-    def depth(self, name: str, key: str, mouth: Point, end: Point, along: Point | None = None, **more: Any) -> None:
-        """Depth of a hole or pocket from its mouth to where its full section ends."""
-        self.add("depth", name, key, (mouth, end), along or towards(mouth, end), **more)
-
-    def diameter(
-        self, name: str, key: str, at: Point, axis: Point = Z, *, on: Point | None = None, **more: Any
+    def linear(
+        self, name: str, key: str, first: Point, second: Point, along: Point | None = None, **fields: Any
     ) -> None:
+        """Distance between two faces or axes, in the direction `along` or from point to point."""
+        self.add("linear", name, key, (first, second), along or towards(first, second), **fields)
+
+    def depth(self, name: str, key: str, mouth: Point, end: Point, along: Point | None = None, **fields: Any) -> None:
+        """Depth of a hole or pocket from its mouth to the end of its full section."""
+        self.add("depth", name, key, (mouth, end), along or towards(mouth, end), **fields)
+
+    def diameter(self, name: str, key: str, at: Point, axis: Point = Z, on: Point | None = None, **fields: Any) -> None:
         """Diameter of the round face about `axis` through `at`, a point on the axis beside that face.
 
-        `on`, a direction square to the axis, names the side on which to touch the face, where one stands in another.
+        `on`, a direction at right angles to the axis, gives the side of the face to touch, needed for coaxial faces.
         """
-        table, entry = key.split(".")
-        touch = moved(at, on, getattr(getattr(self._design, table), entry) / 2) if on else None
-        self.add("diameter", name, key, (at, touch) if touch else (at,), axis, **more)
+        points = (at, moved(at, on, self._value(key) / 2)) if on else (at,)
+        self.add("diameter", name, key, points, axis, **fields)
 
-    def angle(self, name: str, key: str, vertex: Point, point: Point, start: Point, **more: Any) -> None:
+    def angle(self, name: str, key: str, vertex: Point, point: Point, start: Point, **fields: Any) -> None:
         """Angle at the upright axis `vertex` from the direction `start` to the upright axis `point`, degrees."""
-        self.add("angle", name, key, (vertex, point), start, **more)
+        self.add("angle", name, key, (vertex, point), start, **fields)
 
-    def slope(self, name: str, key: str, on: Point, along: Point, **more: Any) -> None:
+    def slope(self, name: str, key: str, on: Point, along: Point, **fields: Any) -> None:
         """Tangent of the angle between the face at `on` and the direction `along`."""
-        self.add("slope", name, key, (on,), along, **more)
+        self.add("slope", name, key, (on,), along, **fields)
 
-    def radius(self, name: str, key: str, on: Point, axis: Point = Z, **more: Any) -> None:
-        """Radius of the fillet, corner or crown on whose face `on` lies."""
-        self.add("radius", name, key, (on,), axis, **more)
+    def radius(self, name: str, key: str, on: Point, axis: Point = Z, **fields: Any) -> None:
+        """Radius of the fillet, corner or crown that contains the point `on`."""
+        self.add("radius", name, key, (on,), axis, **fields)
 
-    def chamfer(self, name: str, key: str, on: Point, along: Point = Z, **more: Any) -> None:
-        """Leg of the 45 degree chamfer on whose face `on` lies."""
-        self.add("chamfer", name, key, (on,), along, **more)
+    def chamfer(self, name: str, key: str, on: Point, along: Point = Z, **fields: Any) -> None:
+        """Leg of the 45 degree chamfer that contains the point `on`."""
+        self.add("chamfer", name, key, (on,), along, **fields)
 
     def derived(
-        self,
-        name: str,
-        value: float,
-        keys: tuple[str, ...],
-        first: Point,
-        second: Point,
-        along: Point | None = None,
-        **more: Any,
+        self, name: str, value: float, keys: tuple[str, ...], points: tuple[Point, Point], along: Point, **fields: Any
     ) -> None:
-        """Distance that follows from several parameters, of the tolerance class of the first."""
-        tolerance, along = self._design.tolerance(keys[0]), along or towards(first, second)
-        self._all.append(
-            Dimension(name, "linear", value, "", (first, second), along, tolerance, derived_from=keys, **more)
-        )
+        """Distance that follows from several parameters (`keys` with their tables), in the class of the first."""
+        tolerance, fields = self._design.tolerance(keys[0]), {**self._common, **fields}
+        self._all.append(Dimension(name, "linear", value, "", points, along, tolerance, derived_from=keys, **fields))
 
-    def counted(self, name: str, key: str, at: Point, along: Point = X, **more: Any) -> None:
-        """Number of features in the pattern that holds the one at `at`, on the line along `along`."""
-        self.add("count", name, key, (at,), along, **more)
+    def counted(self, name: str, key: str, at: Point, along: Point = X, **fields: Any) -> None:
+        """Number of features in the pattern of the one at `at`, in the direction `along`."""
+        self.add("count", name, key, (at,), along, **fields)
 
     def tapped(
         self,
@@ -110,57 +129,31 @@ class Declarations:
         thread: str,
         mouth: Point,
         into: Point,
+        depths: tuple[str, str] | None = None,
         *,
-        thread_depth: str | None = None,
-        drill_depth: str | None = None,
-        shows_drill: bool = True,
-        view: View = "top",
-        count: int = 1,
+        tap_drill: bool = True,
+        **fields: Any,
     ) -> None:
-        """A tapped hole: its tap drill, thread depth and drill depth, gathered in one callout.
+        """A tapped hole: tap drill, thread depth and drill depth as one callout.
 
         Args:
-            thread: key in the table of threads, `m6`.
-            thread_depth, drill_depth: keys of the depths; none for a hole that goes through.
-            shows_drill: whether the tap drill is told here, or was in another callout of the same thread.
+            thread: name in the table of threads, `m6`.
+            depths: keys of thread depth and drill depth; None for a through hole.
+            tap_drill: False where another callout of the same thread already gives the tap drill.
         """
-        note, key = DESIGNATION[thread], f"threads.{thread}_tap_drill"
-        if shows_drill:
-            at = moved(mouth, into, 2.0)
-            touch = moved(at, X if abs(into[2]) > 0.5 else Z, getattr(self._design.threads, f"{thread}_tap_drill") / 2)
-            self.add(
-                "tap_drill",
-                f"{feature} tap drill",
-                key,
-                (at, touch),
-                into,
-                note=note,
-                view=view,
-                feature=feature,
-                count=count,
-            )
-        if thread_depth:
-            self.add(
-                "thread_depth",
-                f"{feature} thread depth",
-                thread_depth,
-                (mouth,),
-                into,
-                note=note,
-                view=view,
-                feature=feature,
-                count=count,
-            )
-        if drill_depth:
-            table, entry = drill_depth.split(".")
-            end = moved(mouth, into, getattr(getattr(self._design, table), entry))
-            self.depth(
-                f"{feature} drill depth", drill_depth, mouth, end, note=note, view=view, feature=feature, count=count
-            )
+        fields = {"view": "top", **self._common, **fields, "note": THREAD_DESIGNATION[thread], "feature": feature}
+        if tap_drill:
+            drill, at = f"threads.{thread}_tap_drill", moved(mouth, into, 2.0)
+            touch = moved(at, X if abs(into[2]) > 0.5 else Z, self._value(drill) / 2)
+            self.add("tap_drill", f"{feature} tap drill", drill, (at, touch), into, **fields)
+        if depths:
+            self.add("thread_depth", f"{feature} thread depth", depths[0], (mouth,), into, **fields)
+            end = moved(mouth, into, self._value(depths[1]))
+            self.depth(f"{feature} drill depth", depths[1], mouth, end, **fields)
 
 
 class FaceRequirements:
-    """What the faces of one part must be, in the order in which it is written down; values by their keys."""
+    """Requirements on the faces of one part, in the order of their declaration; values by their keys."""
 
     def __init__(self, design: Any) -> None:
         self._design = design
@@ -170,10 +163,10 @@ class FaceRequirements:
         return iter(self._all)
 
     def datum(self, letter: str, points: tuple[Point, ...], normal: Point, view: View, *, round: bool = False) -> None:
-        """A face, some faces in one plane, or an axis that others are referred to."""
+        """Datum feature: a face, several faces in one plane, or an axis."""
         self._all.append(DatumFeature(letter, points, normal, view, round))
 
-    def keeps(
+    def tolerance(
         self,
         characteristic: Characteristic,
         name: str,
@@ -183,11 +176,11 @@ class FaceRequirements:
         view: View,
         **more: Any,
     ) -> None:
-        """Form or direction within the value of `key`, a length."""
+        """Geometrical tolerance with the value of `key`, a length, as the width of its zone."""
         value = round(self._design.si(key) * 1e3, 9)
         self._all.append(GeometricTolerance(name, characteristic, value, key, points, normal, view, **more))
 
-    def smooth(
+    def texture(
         self, name: str, key: str, points: tuple[Point, ...], normal: Point, view: View, process: str = ""
     ) -> None:
         """Mean roughness Ra of the value of `key`."""
@@ -210,3 +203,8 @@ def towards(first: Point, second: Point) -> Point:
 def moved(point: Point, direction: Point, by: float) -> Point:
     """The point moved along a direction, mm."""
     return (point[0] + by * direction[0], point[1] + by * direction[1], point[2] + by * direction[2])
+
+
+def fillet_inset(radius: float) -> float:
+    """Distance of the middle of a 90 degree fillet from each of the two faces that it joins, mm."""
+    return radius * (1 - math.sqrt(0.5))

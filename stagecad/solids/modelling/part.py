@@ -18,8 +18,8 @@ and may have ``mass(design)`` in kilograms where the catalogue knows it better t
 own origin said in its docstring. A turned part that is used in more than one direction (screws, pins, spring) has its
 axis along z.
 
-**Reading the design.** `design` may be the `Design` itself or a `Reading` of it
-(`stagecad.solids.artefacts.tracked_design`) that notes what is read. The cache key covers just what was noted, so a
+**Reading the design.** `design` may be the `Design` itself or a `TrackedDesign`
+(`stagecad.parameters.tracking`) that notes what is read. The cache key covers just what was noted, so a
 part must read all its numbers from the `design` it is handed, as attributes (``design.stage.thickness``), and neither
 from a module global nor by walking over all fields. Functions of other modules may be called with the same `design`.
 
@@ -81,7 +81,7 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class PartModule(Protocol):
-    """A module that follows the contract above. `design` is a `Design` or a `Reading` of one."""
+    """A module that follows the contract above. `design` is a `Design` or a `TrackedDesign` of one."""
 
     NAME: str
 

@@ -23,15 +23,16 @@ Features and what each is for
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.derived import Derived, Place
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.dimensioning import FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, corners, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, plate
 from stagecad.solids.parts.base_clamp import clamp_cutters, clamp_datums
-from stagecad.solids.parts.base_dimensions import declare_base
-from stagecad.solids.parts.base_positions import bar_hole_places, pocket_centres, reach_side, way_hole_places
+from stagecad.solids.parts.base_dimensions import base_dimensions
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -45,8 +46,6 @@ NOTES = (
     "Cut clamp slots after the pockets, and finish the pockets last.",
 )
 
-Place = tuple[float, float, float]
-
 
 def build(design: Any) -> cq.Solid:
     """The base as one solid, mm."""
@@ -55,14 +54,14 @@ def build(design: Any) -> cq.Solid:
     block = block.chamfer(base.edge_chamfer, None, block.Edges()).Solids()[0]
     cutters: list[cq.Shape] = []
 
-    def tapped(drill: float, depth: float, places: list[tuple[float, float]], *, up: bool = False) -> None:
+    def tapped(drill: float, depth: float, places: Sequence[Place], *, up: bool = False) -> None:
         z = -base.height if up else 0.0
         hole = stepped_hole(
             (0, 0, z), (0, 0, 1 if up else -1), [(drill, depth)], mouth_chamfer=base.hole_chamfer, drill_point=True
         )
         cutters.extend(repeated(hole, [(x, y, 0.0) for x, y in places]))
 
-    tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, way_hole_places(design))
+    tapped(threads.unc_3_8_tap_drill, base.way_drill_depth, Derived(design).way_hole_places)
     tapped(threads.m10_tap_drill, base.lift_drill_depth, corners(base.lift_spacing_along, base.lift_spacing_across))
     tapped(
         threads.m6_tap_drill, base.bracket_drill_depth, corners(base.bracket_spacing_along, base.bracket_spacing_across)
@@ -70,7 +69,7 @@ def build(design: Any) -> cq.Solid:
     along, across = base.foot_spacing_along / 2, base.foot_spacing_across / 2
     tapped(threads.m10_tap_drill, base.foot_drill_depth, [(-along, 0.0), (along, -across), (along, across)], up=True)
     if design.teeth.fitted:
-        tapped(threads.m5_tap_drill, base.bar_drill_depth, bar_hole_places(design))
+        tapped(threads.m5_tap_drill, base.bar_drill_depth, Derived(design).bar_hole_places)
 
     pin = stepped_hole(
         (0, 0, 0), (0, 0, -1), [(base.setting_pin_hole, base.setting_pin_depth)], mouth_chamfer=base.hole_chamfer
@@ -78,9 +77,14 @@ def build(design: Any) -> cq.Solid:
     edge = base.way_gap - base.setting_pin_hole
     cutters += repeated(pin, [(x, y, 0.0) for x, y in corners(base.setting_pin_spacing, edge)])
 
-    for number, (x, y) in enumerate(pocket_centres(design), start=1):
+    for number, (x, y) in enumerate(Derived(design).actuator_places, start=1):
         cutters += _pocket(design, number, x, y)
     return cut_all(block, [*cutters, *clamp_cutters(design)])
+
+
+def reach_side(pocket: int) -> float:
+    """The side face from which a pocket's height screw is reached: +1 for +x (pocket 1), -1 for -x (2 and 3)."""
+    return 1.0 if pocket == 1 else -1.0
 
 
 def _pocket(design: Any, number: int, x: float, y: float) -> list[cq.Shape]:
@@ -135,7 +139,7 @@ def datums(design: Any) -> dict[str, Datum]:
         Datum("bearing_way_left", (0.0, across, 0.0), Z, (-1.0, 0.0, 0.0)),
         Datum("bearing_way_right", (0.0, -across, 0.0), Z),
     ]
-    for k, (x, y) in enumerate(pocket_centres(design), start=1):
+    for k, (x, y) in enumerate(Derived(design).actuator_places, start=1):
         side = (reach_side(k), 0.0, 0.0)
         found += [
             Datum(f"pocket_{k}", (x, y, 0.0), Z),
@@ -152,9 +156,7 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the base."""
-    declarations = Declarations(design)
-    declare_base(declarations, design)
-    return tuple(declarations)
+    return base_dimensions(design)
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
@@ -163,7 +165,7 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     top = ((0.0, base.width / 2 - 3, 0.0),)
     middle = ((0.0, 0.0, -base.pocket_depth / 2),)
     f.datum("A", top, Z, "front")
-    f.keeps("flatness", "top", "bearing.way_straightness", top, Z, "front")
-    f.smooth("top", "bearing.way_roughness", top, Z, "front", "lapped")
-    f.keeps("perpendicularity", "pocket", "drawing.tolerance_x_xx", middle, Z, "section", datums=("A",), round=True)
+    f.tolerance("flatness", "top", "bearing.way_straightness", top, Z, "front")
+    f.texture("top", "bearing.way_roughness", top, Z, "front", "lapped")
+    f.tolerance("perpendicularity", "pocket", "drawing.tolerance_x_xx", middle, Z, "section", datums=("A",), round=True)
     return tuple(f)

@@ -18,9 +18,9 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.derived import Derived, Place
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.modelling.holes import OVERRUN, stepped_hole
-from stagecad.solids.parts.base_positions import Flat, pocket_centres
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -32,7 +32,7 @@ class Clamp:
 
     pocket: int
     """Number of its pocket, 1 to 3."""
-    centre: Flat
+    centre: Place
     """The pocket's axis (x, y)."""
     head: float
     """Side of the base the screw's head is on: +1 for +x, -1 for -x."""
@@ -43,7 +43,7 @@ class Clamp:
     neck: float
     """Angle of the neck about the pocket, from u, in degrees."""
 
-    def place(self, u: float, v: float) -> Flat:
+    def place(self, u: float, v: float) -> Place:
         """The point (u, v) of the clamp in part coordinates."""
         return (self.centre[0] + self.head * u, self.centre[1] + self.side * v)
 
@@ -51,7 +51,7 @@ class Clamp:
         """Angle from u to the gap slot's crossing with a circle about the pocket, radians."""
         return math.acos(self.slot / radius)
 
-    def relief_hole(self, design: Any) -> Flat:
+    def relief_hole(self, design: Any) -> Place:
         """Centre of the relief hole, part coordinates."""
         base = design.base
         reach, angle = (base.pocket_diameter + base.clamp_relief_hole) / 2 + base.clamp_neck, math.radians(self.neck)
@@ -63,7 +63,7 @@ def clamps(design: Any) -> list[Clamp]:
 
     Pocket 1 lies on the plane of symmetry and has a finger on either side, so that clamping does not shift it.
     """
-    base, (one, two, three) = design.base, pocket_centres(design)
+    base, (one, two, three) = design.base, Derived(design).actuator_places
     return [
         Clamp(1, one, 1.0, 1.0, base.clamp_slot_1, base.clamp_neck_angle_1),
         Clamp(1, one, 1.0, -1.0, base.clamp_slot_1, base.clamp_neck_angle_1),

@@ -1,199 +1,197 @@
-"""The dimensions of the base, by feature: block, ways, pockets, what is bolted on; its clamps have their own file."""
+"""The dimensions of the base by feature: block, way holes, pockets, height bores, clamps, holes for attachments."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
-from stagecad.solids.modelling.dimensioning import Declarations, X, Y, Z
+from stagecad.parameters.derived import Derived, Place
+from stagecad.parameters.dimension import Dimension, Point
+from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, X, Y, Z
 from stagecad.solids.modelling.holes import corners
-from stagecad.solids.parts.base_clamp_dimensions import declare_clamps
-from stagecad.solids.parts.base_positions import bar_hole_places, pocket_centres, way_hole_places
-
-DOWN = (0.0, 0.0, -1.0)
+from stagecad.solids.parts.base_clamp import Clamp, clamps
 
 
-def declare_base(d: Declarations, design: Any) -> None:
+def base_dimensions(design: Any) -> tuple[Dimension, ...]:
     """All dimensions of the base, in the order of its drawing."""
+    d, (first, _, second, _) = DimensionDeclarations(design, "base"), clamps(design)
     _block(d, design)
-    _ways(d, design)
+    _way_holes(d, design)
+    _setting_pins(d, design)
     _pockets(d, design)
-    declare_clamps(d, design)
+    _height_bores(d.group(count=3, view="section"), design)
+    _clamp_screws(d.group(count=len(clamps(design))), design, first)
+    _clamp_slots(d.group(view="top"), design, first)
+    _second_clamp(d.group(view="top", count=2), design, second)
     _attachments(d, design)
+    if design.teeth.fitted:
+        _tooth_bar_holes(d, design)
+    return tuple(d)
 
 
-def _block(d: Declarations, design: Any) -> None:
+def _block(d: DimensionDeclarations, design: Any) -> None:
     base = design.base
     x, y, low = base.length / 2, base.width / 2, -base.height
-    d.linear("length", "base.length", (-x, 0, low / 10), (x, 0, low / 10), view="top")
-    d.linear("width", "base.width", (0, -y, low / 2), (0, y, low / 2), view="top")
-    d.linear("height", "base.height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front")
+    d.linear("length", "length", (-x, 0, low / 10), (x, 0, low / 10), view="top")
+    d.linear("width", "width", (0, -y, low / 2), (0, y, low / 2), view="top")
+    d.linear("height", "height", (x - 3, y - 3, low), (x - 3, y - 3, 0), view="front")
     c = base.edge_chamfer / 2
-    d.chamfer("edge chamfer", "base.edge_chamfer", (0, y - c, -c), note="all outer edges", view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (0, y - c, -c), note="all outer edges", view="front")
 
 
-def _ways(d: Declarations, design: Any) -> None:
-    base = design.base
-    places = way_hole_places(design)
+def _way_holes(d: DimensionDeclarations, design: Any) -> None:
+    base, places = design.base, Derived(design).way_hole_places
     (x, y), (x2, _) = places[:2]
-    d.tapped(
-        "way hole",
-        "unc_3_8",
-        (x, y, 0.0),
-        DOWN,
-        thread_depth="base.way_thread_depth",
-        drill_depth="base.way_drill_depth",
-        count=len(places),
-    )
-    d.counted(
-        "way holes in a row", "bearing_way.bolt_count", (x, y, 0), X, feature="way hole", view="top", note="2 rows"
-    )
-    d.linear("way hole spacing", "bearing_way.bolt_spacing", (x, y, 0), (x2, y, 0), count=len(places) - 2, view="top")
-    d.linear(
-        "way hole row to side",
-        "bearing_way.bolt_edge",
-        (x, base.width / 2, -base.height / 2),
-        (x, y, 0),
-        Y,
-        count=2,
-        view="top",
-    )
+    hole, side = (x, y, 0), (x, base.width / 2, -base.height / 2)
+    d.tapped("way hole", "unc_3_8", hole, DOWN, ("way_thread_depth", "way_drill_depth"), count=len(places))
+    top = d.group(view="top")
+    top.counted("way holes in a row", "bearing_way.bolt_count", hole, feature="way hole", note="2 rows")
+    top.linear("way hole spacing", "bearing_way.bolt_spacing", hole, (x2, y, 0), count=len(places) - 2)
+    top.linear("way hole row to side", "bearing_way.bolt_edge", side, hole, Y, count=2)
     c = base.hole_chamfer / 2
-    d.chamfer(
-        "hole chamfer",
-        "base.hole_chamfer",
-        (x + design.threads.unc_3_8_tap_drill / 2 + c, y, -c),
-        note="mouths of all screw, pin, vent and side bores",
-        view="top",
-    )
-    far, gap, hole = base.setting_pin_spacing / 2, base.way_gap / 2, base.setting_pin_hole
-    axis, deep = gap - hole / 2, -base.setting_pin_depth
-    d.linear(
-        "way gap",
-        "base.way_gap",
-        (far, -gap, deep / 2),
-        (far, gap, deep / 2),
-        view="top",
-        note="over the setting-pin holes",
-    )
-    pin = "setting-pin hole"
-    d.diameter(pin, "base.setting_pin_hole", (far, axis, deep / 2), feature=pin, count=4, note="reamed", view="top")
-    d.depth(
-        "setting-pin hole depth",
-        "base.setting_pin_depth",
-        (far, axis, 0),
-        (far, axis, deep),
-        feature=pin,
-        count=4,
-        view="top",
-    )
-    d.linear("setting-pin spacing", "base.setting_pin_spacing", (-far, axis, 0), (far, axis, 0), count=2, view="top")
+    mouth = (x + design.threads.unc_3_8_tap_drill / 2 + c, y, -c)
+    top.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all screw, pin, vent and side bores")
 
 
-def _pockets(d: Declarations, design: Any) -> None:
+def _setting_pins(d: DimensionDeclarations, design: Any) -> None:
+    base, top, pin = design.base, d.group(view="top"), "setting-pin hole"
+    x, gap, low = base.setting_pin_spacing / 2, base.way_gap / 2, -base.setting_pin_depth
+    y, middle = gap - base.setting_pin_hole / 2, low / 2
+    top.linear("way gap", "way_gap", (x, -gap, middle), (x, gap, middle), note="over the setting-pin holes")
+    top.diameter(pin, "setting_pin_hole", (x, y, middle), feature=pin, count=4, note="reamed")
+    top.depth("setting-pin hole depth", "setting_pin_depth", (x, y, 0), (x, y, low), feature=pin, count=4)
+    top.linear("setting-pin spacing", "setting_pin_spacing", (-x, y, 0), (x, y, 0), count=2)
+
+
+def _pockets(d: DimensionDeclarations, design: Any) -> None:
     base = design.base
-    _, (x, y), (_, y3) = pocket_centres(design)
-    radius, floor = base.pocket_diameter / 2, -base.pocket_depth
-    pocket = "pocket"
-    d.diameter(
-        "pocket",
-        "base.pocket_diameter",
-        (0, 0, floor / 2),
-        on=(-1.0, 0.0, 0.0),
-        feature=pocket,
-        count=3,
-        view="top",
-        note="sliding fit of the holder",
-    )
-    d.depth(
-        "pocket depth", "base.pocket_depth", (0, 0, 0), (0, radius / 2, floor), Z, feature=pocket, count=3, view="top"
-    )
-    d.linear(
-        "pocket spacing",
-        "base.actuator_spacing",
-        (x, y3, 0),
-        (x, y, 0),
-        view="top",
-        note="3 pockets on an equilateral triangle",
-    )
+    _, (x, y), (_, y3) = Derived(design).actuator_places
+    radius, floor, left = base.pocket_diameter / 2, -base.pocket_depth, (-1.0, 0.0, 0.0)
+    top = d.group(view="top")
+    pocket = top.group(feature="pocket", count=3)
+    pocket.diameter("pocket", "pocket_diameter", (0, 0, floor / 2), on=left, note="sliding fit of the holder")
+    pocket.depth("pocket depth", "pocket_depth", (0, 0, 0), (0, radius / 2, floor), Z)
+    note = "3 pockets on an equilateral triangle"
+    top.linear("pocket spacing", "actuator_spacing", (x, y3, 0), (x, y, 0), note=note)
     c = base.pocket_chamfer / 2
-    d.chamfer("pocket chamfer", "base.pocket_chamfer", (-(radius + c), 0, -c), count=3, view="top")
+    top.chamfer("pocket chamfer", "pocket_chamfer", (-(radius + c), 0, -c), count=3)
+    channel = d.group(view="right", feature="lead channel", count=3)
     half, deep, out = base.lead_channel_width / 2, -base.lead_channel_depth, base.length / 2 - 20
-    channel = "lead channel"
-    d.linear(
-        "lead channel width",
-        "base.lead_channel_width",
-        (out, -half, deep / 2),
-        (out, half, deep / 2),
-        count=3,
-        view="right",
-        feature=channel,
-    )
-    d.depth(
-        "lead channel depth",
-        "base.lead_channel_depth",
-        (out, 0, 0),
-        (out, 0, deep),
-        count=3,
-        view="right",
-        feature=channel,
-    )
+    channel.linear("lead channel width", "lead_channel_width", (out, -half, deep / 2), (out, half, deep / 2))
+    channel.depth("lead channel depth", "lead_channel_depth", (out, 0, 0), (out, 0, deep))
 
 
-def _attachments(d: Declarations, design: Any) -> None:
+def _height_bores(d: DimensionDeclarations, design: Any) -> None:
+    """Bores of the height adjustment in pocket 1: pin 2 upright, pin 1 and set screw along x, and the vent."""
     base = design.base
-    _pattern(d, "lifting hole", "m10", "base.lift", corners(base.lift_spacing_along, base.lift_spacing_across))
-    _pattern(d, "bracket hole", "m6", "base.bracket", corners(base.bracket_spacing_along, base.bracket_spacing_across))
+    deep, floor, low = -base.pin_1_axis_depth, -base.pocket_depth, -base.height + 5
+    start, end, out = base.set_screw_thread_start, base.set_screw_thread_end, base.length / 2
+    axis, edge, blind = (0, 0, floor / 2), (out - 3, base.width / 2 - 3, 0), (-base.pin_1_bore_end, 0, deep)
+    guide = (0, 0, (floor + deep) / 2 + base.pin_1_bore / 4)
+    d.diameter("pin 2 bore", "pin_2_bore", guide, on=Y, note="sliding fit of height pin 2")
+    d.linear("pin 1 axis depth", "pin_1_axis_depth", edge, (-20, 0, deep), Z)
+    bore, guide = "pin 1 bore", (-base.pin_1_bore_end / 2, 0, deep)
+    d.diameter(bore, "pin_1_bore", guide, X, on=Z, feature=bore, note="sliding fit of height pin 1")
+    d.linear("pin 1 bore end", "pin_1_bore_end", axis, blind, X)
+    middle, touch = (start + end) / 2, deep - design.threads.unc_1_tap_drill / 2
+    thread = ((middle, 0, deep), (middle, 0, touch))
+    d.add("tap_drill", "set screw thread", "threads.unc_1_tap_drill", thread, X, note="1-8 UNC")
+    d.linear("set screw thread start", "set_screw_thread_start", axis, (start, 0, deep), X)
+    d.linear("set screw thread end", "set_screw_thread_end", axis, (end, 0, deep), X)
+    d.diameter("set screw access", "set_screw_access", ((start + out) / 2, 0, deep), X, on=Z)
+    vent = (-(base.pin_1_bore_end - base.vent_hole), 0, low)
+    d.diameter("vent", "vent_hole", vent, on=X, note="from the underside into the bore")
+    keys = ("base.pin_1_bore_end", "base.vent_hole")
+    d.derived("vent to the bore's end", base.vent_hole, keys, (blind, vent), X)
+
+
+def _clamp_screws(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
+    base = design.base
+    face, y, z = base.length / 2, base.clamp_screw_offset, -base.clamp_screw_depth
+    mouth, seat = (face, y, z), face - base.clamp_counterbore_depth
+    right = d.group(view="right")
+    right.linear("clamp screw depth", "clamp_screw_depth", (face - 3, base.width / 2 - 3, 0), mouth, Z)
+    right.linear("clamp screw offset", "clamp_screw_offset", (0, 0, z), mouth, Y)
+    hole = right.group(feature="clamp screw hole")
+    hole.diameter("clamp counterbore", "clamp_counterbore", ((face + seat) / 2, y, z), X, on=Z)
+    hole.depth("clamp counterbore depth", "clamp_counterbore_depth", mouth, (seat, y, z))
+    hole.diameter("clamp clearance hole", "clamp_hole", (face - 50, y, z), X, on=Z, note="to the gap slot")
+    wall = clamp.slot - base.clamp_slot_width / 2
+    lug, note = (wall - base.clamp_thread_depth, y, z), "3/8-16 UNC in the lug, from the slot"
+    hole.depth("clamp thread hole depth", "clamp_thread_depth", (wall, y, z), lug, view="section", note=note)
+
+
+def _clamp_slots(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
+    base, low = design.base, -design.base.height / 2
+    slot, reach, radius, half = clamp.slot, base.clamp_reach, base.pocket_diameter / 2, base.clamp_slot_width / 2
+    axis, end, all_four = (0, 0, low / 4), (slot, reach, low), d.group(count=4)
+    y, note = (base.clamp_screw_offset + radius) / 2, "through the whole depth, all clamps"
+    d.linear("clamp slot width", "clamp_slot_width", (slot - half, y, low), (slot + half, y, low), note=note)
+    d.linear("clamp slot 1", "clamp_slot_1", axis, end, X, count=2)
+    all_four.linear("clamp reach", "clamp_reach", axis, end, Y)
+    all_four.linear("clamp lug", "clamp_lug", end, (slot - base.clamp_lug, reach, low))
+    angle = math.radians(clamp.neck)
+    out, hole = _radial(angle), (*clamp.relief_hole(design), low)
+    z = -base.clamp_screw_depth / 2
+    neck = _along(out, radius, z), _along(out, radius + base.clamp_neck, z)
+    all_four.linear("clamp neck", "clamp_neck", *neck, out)
+    all_four.diameter("clamp relief hole", "clamp_relief_hole", hole, on=_radial(angle, -1.0), note="through")
+    d.angle("clamp neck angle 1", "clamp_neck_angle_1", axis, hole, X, count=2)
+    out = _radial((clamp.start_angle(radius) + angle) / 2)
+    z = -(base.pocket_depth + base.height) / 2
+    wall = _along(out, radius - base.clamp_floor_slot, z), _along(out, radius, z)
+    note = "through the pocket's floor, along its wall, from gap slot to neck angle"
+    all_four.linear("clamp floor slot", "clamp_floor_slot", *wall, out, note=note)
+
+
+def _second_clamp(d: DimensionDeclarations, design: Any, clamp: Clamp) -> None:
+    """The dimensions that differ at pockets 2 and 3."""
+    low = -design.base.height / 2
+    axis, hole = (*clamp.centre, low / 4), (*clamp.relief_hole(design), low)
+    d.linear("clamp slot 2", "clamp_slot_2", axis, (*clamp.place(clamp.slot, design.base.clamp_reach), low), X)
+    d.angle("clamp neck angle 2", "clamp_neck_angle_2", axis, hole, (clamp.head, 0.0, 0.0))
+
+
+def _radial(angle: float, sign: float = 1.0) -> Point:
+    """Horizontal unit vector at an angle from x, rad, times `sign`."""
+    return (sign * math.cos(angle), sign * math.sin(angle), 0.0)
+
+
+def _along(out: Point, radius: float, z: float) -> Point:
+    """The point at a distance from the axis of pocket 1 in the direction `out`, mm."""
+    return (radius * out[0], radius * out[1], z)
+
+
+def _attachments(d: DimensionDeclarations, design: Any) -> None:
+    base = design.base
+    _rectangle(d, "lifting hole", "m10", "lift", corners(base.lift_spacing_along, base.lift_spacing_across))
+    _rectangle(d, "bracket hole", "m6", "bracket", corners(base.bracket_spacing_along, base.bracket_spacing_across))
     x, y, low = base.foot_spacing_along / 2, base.foot_spacing_across / 2, -base.height
-    d.tapped(
-        "foot hole",
-        "m10",
-        (x, y, low),
-        Z,
-        thread_depth="base.foot_thread_depth",
-        drill_depth="base.foot_drill_depth",
-        shows_drill=False,
-        view="bottom",
-        count=3,
+    bottom = d.group(view="bottom")
+    bottom.tapped(
+        "foot hole", "m10", (x, y, low), Z, ("foot_thread_depth", "foot_drill_depth"), tap_drill=False, count=3
     )
-    d.linear("foot spacing along", "base.foot_spacing_along", (-x, 0, low), (x, y, low), X, view="bottom")
-    d.linear("foot spacing across", "base.foot_spacing_across", (x, -y, low), (x, y, low), view="bottom")
-    if not design.teeth.fitted:
-        return
-    bar, places = design.tooth_bar, bar_hole_places(design)
-    span, spacing, apart = bar.screw_span / 2, bar.screw_spacing / 2, design.teeth.bar_spacing / 2
-    low, high = apart - spacing, apart + spacing
-    d.tapped(
-        "tooth bar hole",
-        "m5",
-        (span, high, 0.0),
-        DOWN,
-        thread_depth="base.bar_thread_depth",
-        drill_depth="base.bar_drill_depth",
-        count=len(places),
-    )
-    d.linear("tooth bar hole span", "tooth_bar.screw_span", (-span, high, 0), (span, high, 0), view="top")
-    d.linear("tooth bar hole spacing", "tooth_bar.screw_spacing", (span, low, 0), (span, high, 0), count=4, view="top")
-    d.linear(
-        "tooth bar spacing",
-        "teeth.bar_spacing",
-        (span, -high, 0),
-        (span, low, 0),
-        view="top",
-        note="between like holes of both bars",
-    )
+    bottom.linear("foot spacing along", "foot_spacing_along", (-x, 0, low), (x, y, low), X)
+    bottom.linear("foot spacing across", "foot_spacing_across", (x, -y, low), (x, y, low))
 
 
-def _pattern(d: Declarations, feature: str, thread: str, keys: str, places: list[tuple[float, float]]) -> None:
+def _rectangle(d: DimensionDeclarations, feature: str, thread: str, key: str, places: Sequence[Place]) -> None:
     """Four tapped holes in the top, with their spacings."""
     (x1, y1), (_, y2), (x2, _) = places[:3]
-    d.tapped(
-        feature,
-        thread,
-        (x1, y1, 0.0),
-        DOWN,
-        thread_depth=f"{keys}_thread_depth",
-        drill_depth=f"{keys}_drill_depth",
-        count=len(places),
-    )
-    d.linear(f"{feature} spacing along", f"{keys}_spacing_along", (x1, y1, 0), (x2, y1, 0), view="top")
-    d.linear(f"{feature} spacing across", f"{keys}_spacing_across", (x1, y1, 0), (x1, y2, 0), view="top")
+    first, depths = (x1, y1, 0), (f"{key}_thread_depth", f"{key}_drill_depth")
+    d.tapped(feature, thread, first, DOWN, depths, count=len(places))
+    d.linear(f"{feature} spacing along", f"{key}_spacing_along", first, (x2, y1, 0), view="top")
+    d.linear(f"{feature} spacing across", f"{key}_spacing_across", first, (x1, y2, 0), view="top")
+
+
+def _tooth_bar_holes(d: DimensionDeclarations, design: Any) -> None:
+    bar, top = design.tooth_bar, d.group(view="top")
+    x, half, middle = bar.screw_span / 2, bar.screw_spacing / 2, design.teeth.bar_spacing / 2
+    low, high = middle - half, middle + half
+    hole, count = (x, high, 0), len(Derived(design).bar_hole_places)
+    d.tapped("tooth bar hole", "m5", hole, DOWN, ("bar_thread_depth", "bar_drill_depth"), count=count)
+    top.linear("tooth bar hole span", "tooth_bar.screw_span", (-x, high, 0), hole)
+    top.linear("tooth bar hole spacing", "tooth_bar.screw_spacing", (x, low, 0), hole, count=4)
+    note = "between like holes of both bars"
+    top.linear("tooth bar spacing", "teeth.bar_spacing", (x, -high, 0), (x, low, 0), note=note)

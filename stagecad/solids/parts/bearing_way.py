@@ -16,11 +16,19 @@ Features and what each is for
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Y, Z, named
+from stagecad.solids.modelling.dimensioning import (
+    DOWN,
+    DimensionDeclarations,
+    FaceRequirements,
+    X,
+    Y,
+    Z,
+    fillet_inset,
+    named,
+)
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 
@@ -96,73 +104,39 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the bearing way."""
-    way, d = design.bearing_way, Declarations(design)
+    way, d = design.bearing_way, DimensionDeclarations(design, "bearing_way")
     x, y, top, flange = way.length / 2, way.width / 2, way.height, way.flange_thickness
     root, bolts = -y + way.ledge_width, bolt_places(design)
-    row = bolts[0][1]
-    d.linear("length", "bearing_way.length", (-x, y / 2, top / 2), (x, y / 2, top / 2), view="top")
-    d.linear("width", "bearing_way.width", (0, -y, flange / 2), (0, y, flange / 2), view="top")
-    d.linear("height", "bearing_way.height", (0, 0, 0), (0, 0, top), view="right")
-    d.linear(
-        "ledge width",
-        "bearing_way.ledge_width",
-        (0, -y, flange / 2),
-        (0, root, (flange + top) / 2 + 1),
-        Y,
-        view="right",
-    )
-    d.linear("flange thickness", "bearing_way.flange_thickness", (x - 4, row, 0), (x - 4, row, flange), view="right")
-    nook = way.ledge_fillet * (1 - math.sqrt(0.5))
-    d.radius("ledge fillet", "bearing_way.ledge_fillet", (0, root - nook, flange + nook), X, view="right")
-    hole = "screw hole"
-    d.diameter(
-        "screw hole",
-        "bearing_way.bolt_hole",
-        (bolts[0][0], row, flange / 2),
-        feature=hole,
-        count=len(bolts),
-        note="through",
-        view="top",
-    )
-    d.counted("screw holes", "bearing_way.bolt_count", (bolts[0][0], row, flange), X, feature=hole, view="top")
-    d.linear(
-        "screw spacing",
-        "bearing_way.bolt_spacing",
-        (bolts[0][0], row, flange),
-        (bolts[1][0], row, flange),
-        count=len(bolts) - 1,
-        view="top",
-    )
-    d.linear(
-        "screw row to edge",
-        "bearing_way.bolt_edge",
-        (bolts[0][0], -y, flange / 2),
-        (bolts[0][0], row, flange),
-        Y,
-        view="top",
-    )
+    (bolt, row), (second, _) = bolts[:2]
+    plan, side = d.group(view="top"), d.group(view="right")
+    plan.linear("length", "length", (-x, y / 2, top / 2), (x, y / 2, top / 2))
+    plan.linear("width", "width", (0, -y, flange / 2), (0, y, flange / 2))
+    side.linear("height", "height", (0, 0, 0), (0, 0, top))
+    side.linear("ledge width", "ledge_width", (0, -y, flange / 2), (0, root, (flange + top) / 2 + 1), Y)
+    side.linear("flange thickness", "flange_thickness", (x - 4, row, 0), (x - 4, row, flange))
+    inset = fillet_inset(way.ledge_fillet)
+    side.radius("ledge fillet", "ledge_fillet", (0, root - inset, flange + inset), X)
+    hole, mouth = plan.group(feature="screw hole"), (bolt, row, flange)
+    hole.diameter("screw hole", "bolt_hole", (bolt, row, flange / 2), count=len(bolts), note="through")
+    hole.counted("screw holes", "bolt_count", mouth, X)
+    plan.linear("screw spacing", "bolt_spacing", mouth, (second, row, flange), count=len(bolts) - 1)
+    plan.linear("screw row to edge", "bolt_edge", (bolt, -y, flange / 2), mouth, Y)
     c = way.edge_chamfer / 2
-    d.chamfer("edge chamfer", "bearing_way.edge_chamfer", (0, y - c, top - c), note="all outer edges", view="right")
+    side.chamfer("edge chamfer", "edge_chamfer", (0, y - c, top - c), note="all outer edges")
     c = way.hole_chamfer / 2
-    d.chamfer(
-        "hole chamfer",
-        "bearing_way.hole_chamfer",
-        (bolts[0][0] + way.bolt_hole / 2 + c, row, flange - c),
-        count=len(bolts),
-        view="top",
-    )
+    plan.chamfer("hole chamfer", "hole_chamfer", (bolt + way.bolt_hole / 2 + c, row, flange - c), count=len(bolts))
     return tuple(d)
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Lapped running face and bed: the motion is as straight as they are, the joint as stiff."""
     f, way = FaceRequirements(design), design.bearing_way
-    ledge, down = -way.width / 2 + way.ledge_width, (0.0, 0.0, -1.0)
+    ledge, down = -way.width / 2 + way.ledge_width, DOWN
     bed, run = ((0.0, way.width / 4, 0.0),), ((0.0, (ledge + way.width / 2) / 2, way.height),)
     f.datum("A", bed, down, "right")
-    f.keeps("flatness", "bed", "bearing.way_straightness", bed, down, "right")
-    f.keeps("flatness", "running face", "bearing.way_straightness", run, Z, "right")
-    f.keeps("parallelism", "running face to bed", "drawing.tolerance_x_xx", run, Z, "right", datums=("A",))
-    f.smooth("bed", "bearing.way_roughness", bed, down, "right", "lapped")
-    f.smooth("running face", "bearing.way_roughness", run, Z, "right", "lapped")
+    f.tolerance("flatness", "bed", "bearing.way_straightness", bed, down, "right")
+    f.tolerance("flatness", "running face", "bearing.way_straightness", run, Z, "right")
+    f.tolerance("parallelism", "running face to bed", "drawing.tolerance_x_xx", run, Z, "right", datums=("A",))
+    f.texture("bed", "bearing.way_roughness", bed, down, "right", "lapped")
+    f.texture("running face", "bearing.way_roughness", run, Z, "right", "lapped")
     return tuple(f)

@@ -19,7 +19,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, stepped_hole, turned
 from stagecad.solids.modelling.primitives import cut_all
 
@@ -93,45 +93,26 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of height pin 1."""
-    pin, d = design.height_pin_1, Declarations(design)
+    pin, d = design.height_pin_1, DimensionDeclarations(design, "height_pin_1")
     half, radius, back = pin.length / 2, pin.diameter / 2, (-1.0, 0.0, 0.0)
-    d.diameter("diameter", "height_pin_1.diameter", (0, 0, 0), on=back, view="top", note="sliding fit in its bore")
-    d.linear("length", "height_pin_1.length", (-radius + 2, 0, -half), (-radius + 2, 0, half), view="front")
-    d.linear(
-        "wedge face height",
-        "height_pin_1.flat_height",
-        (0, 0, 0),
-        (pin.flat_height, 0, 0),
-        view="front",
-        note="from the axis, at mid-length",
-    )
-    d.slope("wedge slope", "height_pin_1.slope", (pin.flat_height, 0, 0), Z, view="front", note="rise over run")
+    front, wedge, end = d.group(view="front"), (pin.flat_height, 0, 0), (-radius + 2, 0, -half)
+    d.diameter("diameter", "diameter", (0, 0, 0), on=back, view="top", note="sliding fit in its bore")
+    front.linear("length", "length", end, (-radius + 2, 0, half))
+    front.linear("wedge face height", "flat_height", (0, 0, 0), wedge, note="from the axis, at mid-length")
+    front.slope("wedge slope", "slope", wedge, Z, note="rise over run")
     tail = -half - pin.spigot_length
-    d.diameter("spigot", "height_pin_1.spigot_diameter", (0, 0, (tail - half) / 2), on=back, view="front")
-    d.linear("spigot length", "height_pin_1.spigot_length", (-radius + 2, 0, -half), (0, 0, tail), Z, view="front")
-    d.tapped(
-        "withdrawal hole",
-        "m5",
-        (0, 0, half),
-        (0, 0, -1),
-        thread_depth="height_pin_1.withdrawal_thread_depth",
-        drill_depth="height_pin_1.withdrawal_drill_depth",
-    )
-    c = pin.end_chamfer / 2
-    d.chamfer(
-        "end chamfer",
-        "height_pin_1.end_chamfer",
-        (-(radius - c), 0, half - c),
-        view="front",
-        note="all turned edges and the hole's mouth",
-    )
+    front.diameter("spigot", "spigot_diameter", (0, 0, (tail - half) / 2), on=back)
+    front.linear("spigot length", "spigot_length", end, (0, 0, tail), Z)
+    d.tapped("withdrawal hole", "m5", (0, 0, half), DOWN, ("withdrawal_thread_depth", "withdrawal_drill_depth"))
+    c, note = pin.end_chamfer / 2, "all turned edges and the hole's mouth"
+    front.chamfer("end chamfer", "end_chamfer", (-(radius - c), 0, half - c), note=note)
     return tuple(d)
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """A wedge face that height pin 2 stands on in full, and a shank that guides it."""
     f, wedge, back = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, -design.height_pin_1.length / 4)
-    f.keeps("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
-    f.keeps("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
-    f.smooth("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
+    f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
+    f.tolerance("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
+    f.texture("wedge face", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
     return tuple(f)

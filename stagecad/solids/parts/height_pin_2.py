@@ -16,7 +16,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN
 from stagecad.solids.modelling.primitives import cut_all, revolved
 
@@ -73,29 +73,22 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of height pin 2."""
-    pin, d = design.height_pin_2, Declarations(design)
-    radius, length = pin.diameter / 2, pin.length
-    d.diameter(
-        "diameter", "height_pin_2.diameter", (0, 0, length / 2), on=X, view="front", note="sliding fit in its bore"
-    )
-    d.linear("length", "height_pin_2.length", (0, 0, 0), (0, 0, length), view="front", note="on the axis")
-    d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, view="front", note="rise over run")
-    d.radius("crown", "height_pin_2.crown_radius", (0, 0, length), view="front", note="spherical")
-    rim = radius - pin.end_chamfer
-    edge = length - pin.crown_radius + math.sqrt(pin.crown_radius**2 - rim**2)
-    d.chamfer(
-        "end chamfer",
-        "height_pin_2.end_chamfer",
-        (rim + pin.end_chamfer / 2, 0, edge - pin.end_chamfer / 2),
-        view="front",
-    )
+    pin = design.height_pin_2
+    d, top, c = DimensionDeclarations(design, "height_pin_2").group(view="front"), pin.length, pin.end_chamfer
+    d.diameter("diameter", "diameter", (0, 0, top / 2), on=X, note="sliding fit in its bore")
+    d.linear("length", "length", (0, 0, 0), (0, 0, top), note="on the axis")
+    d.slope("slope of the lower end", "height_pin_1.slope", (0, 0, 0), X, note="rise over run")
+    d.radius("crown", "crown_radius", (0, 0, top), note="spherical")
+    rim = pin.diameter / 2 - c
+    edge = top - pin.crown_radius + math.sqrt(pin.crown_radius**2 - rim**2)
+    d.chamfer("end chamfer", "end_chamfer", (rim + c / 2, 0, edge - c / 2))
     return tuple(d)
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """A lower end that meets the wedge in full, and a shank that its bore guides."""
     f, wedge, middle = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, design.height_pin_2.length / 2)
-    f.keeps("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
-    f.keeps("flatness", "lower end", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
-    f.smooth("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
+    f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (middle,), Z, "front", round=True)
+    f.tolerance("flatness", "lower end", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")
+    f.texture("lower end", "bearing.way_roughness", (wedge.origin,), wedge.normal, "front")
     return tuple(f)

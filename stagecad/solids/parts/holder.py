@@ -22,11 +22,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Z, named
+from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Z, named
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
-from stagecad.solids.parts.tip import bolt_circle_radius, piezo_places
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -50,7 +50,7 @@ def build(design: Any) -> cq.Solid:
     body = body.Solids()[0]
 
     cutters: list[cq.Shape] = []
-    places = piezo_places(design)
+    places = Derived(design).piezo_places
     bore = stepped_hole(
         (0, 0, h.height),
         (0, 0, -1),
@@ -63,7 +63,7 @@ def build(design: Any) -> cq.Solid:
             (0, 0, h.height), (0, 0, -1), [(h.well_diameter, h.height - h.floor)], mouth_chamfer=h.bore_chamfer
         )
     )
-    radius, outside = bolt_circle_radius(design), h.diameter / 2
+    radius, outside = Derived(design).piezo_circle, h.diameter / 2
     for x, y in places:
         angle = math.degrees(math.atan2(y, x))
         slot = cq.Solid.makeBox(
@@ -108,7 +108,7 @@ def material(design: Any) -> str:
 def datums(design: Any) -> dict[str, Datum]:
     """Bottom, top, and the floors the piezos stand on."""
     h = design.holder
-    floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(piezo_places(design), start=1)]
+    floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(Derived(design).piezo_places, start=1)]
     return named(
         Datum("bottom", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),
         Datum("top", (0.0, 0.0, h.height), Z),
@@ -118,96 +118,58 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the holder."""
-    h, d = design.holder, Declarations(design)
-    (x1, y1), (x2, _), (_, y3) = piezo_places(design)
-    top, outside, middle = h.height, h.diameter / 2, (h.height + h.floor) / 2
-    d.diameter(
-        "diameter", "holder.diameter", (0, 0, h.floor / 2), on=X, view="front", note="sliding fit in the base's pocket"
-    )
-    d.linear("height", "holder.height", (0, 0, 0), (0, -outside + 4, top), Z, view="front")
-    d.linear(
-        "piezo spacing",
-        "actuator.piezo_spacing",
-        (x1, y1, top),
-        (x2, y1, top),
-        view="top",
-        note="3 bores on an equilateral triangle about the axis",
-    )
-    bore = "piezo bore"
-    d.diameter("piezo bore", "holder.bore_diameter", (x1, y1, middle), feature=bore, count=3, view="top")
-    d.linear("floor", "holder.floor", (x1, y1, 0), (x1, y1, h.floor), count=4, view="section", note="bores and well")
-    d.diameter(
-        "ejector hole",
-        "holder.ejector_hole",
-        (x1, y1, h.floor / 2),
-        feature=bore,
-        count=3,
-        note="through",
-        view="top",
-    )
-    d.diameter("well", "holder.well_diameter", (0, 0, middle), on=(0.0, -1.0, 0.0), view="top")
-    slot, half = (h.well_diameter / 2 + y3 - h.bore_diameter / 2) / 2, h.lead_slot_width / 2
-    d.linear(
-        "lead slot width",
-        "holder.lead_slot_width",
-        (-half, slot, middle),
-        (half, slot, middle),
-        count=3,
-        view="top",
-        note="bore to well, down to the floor",
-    )
-    d.tapped("clamp hole", "m4", (0, outside, h.clamp_height), (0, -1, 0), count=3, view="back")
-    d.linear(
-        "clamp hole height",
-        "holder.clamp_height",
-        (0, outside - 3, 0),
-        (0, outside, h.clamp_height),
-        Z,
-        count=3,
-        view="back",
-    )
-    lift = (0.0, -h.lift_radius, top)
-    d.linear("lifting hole radius", "holder.lift_radius", (0, 0, top), lift, count=3, view="top")
-    d.tapped(
-        "lifting hole",
-        "m4",
-        lift,
-        (0, 0, -1),
-        thread_depth="holder.lift_thread_depth",
-        drill_depth="holder.lift_drill_depth",
-        shows_drill=False,
-        count=3,
-    )
-    notch = outside - h.index_depth / 2
-    d.linear(
-        "index notch width",
-        "holder.index_width",
-        (notch, -h.index_width / 2, top - h.index_depth / 2),
-        (notch, h.index_width / 2, top - h.index_depth / 2),
-        count=2,
-        view="top",
-    )
-    d.linear(
-        "index notch depth",
-        "holder.index_depth",
-        (0, -outside + 4, top),
-        (notch, 0, top - h.index_depth),
-        Z,
-        count=2,
-        view="front",
-        note="and as deep radially",
-    )
-    c = h.edge_chamfer / 2
-    d.chamfer("edge chamfer", "holder.edge_chamfer", (0, -(outside - c), c), note="both ends", view="front")
-    c = h.bore_chamfer / 2
-    d.chamfer(
-        "bore chamfer",
-        "holder.bore_chamfer",
-        (x1 - h.bore_diameter / 2 - c, y1, top - c),
-        note="mouths of all holes",
-        view="top",
-    )
+    d = DimensionDeclarations(design, "holder")
+    _body_dimensions(d, design)
+    _bore_dimensions(d.group(view="top"), design)
+    _screw_hole_dimensions(d, design)
+    _edge_dimensions(d, design)
     return tuple(d)
+
+
+def _body_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    h = design.holder
+    middle, edge, note = (0, 0, h.floor / 2), (0, -h.diameter / 2 + 4, h.height), "sliding fit in the base's pocket"
+    d.diameter("diameter", "diameter", middle, on=X, view="front", note=note)
+    d.linear("height", "height", (0, 0, 0), edge, Z, view="front")
+
+
+def _bore_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    h, middle = design.holder, (design.holder.height + design.holder.floor) / 2
+    (x1, y1), (x2, _), (_, y3) = Derived(design).piezo_places
+    note = "3 bores on an equilateral triangle about the axis"
+    d.linear("piezo spacing", "actuator.piezo_spacing", (x1, y1, h.height), (x2, y1, h.height), note=note)
+    bore = d.group(feature="piezo bore", count=3)
+    bore.diameter("piezo bore", "bore_diameter", (x1, y1, middle))
+    d.linear("floor", "floor", (x1, y1, 0), (x1, y1, h.floor), count=4, view="section", note="bores and well")
+    bore.diameter("ejector hole", "ejector_hole", (x1, y1, h.floor / 2), note="through")
+    d.diameter("well", "well_diameter", (0, 0, middle), on=(0.0, -1.0, 0.0))
+    y, half = (h.well_diameter / 2 + y3 - h.bore_diameter / 2) / 2, h.lead_slot_width / 2
+    left, right, note = (-half, y, middle), (half, y, middle), "bore to well, down to the floor"
+    d.linear("lead slot width", "lead_slot_width", left, right, count=3, note=note)
+
+
+def _screw_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    h, y = design.holder, design.holder.diameter / 2
+    clamp, lift = (0, y, h.clamp_height), (0.0, -h.lift_radius, h.height)
+    back = d.group(view="back", count=3)
+    back.tapped("clamp hole", "m4", clamp, (0, -1, 0))
+    back.linear("clamp hole height", "clamp_height", (0, y - 3, 0), clamp, Z)
+    d.linear("lifting hole radius", "lift_radius", (0, 0, h.height), lift, count=3, view="top")
+    depths = ("lift_thread_depth", "lift_drill_depth")
+    d.tapped("lifting hole", "m4", lift, DOWN, depths, tap_drill=False, count=3)
+
+
+def _edge_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    h, (x, y), outside = design.holder, Derived(design).piezo_places[0], design.holder.diameter / 2
+    notch, half, z = outside - h.index_depth / 2, h.index_width / 2, h.height - h.index_depth / 2
+    edge, root = (0, -outside + 4, h.height), (notch, 0, h.height - h.index_depth)
+    d.linear("index notch width", "index_width", (notch, -half, z), (notch, half, z), count=2, view="top")
+    d.linear("index notch depth", "index_depth", edge, root, Z, count=2, view="front", note="and as deep radially")
+    c = h.edge_chamfer / 2
+    d.chamfer("edge chamfer", "edge_chamfer", (0, -(outside - c), c), note="both ends", view="front")
+    c = h.bore_chamfer / 2
+    mouth = (x - h.bore_diameter / 2 - c, y, h.height - c)
+    d.chamfer("bore chamfer", "bore_chamfer", mouth, note="mouths of all holes", view="top")
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
@@ -215,13 +177,15 @@ def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     f, h = FaceRequirements(design), design.holder
     axis, floors = (0.0, 0.0, h.floor / 2), tuple((x, y, h.floor) for x, y in _beside_ejectors(design))
     f.datum("A", (axis,), Z, "front", round=True)
-    f.keeps("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
-    f.keeps("perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True)
-    f.smooth("floors", "bearing.way_roughness", floors, Z, "section")
+    f.tolerance("cylindricity", "diameter", "drawing.tolerance_x_xx", (axis,), Z, "front", round=True)
+    f.tolerance(
+        "perpendicularity", "floors", "drawing.tolerance_x_xx", floors, Z, "section", datums=("A",), combined=True
+    )
+    f.texture("floors", "bearing.way_roughness", floors, Z, "section")
     return tuple(f)
 
 
 def _beside_ejectors(design: Any) -> list[tuple[float, float]]:
     """A place (x, y) on each bore's floor: the ejector hole takes its middle."""
     aside = (design.holder.ejector_hole + design.holder.bore_diameter) / 4
-    return [(x + aside, y) for x, y in piezo_places(design)]
+    return [(x + aside, y) for x, y in Derived(design).piezo_places]

@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension
-from stagecad.solids.modelling.dimensioning import Declarations, Z, named
+from stagecad.solids.modelling.dimensioning import DimensionDeclarations, Z, named
 from stagecad.solids.modelling.primitives import plate
 
 if TYPE_CHECKING:
@@ -40,10 +40,10 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the magnet."""
-    m, d = design.magnet, Declarations(design)
+    m, d = design.magnet, DimensionDeclarations(design, "magnet")
     x, y, mid, c = m.length / 2, m.thickness / 2, -m.height / 2, m.edge_chamfer / 2
-    d.linear("length", "magnet.length", (-x, 0, mid), (x, 0, mid), view="front")
-    d.linear("thickness", "magnet.thickness", (0, -y, mid), (0, y, mid), view="top", note="magnetised this way")
-    d.linear("height", "magnet.height", (0, 0, 0), (0, 0, -m.height), view="front")
-    d.chamfer("edge chamfer", "magnet.edge_chamfer", (0, y - c, -c), note="all edges", view="right")
+    d.linear("length", "length", (-x, 0, mid), (x, 0, mid), view="front")
+    d.linear("thickness", "thickness", (0, -y, mid), (0, y, mid), view="top", note="magnetised this way")
+    d.linear("height", "height", (0, 0, 0), (0, 0, -m.height), view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (0, y - c, -c), note="all edges", view="right")
     return tuple(d)

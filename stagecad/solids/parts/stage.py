@@ -23,11 +23,20 @@ Features and what each is for
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Y, Z, named
+from stagecad.solids.modelling.dimensioning import (
+    DOWN,
+    DimensionDeclarations,
+    FaceRequirements,
+    X,
+    Y,
+    Z,
+    fillet_inset,
+    named,
+)
 from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, plate
 from stagecad.solids.parts.tooth_bar import pole_offset
@@ -41,22 +50,6 @@ NOTES = (
     "Holes, pads, sea and pockets symmetric about the middle of length and width where no distance is given.",
     "The single pad of three is in the middle of the length.",
 )
-
-
-def pad_centres(design: Any) -> list[tuple[float, float]]:
-    """Centres (x, y) of the islands, mm: two at +y, and at -y one in the middle (three pads) or two (four pads)."""
-    along, across = design.pads.spacing_along / 2, design.pads.spacing_across / 2
-    far = [(0.0, -across)] if design.pads.count == 3 else [(-along, -across), (along, -across)]
-    return [(-along, across), (along, across), *far]
-
-
-def payload_grid(design: Any) -> list[tuple[float, float]]:
-    """Places (x, y) of the payload's tapped holes, mm, centred on the plate."""
-    s = design.stage
-    columns, rows, pitch = int(s.payload_columns), int(s.payload_rows), s.payload_pitch
-    return [
-        ((i - (columns - 1) / 2) * pitch, (j - (rows - 1) / 2) * pitch) for i in range(columns) for j in range(rows)
-    ]
 
 
 def build(design: Any) -> cq.Solid:
@@ -76,7 +69,7 @@ def build(design: Any) -> cq.Solid:
         mouth_chamfer=s.hole_chamfer,
         drill_point=True,
     )
-    cutters += repeated(hole, [(x, y, 0.0) for x, y in payload_grid(design)])
+    cutters += repeated(hole, [(x, y, 0.0) for x, y in Derived(design).payload_places])
     dowel = stepped_hole((0.0, 0.0, top), (0, 0, -1), [(s.dowel_diameter, top + OVERRUN)], mouth_chamfer=s.hole_chamfer)
     cutters += repeated(dowel, [(side * s.dowel_spacing / 2, s.dowel_offset, 0.0) for side in (-1, 1)])
     for end in (-1, 1):
@@ -126,7 +119,7 @@ def _with_islands(design: Any, body: cq.Solid) -> cq.Solid:
         .moved(cq.Location(cq.Vector(0, 0, pads.crown_radius - pads.height)))
     )
     island = prism.intersect(ball).Solids()[0]
-    centres = pad_centres(design)
+    centres = Derived(design).pad_places
     body = joined(body, repeated(island, [(x, y, 0.0) for x, y in centres]))
 
     def at_root(p: cq.Vector) -> bool:
@@ -144,9 +137,11 @@ def material(design: Any) -> str:
 
 def datums(design: Any) -> dict[str, Datum]:
     """Crowns of the pads, payload face, sea, and the seats of irons and magnets."""
-    s, down = design.stage, (0.0, 0.0, -1.0)
+    s, down = design.stage, DOWN
     crown = -design.pads.height
-    found = [Datum(f"pad_{i}", (x, y, crown), down) for i, (x, y) in enumerate(sorted(pad_centres(design)), start=1)]
+    found = [
+        Datum(f"pad_{i}", (x, y, crown), down) for i, (x, y) in enumerate(sorted(Derived(design).pad_places), start=1)
+    ]
     found += [
         Datum("pads", (0.0, 0.0, crown), down),
         Datum("top", (0.0, 0.0, s.thickness), Z),
@@ -163,187 +158,105 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the stage."""
-    d = Declarations(design)
+    d = DimensionDeclarations(design, "stage")
     _plate_dimensions(d, design)
-    _island_dimensions(d, design)
-    _underside_dimensions(d, design)
+    _payload_hole_dimensions(d, design)
+    _dowel_and_target_dimensions(d, design)
+    _pad_dimensions(d.group(view="bottom"), design)
+    if not design.sea.whole_underside:
+        _drive_surface_dimensions(d.group(view="bottom"), design)
+    if design.teeth.fitted:
+        _iron_pocket_dimensions(d.group(view="bottom"), design)
+        d.tapped("jack hole", "m3", (0, design.teeth.bar_spacing / 2, design.stage.thickness), DOWN, count=2)
     return tuple(d)
 
 
-def _plate_dimensions(d: Declarations, design: Any) -> None:
+def _plate_dimensions(d: DimensionDeclarations, design: Any) -> None:
     s = design.stage
     x, y, top = s.length / 2, s.width / 2, s.thickness
-    d.linear("length", "stage.length", (-x, 0, top / 2), (x, 0, top / 2), view="top")
-    d.linear("width", "stage.width", (0, -y, top / 2), (0, y, top / 2), view="top")
-    d.linear("thickness", "stage.thickness", (x - 10, y - 10, 0), (x - 10, y - 10, top), view="front")
-    nook = s.corner_radius * (1 - math.sqrt(0.5))
-    d.radius("corner radius", "stage.corner_radius", (x - nook, y - nook, top / 2), count=4, view="top")
+    d.linear("length", "length", (-x, 0, top / 2), (x, 0, top / 2), view="top")
+    d.linear("width", "width", (0, -y, top / 2), (0, y, top / 2), view="top")
+    d.linear("thickness", "thickness", (x - 10, y - 10, 0), (x - 10, y - 10, top), view="front")
+    inset = fillet_inset(s.corner_radius)
+    d.radius("corner radius", "corner_radius", (x - inset, y - inset, top / 2), count=4, view="top")
     c = s.edge_chamfer / 2
-    d.chamfer("edge chamfer", "stage.edge_chamfer", (0, y - c, top - c), note="all outer edges", view="front")
+    d.chamfer("edge chamfer", "edge_chamfer", (0, y - c, top - c), note="all outer edges", view="front")
 
-    columns, rows = int(s.payload_columns), int(s.payload_rows)
-    (px, py), pitch = payload_grid(design)[0], s.payload_pitch
-    hole = "payload hole"
-    d.tapped(
-        hole,
-        "m6",
-        (px, py, top),
-        (0, 0, -1),
-        thread_depth="stage.payload_thread_depth",
-        drill_depth="stage.payload_drill_depth",
-        count=columns * rows,
-    )
-    d.counted("payload columns", "stage.payload_columns", (px, py, top), X, feature=hole, view="top")
-    d.counted("payload rows", "stage.payload_rows", (px, py, top), Y, feature=hole, view="top")
-    d.linear(
-        "payload pitch",
-        "stage.payload_pitch",
-        (px, py, top),
-        (px + pitch, py, top),
-        view="top",
-        count=columns + rows - 2,
-        note="both ways",
-    )
+
+def _payload_hole_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    s, (x, y), top = design.stage, Derived(design).payload_places[0], design.stage.thickness
+    count, steps = s.payload_columns * s.payload_rows, s.payload_columns + s.payload_rows - 2
+    hole, next_hole = (x, y, top), (x + s.payload_pitch, y, top)
+    d.tapped("payload hole", "m6", hole, DOWN, ("payload_thread_depth", "payload_drill_depth"), count=count)
+    d.counted("payload columns", "payload_columns", hole, X, feature="payload hole", view="top")
+    d.counted("payload rows", "payload_rows", hole, Y, feature="payload hole", view="top")
+    d.linear("payload pitch", "payload_pitch", hole, next_hole, view="top", count=steps, note="both ways")
     c = s.hole_chamfer / 2
-    d.chamfer(
-        "hole chamfer",
-        "stage.hole_chamfer",
-        (px + design.threads.m6_tap_drill / 2 + c, py, top - c),
-        note="mouths of all holes",
-        view="top",
-    )
-
-    far = s.dowel_spacing / 2
-    d.diameter(
-        "dowel hole",
-        "stage.dowel_diameter",
-        (far, s.dowel_offset, top / 2),
-        feature="dowel hole",
-        count=2,
-        note="reamed, through",
-        view="top",
-    )
-    d.linear(
-        "dowel spacing", "stage.dowel_spacing", (-far, s.dowel_offset, top), (far, s.dowel_offset, top), view="top"
-    )
-    d.linear(
-        "dowel offset",
-        "stage.dowel_offset",
-        (x, 0, top),
-        (far, s.dowel_offset, top),
-        Y,
-        view="top",
-        note="from the middle",
-    )
-    step = s.target_spacing / 2
-    d.linear(
-        "target spacing",
-        "stage.target_spacing",
-        (x, -step, top / 2),
-        (x, step, top / 2),
-        view="right",
-        count=2,
-        note="at mid-thickness",
-    )
-    d.tapped(
-        "target hole",
-        "m4",
-        (x, step, top / 2),
-        (-1, 0, 0),
-        thread_depth="stage.target_thread_depth",
-        drill_depth="stage.target_drill_depth",
-        view="right",
-        count=4,
-    )
+    mouth = (x + design.threads.m6_tap_drill / 2 + c, y, top - c)
+    d.chamfer("hole chamfer", "hole_chamfer", mouth, note="mouths of all holes", view="top")
 
 
-def _island_dimensions(d: Declarations, design: Any) -> None:
-    pads = design.pads
-    (x, y), (x2, _), (_, far) = pad_centres(design)[:3]
-    half, side, crown = pads.length / 2, pads.width / 2, -pads.height
-    d.counted("pads", "pads.count", (x, y, crown), Z, view="bottom", feature="pad", note="PTFE film on the crowns")
-    d.linear("pad length", "pads.length", (x - half, y, crown / 2), (x + half, y, crown / 2), view="bottom")
-    d.linear("pad width", "pads.width", (x, y - side, crown / 2), (x, y + side, crown / 2), view="bottom")
-    d.linear("pad height", "pads.height", (x, y, 0), (x, y, crown), view="front")
-    d.radius("pad crown", "pads.crown_radius", (x, y, crown), view="front", note="spherical crown, all pads")
-    nook = pads.corner_radius * (1 - math.sqrt(0.5))
-    d.radius("pad corner", "pads.corner_radius", (x + half - nook, y + side - nook, crown / 2), view="bottom")
-    root = pads.root_fillet * (1 - math.sqrt(0.5))
-    d.radius("pad root fillet", "pads.root_fillet", (x, y + side + root, -root), view="bottom")
-    d.linear("pad spacing along", "pads.spacing_along", (x, y, crown), (x2, y, crown), view="bottom")
-    d.linear(
-        "pad spacing across",
-        "pads.spacing_across",
-        (x, y, crown),
-        (pad_centres(design)[2][0], far, crown),
-        Y,
-        view="bottom",
-    )
+def _dowel_and_target_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    s = design.stage
+    end, top, x, y = s.length / 2, s.thickness, s.dowel_spacing / 2, s.dowel_offset
+    plan = d.group(view="top")
+    hole, middle = (x, y, top), (x, y, top / 2)
+    plan.diameter("dowel hole", "dowel_diameter", middle, feature="dowel hole", count=2, note="reamed, through")
+    plan.linear("dowel spacing", "dowel_spacing", (-x, y, top), hole)
+    plan.linear("dowel offset", "dowel_offset", (end, 0, top), hole, Y, note="from the middle")
+    y = s.target_spacing / 2
+    side, hole = d.group(view="right"), (end, y, top / 2)
+    side.linear("target spacing", "target_spacing", (end, -y, top / 2), hole, count=2, note="at mid-thickness")
+    depths = ("target_thread_depth", "target_drill_depth")
+    side.tapped("target hole", "m4", hole, (-1, 0, 0), depths, count=4)
 
 
-def _underside_dimensions(d: Declarations, design: Any) -> None:
-    s, sea = design.stage, design.sea
-    if not sea.whole_underside:
-        x, half, deep = s.length / 2 - 5, sea.width / 2, sea.groove_depth
-        d.linear(
-            "sea width",
-            "sea.width",
-            (x, -half, deep / 2),
-            (x, half, deep / 2),
-            view="bottom",
-            note="friction coating between the grooves",
-        )
-        d.linear(
-            "sea groove width",
-            "sea.groove_width",
-            (x, half, deep / 2),
-            (x, half + sea.groove_width, deep / 2),
-            count=2,
-            view="bottom",
-        )
-        middle = half + sea.groove_width / 2
-        d.depth("sea groove depth", "sea.groove_depth", (x, middle, 0), (x, middle, deep), count=2, view="bottom")
-    if not design.teeth.fitted:
-        return
-    y, deep = design.teeth.bar_spacing / 2, s.iron_pocket_depth
-    along, across = s.iron_pocket_length / 2, s.iron_pocket_width / 2
-    d.linear("iron pocket spacing", "teeth.bar_spacing", (0, -y, deep), (0, y, deep), view="bottom")
-    d.linear(
-        "iron pocket length",
-        "stage.iron_pocket_length",
-        (-along, y, deep / 2),
-        (along, y, deep / 2),
-        count=2,
-        view="bottom",
-    )
-    d.linear(
-        "iron pocket width",
-        "stage.iron_pocket_width",
-        (0, y - across, deep / 2),
-        (0, y + across, deep / 2),
-        count=2,
-        view="bottom",
-    )
-    d.depth(
-        "iron pocket depth", "stage.iron_pocket_depth", (along - 3, y, 0), (along - 3, y, deep), count=2, view="bottom"
-    )
-    nook = s.iron_pocket_corner * (1 - math.sqrt(0.5))
-    d.radius(
-        "iron pocket corner",
-        "stage.iron_pocket_corner",
-        (along - nook, y + across - nook, deep / 2),
-        count=8,
-        view="bottom",
-    )
-    d.tapped("jack hole", "m3", (0, y, s.thickness), (0, 0, -1), count=2)
+def _pad_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    pads, places = design.pads, Derived(design).pad_places
+    (x, y), (x2, _), (x3, y3) = places[:3]
+    half, side, low = pads.length / 2, pads.width / 2, -pads.height
+    crown, middle = (x, y, low), low / 2
+    d.counted("pads", "pads.count", crown, Z, feature="pad", note="PTFE film on the crowns")
+    d.linear("pad length", "pads.length", (x - half, y, middle), (x + half, y, middle))
+    d.linear("pad width", "pads.width", (x, y - side, middle), (x, y + side, middle))
+    d.linear("pad height", "pads.height", (x, y, 0), crown, view="front")
+    d.radius("pad crown", "pads.crown_radius", crown, view="front", note="spherical crown, all pads")
+    inset = fillet_inset(pads.corner_radius)
+    d.radius("pad corner", "pads.corner_radius", (x + half - inset, y + side - inset, middle))
+    inset = fillet_inset(pads.root_fillet)
+    d.radius("pad root fillet", "pads.root_fillet", (x, y + side + inset, -inset))
+    d.linear("pad spacing along", "pads.spacing_along", crown, (x2, y, low))
+    d.linear("pad spacing across", "pads.spacing_across", crown, (x3, y3, low), Y)
+
+
+def _drive_surface_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    sea = design.sea
+    x, half, deep = design.stage.length / 2 - 5, sea.width / 2, sea.groove_depth
+    outer, middle = half + sea.groove_width, half + sea.groove_width / 2
+    inner, note = (x, half, deep / 2), "friction coating between the grooves"
+    d.linear("sea width", "sea.width", (x, -half, deep / 2), inner, note=note)
+    d.linear("sea groove width", "sea.groove_width", inner, (x, outer, deep / 2), count=2)
+    d.depth("sea groove depth", "sea.groove_depth", (x, middle, 0), (x, middle, deep), count=2)
+
+
+def _iron_pocket_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    s, y, deep = design.stage, design.teeth.bar_spacing / 2, design.stage.iron_pocket_depth
+    x, across, middle = s.iron_pocket_length / 2, s.iron_pocket_width / 2, deep / 2
+    low, high, pair = y - across, y + across, d.group(count=2)
+    d.linear("iron pocket spacing", "teeth.bar_spacing", (0, -y, deep), (0, y, deep))
+    pair.linear("iron pocket length", "iron_pocket_length", (-x, y, middle), (x, y, middle))
+    pair.linear("iron pocket width", "iron_pocket_width", (0, low, middle), (0, high, middle))
+    pair.depth("iron pocket depth", "iron_pocket_depth", (x - 3, y, 0), (x - 3, y, deep))
+    inset = fillet_inset(s.iron_pocket_corner)
+    d.radius("iron pocket corner", "iron_pocket_corner", (x - inset, high - inset, middle), count=8)
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """A sea parallel to the plane of the pads' crowns: the tip's load stays the same along the travel."""
-    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
-    crowns = tuple((x, y, -design.pads.height) for x, y in sorted(pad_centres(design)))
+    f, down = FaceRequirements(design), DOWN
+    crowns = tuple((x, y, -design.pads.height) for x, y in sorted(Derived(design).pad_places))
     sea = ((0.0, 0.0, 0.0),)
     f.datum("A", crowns, down, "front")
-    f.keeps("parallelism", "sea to pads", "drawing.tolerance_x_xx", sea, down, "front", datums=("A",))
-    f.smooth("sea", "drive.roughness", sea, down, "front", "lapped")
+    f.tolerance("parallelism", "sea to pads", "drawing.tolerance_x_xx", sea, down, "front", datums=("A",))
+    f.texture("sea", "drive.roughness", sea, down, "front", "lapped")
     return tuple(f)

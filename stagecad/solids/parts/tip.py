@@ -19,8 +19,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.derived import Derived
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Y, Z, named
+from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, FaceRequirements, X, Y, Z, named
 from stagecad.solids.modelling.holes import repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, revolved, upright_edges
 
@@ -33,17 +34,6 @@ NOTES = (
     "Feet and arms at the corners of an equilateral triangle about the nose; symmetric about each arm.",
     "Nose anodised hard as the friction contact; seats masked.",
 )
-
-
-def bolt_circle_radius(design: Any) -> float:
-    """R = D / sqrt(3), mm: the circle through three piezos at mutual distance D."""
-    return design.actuator.piezo_spacing / math.sqrt(3.0)
-
-
-def piezo_places(design: Any) -> list[tuple[float, float]]:
-    """Axes (x, y) of piezos 1, 2, 3 around the tip's axis, mm."""
-    radius, half = bolt_circle_radius(design), design.actuator.piezo_spacing / 2
-    return [(-half, -radius / 2), (half, -radius / 2), (0.0, radius)]
 
 
 def build(design: Any) -> cq.Solid:
@@ -59,8 +49,8 @@ def build(design: Any) -> cq.Solid:
 
     hub = cq.Solid.makeCylinder(tip.hub_diameter / 2, tip.arm_thickness, cq.Vector(0, 0, underside), axis)
     limbs: list[cq.Shape] = []
-    radius = bolt_circle_radius(design)
-    for x, y in piezo_places(design):
+    radius = Derived(design).piezo_circle
+    for x, y in Derived(design).piezo_places:
         limbs.append(cq.Solid.makeCylinder(tip.foot_diameter / 2, tip.arm_thickness, cq.Vector(x, y, underside), axis))
         arm = cq.Solid.makeBox(radius, tip.arm_width, tip.arm_thickness, cq.Vector(0, -tip.arm_width / 2, underside))
         limbs.append(arm.rotate(cq.Vector(0, 0, 0), axis, math.degrees(math.atan2(y, x))))
@@ -84,7 +74,7 @@ def build(design: Any) -> cq.Solid:
 
     seat = stepped_hole((0, 0, underside), (0, 0, 1), [(tip.seat_diameter, tip.seat_depth)])
     relief = stepped_hole((0, 0, underside), (0, 0, 1), [(tip.relief_diameter, tip.relief_depth)], drill_point=True)
-    return cut_all(body, [*repeated(seat, [(x, y, 0.0) for x, y in piezo_places(design)]), relief])
+    return cut_all(body, [*repeated(seat, [(x, y, 0.0) for x, y in Derived(design).piezo_places]), relief])
 
 
 def material(design: Any) -> str:
@@ -95,58 +85,61 @@ def material(design: Any) -> str:
 def datums(design: Any) -> dict[str, Datum]:
     """Apex, and the seats of the piezos' ends."""
     seats = [
-        Datum(f"piezo_{i}", (x, y, 0.0), (0.0, 0.0, -1.0)) for i, (x, y) in enumerate(piezo_places(design), start=1)
+        Datum(f"piezo_{i}", (x, y, 0.0), (0.0, 0.0, -1.0))
+        for i, (x, y) in enumerate(Derived(design).piezo_places, start=1)
     ]
     return named(Datum("apex", (0.0, 0.0, design.actuator.tip_height), Z), *seats)
 
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the tip."""
-    tip, apex, d = design.tip, design.actuator.tip_height, Declarations(design)
-    (x1, y1), (x2, _), (_, y3) = piezo_places(design)
-    low = -tip.seat_depth
-    top, mid = low + tip.arm_thickness, low + tip.arm_thickness / 2 + tip.seat_depth / 2
-    half, hub = tip.arm_width / 2, tip.hub_diameter / 2
-    d.linear(
-        "piezo spacing",
-        "actuator.piezo_spacing",
-        (x1, y1, low),
-        (x2, y1, low),
-        view="bottom",
-        note="3 seats on an equilateral triangle about the nose",
-    )
-    d.linear("tip height", "actuator.tip_height", (x1, y1, 0), (0, 0, apex), Z, view="front")
-    d.linear("arm thickness", "tip.arm_thickness", (0, hub + 3, low), (0, hub + 3, top), view="front")
+    d, tip, low = DimensionDeclarations(design, "tip"), design.tip, -design.tip.seat_depth
+    _arm_dimensions(d, design)
+    _nose_dimensions(d.group(view="front"), design)
+    relief, mid = d.group(view="bottom", feature="relief bore"), low + tip.arm_thickness / 2 + tip.seat_depth / 2
+    relief.diameter("relief bore", "relief_diameter", (0, 0, mid), on=X)
+    relief.depth("relief depth", "relief_depth", (0, 0, low), (0, 0, low + tip.relief_depth))
+    return tuple(d)
+
+
+def _arm_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    tip, apex, low = design.tip, design.actuator.tip_height, -design.tip.seat_depth
+    (x1, y1), (x2, _), (_, y3) = Derived(design).piezo_places
+    mid, half, hub = low + tip.arm_thickness / 2 + tip.seat_depth / 2, tip.arm_width / 2, tip.hub_diameter / 2
+    top, bottom, front = d.group(view="top"), d.group(view="bottom"), d.group(view="front")
+    note = "3 seats on an equilateral triangle about the nose"
+    bottom.linear("piezo spacing", "actuator.piezo_spacing", (x1, y1, low), (x2, y1, low), note=note)
+    front.linear("tip height", "actuator.tip_height", (x1, y1, 0), (0, 0, apex), Z)
+    front.linear("arm thickness", "arm_thickness", (0, hub + 3, low), (0, hub + 3, low + tip.arm_thickness))
 
     # Upright fillets beside arm 3: tangent to its side and, outside, to hub and foot.
-    def corner(radius: float) -> tuple[float, float]:
-        reach = radius + tip.root_fillet
-        return half + tip.root_fillet, math.sqrt(reach**2 - (half + tip.root_fillet) ** 2)
+    def fillet_centre(radius: float) -> tuple[float, float]:
+        x = half + tip.root_fillet
+        return x, math.sqrt((radius + tip.root_fillet) ** 2 - x**2)
 
-    centre = corner(hub)
-    towards_hub = (-centre[0] / math.hypot(*centre), -centre[1] / math.hypot(*centre))
-    way = (towards_hub[0] - 1.0, towards_hub[1])
-    touch = tuple(c + tip.root_fillet * w / math.hypot(*way) for c, w in zip(centre, way, strict=True))
-    straight = (centre[1] + y3 - corner(tip.foot_diameter / 2)[1]) / 2
-    d.linear("arm width", "tip.arm_width", (-half, straight, mid), (half, straight, mid), count=3, view="top")
-    d.radius("root fillet", "tip.root_fillet", (touch[0], touch[1], mid), count=12, view="top")
+    centre = fillet_centre(hub)
+    to_hub = (-centre[0] / math.hypot(*centre), -centre[1] / math.hypot(*centre))
+    bisector = (to_hub[0] - 1.0, to_hub[1])
+    x, y = (c + tip.root_fillet * b / math.hypot(*bisector) for c, b in zip(centre, bisector, strict=True))
+    straight = (centre[1] + y3 - fillet_centre(tip.foot_diameter / 2)[1]) / 2
+    top.linear("arm width", "arm_width", (-half, straight, mid), (half, straight, mid), count=3)
+    top.radius("root fillet", "root_fillet", (x, y, mid), count=12)
     c = tip.edge_chamfer / 2
-    d.chamfer("edge chamfer", "tip.edge_chamfer", (half - c, straight, low + c), note="outline, both faces", view="top")
-    d.diameter("foot", "tip.foot_diameter", (0, y3, mid), on=Y, count=3, view="top")
-    seat = "seat"
-    d.diameter("seat", "tip.seat_diameter", (x1, y1, low / 2), on=X, feature=seat, count=3, note="flat", view="bottom")
-    d.depth("seat depth", "tip.seat_depth", (x1, y1, low), (x1, y1, 0), feature=seat, count=3, view="bottom")
-    d.diameter("hub", "tip.hub_diameter", (0, 0, mid), on=(0.0, -1.0, 0.0), view="top")
-    cap = tip.nose_radius - math.sqrt(tip.nose_radius**2 - tip.nose_diameter**2 / 4)
-    d.diameter("cone at its root", "tip.cone_diameter", (0, 0, top), on=Y, view="front", note="before the fillet")
-    d.diameter("nose at its rim", "tip.nose_diameter", (0, 0, apex - cap), on=Y, view="front")
-    d.radius("nose", "tip.nose_radius", (0, 0, apex), view="front", note="spherical; friction coating")
-    d.radius("cone fillet", "tip.cone_fillet", _on_cone_fillet(design, top, apex - cap), view="front")
-    relief = "relief bore"
-    bottom = low + tip.relief_depth
-    d.diameter("relief bore", "tip.relief_diameter", (0, 0, mid), on=X, feature=relief, view="bottom")
-    d.depth("relief depth", "tip.relief_depth", (0, 0, low), (0, 0, bottom), feature=relief, view="bottom")
-    return tuple(d)
+    top.chamfer("edge chamfer", "edge_chamfer", (half - c, straight, low + c), note="outline, both faces")
+    top.diameter("foot", "foot_diameter", (0, y3, mid), on=Y, count=3)
+    seat = bottom.group(feature="seat", count=3)
+    seat.diameter("seat", "seat_diameter", (x1, y1, low / 2), on=X, note="flat")
+    seat.depth("seat depth", "seat_depth", (x1, y1, low), (x1, y1, 0))
+    top.diameter("hub", "hub_diameter", (0, 0, mid), on=(0.0, -1.0, 0.0))
+
+
+def _nose_dimensions(d: DimensionDeclarations, design: Any) -> None:
+    tip, apex, top = design.tip, design.actuator.tip_height, -design.tip.seat_depth + design.tip.arm_thickness
+    rim = apex - (tip.nose_radius - math.sqrt(tip.nose_radius**2 - tip.nose_diameter**2 / 4))
+    d.diameter("cone at its root", "cone_diameter", (0, 0, top), on=Y, note="before the fillet")
+    d.diameter("nose at its rim", "nose_diameter", (0, 0, rim), on=Y)
+    d.radius("nose", "nose_radius", (0, 0, apex), note="spherical; friction coating")
+    d.radius("cone fillet", "cone_fillet", _on_cone_fillet(design, top, rim))
 
 
 def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, float, float]:
@@ -164,8 +157,8 @@ def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, fl
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Seats in one plane, so that three equal piezos hold the nose upright."""
-    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
-    seats = tuple((x, y, 0.0) for x, y in piezo_places(design))
-    f.keeps("flatness", "seats", "drawing.tolerance_x_xx", seats, down, "section", combined=True)
-    f.smooth("seats", "bearing.way_roughness", seats, down, "section")
+    f, down = FaceRequirements(design), DOWN
+    seats = tuple((x, y, 0.0) for x, y in Derived(design).piezo_places)
+    f.tolerance("flatness", "seats", "drawing.tolerance_x_xx", seats, down, "section", combined=True)
+    f.texture("seats", "bearing.way_roughness", seats, down, "section")
     return tuple(f)

@@ -16,11 +16,19 @@ Features and what each is for
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, X, Y, Z, named
+from stagecad.solids.modelling.dimensioning import (
+    DOWN,
+    DimensionDeclarations,
+    FaceRequirements,
+    X,
+    Y,
+    Z,
+    fillet_inset,
+    named,
+)
 from stagecad.solids.modelling.holes import OVERRUN, corners, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, plate, upright_edges
 from stagecad.solids.parts.tooth_iron import declare_teeth, groove_spans, tooth_centres
@@ -104,80 +112,59 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the tooth bar."""
-    bar, d = design.tooth_bar, Declarations(design)
-    x, middle, low = bar.length / 2, bar.length / 2 - bar.end_length, bar.end_height
-    width, shift = rail_width(design) / 2, pole_offset(design)
+    d = DimensionDeclarations(design, "tooth_bar")
+    shift = pole_offset(design)
     centres = [side * shift + c for side in (-1, 1) for c in tooth_centres(design)]
-    d.linear("length", "tooth_bar.length", (-x, 0, low / 2), (x, 0, low / 2), view="front")
-    d.linear("height", "tooth_bar.height", (x - 3, 0, 0), (0, centres[0], bar.height), Z, view="front")
-    d.linear(
-        "foot length",
-        "tooth_bar.end_length",
-        (middle, bar.foot_width / 2 - 2, low / 2),
-        (x, bar.foot_width / 2 - 2, low / 2),
-        count=2,
-        view="top",
-    )
-    d.linear("foot height", "tooth_bar.end_height", (x - 3, 0, 0), (x - 3, 0, low), count=2, view="front")
-    wide = bar.foot_width / 2
-    at_end = x - bar.end_length / 2
-    d.linear(
-        "foot width", "tooth_bar.foot_width", (at_end, -wide, low / 2), (at_end, wide, low / 2), count=2, view="top"
-    )
-    d.linear("relief", "tooth_bar.relief", (x - 3, 0, 0), (0, 0, bar.relief), Z, view="front", note="between the feet")
-    span, spacing = bar.screw_span / 2, bar.screw_spacing / 2
-    d.diameter(
-        "screw hole",
-        "tooth_bar.screw_hole",
-        (span, spacing, low / 2),
-        feature="screw hole",
-        count=4,
-        note="through",
-        view="top",
-    )
-    d.linear("screw span", "tooth_bar.screw_span", (-span, spacing, low), (span, spacing, low), view="top")
-    d.linear(
-        "screw spacing", "tooth_bar.screw_spacing", (span, -spacing, low), (span, spacing, low), count=2, view="top"
-    )
-    nook = bar.root_fillet * (1 - math.sqrt(0.5))
-    d.radius("root fillet", "tooth_bar.root_fillet", (middle + nook, width / 2, low + nook), Y, count=2, view="front")
-    c = bar.edge_chamfer / 2
-    d.chamfer(
-        "edge chamfer",
-        "tooth_bar.edge_chamfer",
-        (x - c, wide - c, low / 2),
-        X,
-        view="top",
-        note="upright edges of the feet, mouths of the holes",
-    )
-    half, deep = design.magnet.thickness / 2, bar.height - bar.channel_depth
-    flank = bar.height - (bar.channel_depth + design.teeth.groove_depth) / 2
-    d.linear("channel width", "magnet.thickness", (0, -half, flank), (0, half, flank), view="right")
-    d.depth("channel depth", "tooth_bar.channel_depth", (0, 0, bar.height), (0, 0, deep), view="right")
-    keys, level = ("teeth.pitch", "teeth.per_iron", "magnet.thickness"), (bar.relief + deep) / 2
-    d.derived("rail width", 2 * width, keys, (0, -width, level), (0, width, level), view="right")
-    second = centres[len(centres) // 2]
-    half = design.teeth.width / 2
-    crest = bar.height - design.teeth.groove_depth / 2
-    d.derived(
-        "between the groups of teeth",
-        second - centres[0],
-        keys,
-        (0, centres[0] - half, crest),
-        (0, second - half, crest),
-        view="right",
-    )
-    declare_teeth(d, design, centres, bar.height, into=-1.0, groups=2)
+    _foot_dimensions(d, design, centres[0])
+    _rail_dimensions(d.group(view="right"), design, centres)
+    declare_teeth(d.group(view="right"), design, centres, design.tooth_bar.height, into=-1.0, groups=2)
     return tuple(d)
+
+
+def _foot_dimensions(d: DimensionDeclarations, design: Any, crest: float) -> None:
+    """Lengths of bar and feet, screw holes and edges; `crest` is the y of a tooth, mm."""
+    bar, plan, front = design.tooth_bar, d.group(view="top"), d.group(view="front")
+    end, root, low, wide = bar.length / 2, bar.length / 2 - bar.end_length, bar.end_height, bar.foot_width / 2
+    foot, middle, inner = (end - 3, 0, 0), end - bar.end_length / 2, wide - 2
+    front.linear("length", "length", (-end, 0, low / 2), (end, 0, low / 2))
+    front.linear("height", "height", foot, (0, crest, bar.height), Z)
+    plan.linear("foot length", "end_length", (root, inner, low / 2), (end, inner, low / 2), count=2)
+    front.linear("foot height", "end_height", foot, (end - 3, 0, low), count=2)
+    plan.linear("foot width", "foot_width", (middle, -wide, low / 2), (middle, wide, low / 2), count=2)
+    front.linear("relief", "relief", foot, (0, 0, bar.relief), Z, note="between the feet")
+    x, y = bar.screw_span / 2, bar.screw_spacing / 2
+    plan.diameter("screw hole", "screw_hole", (x, y, low / 2), feature="screw hole", count=4, note="through")
+    plan.linear("screw span", "screw_span", (-x, y, low), (x, y, low))
+    plan.linear("screw spacing", "screw_spacing", (x, -y, low), (x, y, low), count=2)
+    inset = fillet_inset(bar.root_fillet)
+    front.radius("root fillet", "root_fillet", (root + inset, rail_width(design) / 4, low + inset), Y, count=2)
+    c, note = bar.edge_chamfer / 2, "upright edges of the feet, mouths of the holes"
+    plan.chamfer("edge chamfer", "edge_chamfer", (end - c, wide - c, low / 2), X, note=note)
+
+
+def _rail_dimensions(d: DimensionDeclarations, design: Any, centres: list[float]) -> None:
+    """Channel and width of the rail between the feet; `centres` are the y of the teeth, mm."""
+    bar, teeth = design.tooth_bar, design.teeth
+    half, width, deep = design.magnet.thickness / 2, rail_width(design) / 2, bar.height - bar.channel_depth
+    flank, level = bar.height - (bar.channel_depth + teeth.groove_depth) / 2, (bar.relief + deep) / 2
+    d.linear("channel width", "magnet.thickness", (0, -half, flank), (0, half, flank))
+    d.depth("channel depth", "channel_depth", (0, 0, bar.height), (0, 0, deep))
+    keys = ("teeth.pitch", "teeth.per_iron", "magnet.thickness")
+    d.derived("rail width", 2 * width, keys, ((0, -width, level), (0, width, level)), Y)
+    first, second, crest = centres[0], centres[len(centres) // 2], bar.height - teeth.groove_depth / 2
+    flanks = (0, first - teeth.width / 2, crest), (0, second - teeth.width / 2, crest)
+    d.derived("between the groups of teeth", second - first, keys, flanks, Y)
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Feet in one plane, and crests parallel to it: the gap to the irons is the same along the travel."""
-    f, bar, down = FaceRequirements(design), design.tooth_bar, (0.0, 0.0, -1.0)
+    f, bar, down = FaceRequirements(design), design.tooth_bar, DOWN
     feet = tuple((side * (bar.length - bar.end_length) / 2, 0.0, 0.0) for side in (-1, 1))
     shift = pole_offset(design)
     crests = tuple((0.0, side * shift + c, bar.height) for side in (-1, 1) for c in tooth_centres(design))
     f.datum("A", feet, down, "front")
-    f.keeps("flatness", "feet", "drawing.tolerance_x_xx", feet, down, "front", combined=True)
-    f.keeps("parallelism", "crests to feet", "drawing.tolerance_x_xx", crests, Z, "front", datums=("A",), combined=True)
+    f.tolerance("flatness", "feet", "drawing.tolerance_x_xx", feet, down, "front", combined=True)
+    f.tolerance(
+        "parallelism", "crests to feet", "drawing.tolerance_x_xx", crests, Z, "front", datums=("A",), combined=True
+    )
     return tuple(f)

@@ -12,11 +12,18 @@ Features and what each is for
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
-from stagecad.solids.modelling.dimensioning import Declarations, FaceRequirements, Y, Z, named
+from stagecad.solids.modelling.dimensioning import (
+    DOWN,
+    DimensionDeclarations,
+    FaceRequirements,
+    Y,
+    Z,
+    fillet_inset,
+    named,
+)
 from stagecad.solids.modelling.holes import OVERRUN
 from stagecad.solids.modelling.primitives import cut_all, edges_where, plate
 
@@ -76,58 +83,45 @@ def datums(design: Any) -> dict[str, Datum]:
 
 def dimensions(design: Any) -> tuple[Dimension, ...]:
     """Every dimension of the tooth iron."""
-    iron, d = design.tooth_iron, Declarations(design)
+    iron, d = design.tooth_iron, DimensionDeclarations(design, "tooth_iron")
     centres = tooth_centres(design)
     x, y, crest = iron.length / 2, design.teeth.per_iron * design.teeth.pitch / 2, -iron.height
-    d.linear("length", "tooth_iron.length", (-x, 0, crest / 4), (x, 0, crest / 4), view="top")
-    d.linear("height", "tooth_iron.height", (0, centres[0], 0), (0, centres[0], crest), view="right")
+    d.linear("length", "length", (-x, 0, crest / 4), (x, 0, crest / 4), view="top")
+    d.linear("height", "height", (0, centres[0], 0), (0, centres[0], crest), view="right")
     if design.teeth.per_iron > 1:
         keys = ("teeth.pitch", "teeth.per_iron")
-        d.derived("width", 2 * y, keys, (0, -y, crest / 4), (0, y, crest / 4), view="top")
-    nook = iron.corner_radius * (1 - math.sqrt(0.5))
-    d.radius("corner radius", "tooth_iron.corner_radius", (x - nook, y - nook, crest / 4), count=4, view="top")
+        d.derived("width", 2 * y, keys, ((0, -y, crest / 4), (0, y, crest / 4)), Y, view="top")
+    inset = fillet_inset(iron.corner_radius)
+    d.radius("corner radius", "corner_radius", (x - inset, y - inset, crest / 4), count=4, view="top")
     c = iron.edge_chamfer / 2
-    d.chamfer("edge chamfer", "tooth_iron.edge_chamfer", (0, y - c, -c), note="rim of the seat", view="right")
-    declare_teeth(d, design, centres, crest, into=1.0, groups=1)
+    d.chamfer("edge chamfer", "edge_chamfer", (0, y - c, -c), note="rim of the seat", view="right")
+    declare_teeth(d.group(view="right"), design, centres, crest, into=1.0, groups=1)
     return tuple(d)
 
 
 def declare_teeth(
-    d: Declarations, design: Any, centres: list[float], crest: float, *, into: float, groups: int
+    d: DimensionDeclarations, design: Any, centres: list[float], crest: float, *, into: float, groups: int
 ) -> None:
     """Dimensions of the teeth, alike on iron and bar: crests at z = `crest`, the iron on the side `into`, +1 or -1."""
-    teeth = design.teeth
-    half, flank = teeth.width / 2, crest + into * teeth.groove_depth / 2
-    first, pitch = centres[0], teeth.pitch
-    d.counted("teeth in a group", "teeth.per_iron", (0, first, crest), Y, count=groups, view="right", feature="teeth")
-    d.linear("tooth width", "teeth.width", (0, first - half, flank), (0, first + half, flank), view="right")
-    d.depth(
-        "groove depth",
-        "teeth.groove_depth",
-        (0, first, crest),
-        (0, first + pitch / 2, crest + into * teeth.groove_depth),
-        Z,
-        view="right",
-    )
+    y, teeth = centres[0], design.teeth
+    half, pitch, depth = teeth.width / 2, teeth.pitch, into * teeth.groove_depth
+    flank, groove, body = crest + depth / 2, crest + depth, crest + 2 * depth
+    d.counted("teeth in a group", "teeth.per_iron", (0, y, crest), Y, count=groups, feature="teeth")
+    d.linear("tooth width", "teeth.width", (0, y - half, flank), (0, y + half, flank))
+    d.depth("groove depth", "teeth.groove_depth", (0, y, crest), (0, y + pitch / 2, groove), Z)
     if len(centres) // groups > 1:
-        d.linear("tooth pitch", "teeth.pitch", (0, first - half, flank), (0, first + pitch - half, flank), view="right")
+        d.linear("tooth pitch", "teeth.pitch", (0, y - half, flank), (0, y + pitch - half, flank))
     else:
-        d.linear(
-            "iron width",
-            "teeth.pitch",
-            (0, first - pitch / 2, crest + into * 2 * teeth.groove_depth),
-            (0, first + pitch / 2, crest + into * 2 * teeth.groove_depth),
-            view="right",
-        )
+        d.linear("iron width", "teeth.pitch", (0, y - pitch / 2, body), (0, y + pitch / 2, body))
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
     """Crests parallel to the seat: the gap to the bar is the same all over."""
-    f, down = FaceRequirements(design), (0.0, 0.0, -1.0)
+    f, down = FaceRequirements(design), DOWN
     seat = ((0.0, 0.0, 0.0),)
     crests = tuple((0.0, y, -design.tooth_iron.height) for y in tooth_centres(design))
     f.datum("A", seat, Z, "right")
-    f.keeps(
+    f.tolerance(
         "parallelism", "crests to seat", "drawing.tolerance_x_xx", crests, down, "right", datums=("A",), combined=True
     )
     return tuple(f)

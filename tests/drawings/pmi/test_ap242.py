@@ -32,9 +32,9 @@ from stagecad.parameters.dimension import (
 )
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
-from stagecad.solids.artefacts.tracked_design import Reading
-from stagecad.solids.assembly.verification import Gauge
+from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
 TEXT_ONLY = ("count", "callout", "thread_depth")
@@ -227,7 +227,7 @@ def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...],
 def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
     """Every length by its own small factor: each dimension still stands on the faces that measure it."""
     module, notes = module_of(name), {}
-    module.build(Reading(thesis(), notes))
+    module.build(TrackedDesign(thesis(), notes))
     keys = sorted({".".join(str(step[1]) for step in way) for way in notes})
     sizes = [key for key in keys if key in schema() and thesis().entry(key).unit == "mm"]
     factors = {key: 1 + 0.002 * (1 + index / len(sizes)) for index, key in enumerate(sizes)}
@@ -275,7 +275,7 @@ def test_the_sheet_says_the_same(name: str, read) -> None:
 
 def asked_of(name: str):
     """What the sheets of a part are asked to show."""
-    plans, views, gauge = sheet_plans(name, thesis()), Views(solid_of(name).wrapped), Gauge(solid_of(name))
+    plans, views, gauge = sheet_plans(name, thesis()), Views(solid_of(name).wrapped), DimensionVerifier(solid_of(name))
     for plan in plans:
         dimensions = [d for d in declared(name) if sheet_of(plans, d.name) is plan]
         requirements = [r for r in required(name) if sheet_of_requirement(plans, r) is plan]
@@ -300,12 +300,12 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
 
 def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     name = "height_pin_2"
-    again = ap242_bytes(name, module_of(name), Reading(thesis(), {}), solid_of(name))
+    again = ap242_bytes(name, module_of(name), TrackedDesign(thesis(), {}), solid_of(name))
     assert again == bytes_of(name)
     script = (
         "import sys; from pathlib import Path\n"
         "from stagecad.solids.modelling.kernel import import_kernel; import_kernel()\n"
-        "from stagecad.parameters.design import load_design; from stagecad.solids.modelling.registry import module_of\n"
+        "from stagecad.parameters.load import load_design; from stagecad.solids.modelling.registry import module_of\n"
         "from drawings.pmi.ap242 import write_ap242; design = load_design()\n"
         "write_ap242(sys.argv[1], design, module_of(sys.argv[1]).build(design), Path(sys.argv[2]))\n"
     )

@@ -31,8 +31,8 @@ from drawings.views.bounding_box import view_box
 from drawings.views.segment_index import curve_points
 from drawings.views.view import Segment
 from stagecad.parameters.design import Design
-from stagecad.solids.artefacts.assembly import shapes_of
 from stagecad.solids.assembly.assemble import assemble
+from stagecad.solids.assembly.built_assembly import shapes_of
 from stagecad.solids.assembly.machine import Machine
 from tests.drawings.drawn import document_of
 
@@ -203,8 +203,8 @@ import sys
 from pathlib import Path
 from drawings.artefacts.sheets import draw_whole
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.store import Store
-draw_whole(Store(Path(sys.argv[1])), "assembly", load_design())
+from stagecad.solids.artefacts.store import ArtefactStore
+draw_whole(ArtefactStore(Path(sys.argv[1])), "assembly", load_design())
 """
 
 

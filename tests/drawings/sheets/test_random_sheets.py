@@ -16,8 +16,8 @@ from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.store import Store
-from stagecad.solids.artefacts.tracked_design import Reading, walk
+from stagecad.parameters.tracking import TrackedDesign, value_at
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import MADE, module_of
 from tests.drawings.drawn import described, document_of, thesis
 from workbench.machine.procedure_values import procedure_values
@@ -30,7 +30,7 @@ def shaping() -> tuple[str, ...]:
     """Lengths and angles that shape some part, threads and computed ones left out."""
     notes: dict[Any, str] = {}
     for name in MADE:
-        module_of(name).build(Reading(thesis(), notes))
+        module_of(name).build(TrackedDesign(thesis(), notes))
     keys = {".".join(str(step[1]) for step in way) for way in notes} - set(COMPUTED)
     return tuple(sorted(k for k in keys if thesis().entry(k).unit in ("mm", "deg") and not k.startswith("threads.")))
 
@@ -59,10 +59,10 @@ def faults(design: Design) -> list[str]:
     """Hits on the sheets of all parts; a part that reads what it did before is not drawn again."""
     found = []
     for name in MADE:
-        if any(all(walk(design, way) == value for way, value in notes.items()) for notes in SEEN.get(name, [])):
+        if any(all(value_at(design, way) == value for way, value in notes.items()) for notes in SEEN.get(name, [])):
             continue
         notes: dict[Any, str] = {}
-        reading = Reading(design, notes)
+        reading = TrackedDesign(design, notes)
         hits = [
             f"{sheet.name}: {hit}"
             for sheet in sheets_of(described(name, reading), reading)
@@ -96,7 +96,7 @@ def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
 @pytest.mark.parametrize("seed", range(10))
 def test_the_machine_s_sheets_of_some_random_designs_are_free_of_hits(seed: int, tmp_path: Path) -> None:
     design, overrides = random_design(seed)
-    store = Store(tmp_path)
+    store = ArtefactStore(tmp_path)
     sheets = [sheet for whole in WHOLE for sheet in draw_whole(store, whole, design, procedure_values)]
     assert [sheet.name for sheet in sheets] == ["assembly", "procedure"]
     assert [hit for sheet in sheets for hit in sheet.hits] == [], overrides

@@ -26,9 +26,9 @@ from drawings.export.drawing_model import drawing_model
 from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
 from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
-from stagecad.solids.artefacts.tracked_design import Reading
-from stagecad.solids.assembly.verification import Gauge
+from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, document_of, sheets, thesis, words
 
 pytestmark = pytest.mark.xdist_group("sheets of the thesis")
@@ -64,7 +64,7 @@ def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
 @pytest.mark.parametrize("part", MADE)
 def test_every_parameter_that_shapes_the_part_is_on_its_sheets_once(part: str) -> None:
     notes: dict[Any, str] = {}
-    module_of(part).build(Reading(thesis(), notes))
+    module_of(part).build(TrackedDesign(thesis(), notes))
     shape = {".".join(str(step[1]) for step in way) for way in notes} - set(NOT_DIMENSIONS)
     shown = Counter(
         dimension.parameter
@@ -98,7 +98,7 @@ def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> No
 @pytest.mark.parametrize("part", MADE)
 def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: str) -> None:
     """From the points on the paper back to the part, against a gauge on the solid; and on to the DXF entity."""
-    gauge = Gauge(described(part, thesis()).solid)
+    gauge = DimensionVerifier(described(part, thesis()).solid)
     declared = {dimension.name: dimension for dimension in module_of(part).dimensions(thesis())}
     for sheet in sheets(part):
         measured: list[float] = []

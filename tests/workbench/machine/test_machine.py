@@ -21,7 +21,7 @@ def test_the_wait_is_told_on_a_terminal_before_the_kernel_begins(monkeypatch, ca
     monkeypatch.setattr(
         stagecad.solids.assembly.machine, "find_machine", lambda design, store: found if cached else None
     )
-    monkeypatch.setattr(stagecad.solids.assembly.machine, "make_machine", lambda design, store, advance: made)
+    monkeypatch.setattr(stagecad.solids.assembly.machine, "build_machine", lambda design, store, advance: made)
     monkeypatch.setattr(stagecad.solids.modelling.registry, "part_names", lambda design: ("tip",))
     run: Any = SimpleNamespace(
         design=None,

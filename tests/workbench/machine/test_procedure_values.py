@@ -11,12 +11,12 @@ from designcalc.machine.assembly_values import assembly_values
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.load import load_design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.store import ArtefactStore
 from workbench.machine.procedure_values import stored_values
 
 
 def test_stored_values_are_reused_until_an_input_changes(tmp_path: Path) -> None:
-    store, masses = Store(tmp_path), estimate()
+    store, masses = ArtefactStore(tmp_path), estimate()
     first = stored_values(store, load_design(), masses)
     assert asdict(first) == assembly_values(DesignInputs(load_design(), masses))
     entries = sorted((tmp_path / "entries").iterdir())

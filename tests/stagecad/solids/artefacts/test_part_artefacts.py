@@ -16,9 +16,9 @@ from stagecad.parameters.dimension import DatumFeature, Dimension, GeometricTole
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
-from stagecad.solids.artefacts.tracked_design import Reading
-from stagecad.solids.assembly.verification import Gauge
+from stagecad.parameters.tracking import TrackedDesign
 from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.verification import DimensionVerifier
 
 SWITCHES = {"teeth.fitted", "sea.whole_underside"}
 """Which features a part has, not how large they are: they are told by the features' being there."""
@@ -37,7 +37,7 @@ def solid_of(name: str) -> cq.Solid:
 @cache
 def read_by(name: str) -> frozenset[str]:
     notes: dict[Any, str] = {}
-    module_of(name).build(Reading(thesis(), notes))
+    module_of(name).build(TrackedDesign(thesis(), notes))
     return frozenset(".".join(str(step[1]) for step in way) for way in notes)
 
 
@@ -61,7 +61,7 @@ def test_one_valid_closed_solid(name: str) -> None:
 
 @pytest.mark.parametrize("name", MADE)
 def test_every_dimension_measures_as_declared(name: str) -> None:
-    gauge = Gauge(solid_of(name))
+    gauge = DimensionVerifier(solid_of(name))
     wrong = []
     for dimension in module_of(name).dimensions(thesis()):
         measured = gauge.measure(dimension)
@@ -110,7 +110,7 @@ def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: 
                 assert normal == pytest.approx(requirement.normal, abs=1e-6)
             else:
                 bore = Dimension("bore", "diameter", 1.0, "any", (point,), requirement.normal)
-                assert Gauge(solid_of(name)).measure(bore)
+                assert DimensionVerifier(solid_of(name)).measure(bore)
 
 
 @pytest.mark.parametrize("name", MADE)
@@ -131,7 +131,7 @@ def test_the_solid_follows_every_parameter_at_once(name: str) -> None:
     design = load_design(overrides=[changed(key, factors[key]) for key in keys], rules=False)
     solid = module.build(design)
     assert solid.isValid()
-    gauge = Gauge(solid)
+    gauge = DimensionVerifier(solid)
     for dimension in module.dimensions(design):
         measured = gauge.measure(dimension)
         if dimension.parameter in factors:
@@ -152,7 +152,7 @@ def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -
         after = module.build(design)
         assert _signature(after) != _signature(before), f"{key} is read, but the solid stays as it is"
         shown = next(dimension for dimension in module.dimensions(design) if dimension.parameter == key)
-        measured = Gauge(after).measure(shown)
+        measured = DimensionVerifier(after).measure(shown)
         assert measured == pytest.approx(design.value(key), abs=1e-6), key
 
 
@@ -188,7 +188,7 @@ def test_a_gauge_finds_a_wrong_dimension() -> None:
     """The measurement is of the solid, not of the declaration: another solid's dimension does not fit this one."""
     longer = load_design(overrides=["stage.payload_pitch=51 mm"], rules=False)
     stage: Callable[[Any], tuple[Dimension, ...]] = module_of("stage").dimensions
-    gauge = Gauge(solid_of("stage"))
+    gauge = DimensionVerifier(solid_of("stage"))
     pitch = next(d for d in stage(longer) if d.parameter == "stage.payload_pitch")
     with pytest.raises(LookupError):
         gauge.measure(pitch)
@@ -214,7 +214,7 @@ def test_parts_of_random_valid_designs_measure_as_declared(seed: int) -> None:
         module = module_of(name)
         solid = module.build(design)
         assert solid.isValid(), (name, overrides)
-        gauge = Gauge(solid)
+        gauge = DimensionVerifier(solid)
         for dimension in module.dimensions(design):
             measured = gauge.measure(dimension)
             assert measured is None or measured == pytest.approx(dimension.value, abs=1e-6), (dimension, overrides)

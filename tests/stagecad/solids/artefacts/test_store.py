@@ -13,10 +13,10 @@ from typing import Any
 
 import pytest
 
+from stagecad.parameters.tracking import TrackedDesign, path_text
 from stagecad.solids.artefacts import source_digest
 from stagecad.solids.artefacts import store as store_module
-from stagecad.solids.artefacts.store import Store, cache_folder
-from stagecad.solids.artefacts.tracked_design import Reading, noted
+from stagecad.solids.artefacts.store import ArtefactStore, cache_folder
 
 MODULES = ("stagecad.solids.modelling.frame",)
 
@@ -58,22 +58,22 @@ class Maker:
 
 
 @pytest.fixture
-def store(tmp_path: Path) -> Store:
-    return Store(tmp_path / "store")
+def store(tmp_path: Path) -> ArtefactStore:
+    return ArtefactStore(tmp_path / "store")
 
 
 def test_reading_notes_each_way_to_a_value() -> None:
     notes: dict[Any, str] = {}
-    reading = Reading(Plan(), notes)
+    reading = TrackedDesign(Plan(), notes)
     assert reading.plate.length + reading.density["iron"] + reading.plate.scaled(by=2.0) == 3.0 + 7.9 + 6.0
-    assert {noted(steps): value for steps, value in notes.items()} == {
+    assert {path_text(steps): value for steps, value in notes.items()} == {
         "plate.length": "3.0",
         "density['iron']": "7.9",
         "plate.scaled(by=2.0)": "6.0",
     }
 
 
-def test_reading_a_whole_table_depends_on_all_of_it(store: Store) -> None:
+def test_reading_a_whole_table_depends_on_all_of_it(store: ArtefactStore) -> None:
     def make(design: Any, folder: Path) -> None:
         (folder / "sum.txt").write_text(str(sum(design.density.values())))
 
@@ -82,14 +82,14 @@ def test_reading_a_whole_table_depends_on_all_of_it(store: Store) -> None:
     assert store.make("sum", changed, MODULES, make).key != first.key
 
 
-def test_made_once_and_found_again_by_another_store(store: Store) -> None:
+def test_made_once_and_found_again_by_another_store(store: ArtefactStore) -> None:
     maker = Maker()
     first = store.make("part", Plan(), MODULES, maker)
-    again = Store(store.folder).make("part", Plan(), MODULES, maker)
+    again = ArtefactStore(store.folder).make("part", Plan(), MODULES, maker)
     assert (maker.runs, again.key, again.data("size.txt")) == (1, first.key, first.data("size.txt"))
 
 
-def test_only_what_was_read_counts(store: Store) -> None:
+def test_only_what_was_read_counts(store: ArtefactStore) -> None:
     maker = Maker()
     plan = Plan()
     first = store.make("part", plan, MODULES, maker)
@@ -100,7 +100,7 @@ def test_only_what_was_read_counts(store: Store) -> None:
     assert maker.runs == 2
 
 
-def test_a_branch_that_reads_more_is_kept_apart(store: Store) -> None:
+def test_a_branch_that_reads_more_is_kept_apart(store: ArtefactStore) -> None:
     maker = Maker()
     shallow, deep = Plan(), Plan(plate=Table(deep=True))
     deeper = Plan(plate=Table(deep=True, depth=2.0))
@@ -111,7 +111,7 @@ def test_a_branch_that_reads_more_is_kept_apart(store: Store) -> None:
     assert maker.runs == 3
 
 
-def test_name_dependencies_and_versions_count(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_name_dependencies_and_versions_count(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
     maker = Maker()
     store.make("part", Plan(), MODULES, maker)
     assert store.find("part", Plan(), MODULES, depends=["another"]) is None
@@ -145,7 +145,7 @@ def test_source_of_what_a_module_imports_counts(tmp_path: Path, monkeypatch: pyt
         function.cache_clear()
 
 
-def test_a_failed_making_leaves_nothing(store: Store) -> None:
+def test_a_failed_making_leaves_nothing(store: ArtefactStore) -> None:
     def fail(design: Any, folder: Path) -> None:
         (folder / "half.txt").write_text("half")
         raise RuntimeError("stopped")
@@ -157,7 +157,7 @@ def test_a_failed_making_leaves_nothing(store: Store) -> None:
 
 
 @pytest.mark.parametrize("damage", ["missing file", "broken record", "broken reads"])
-def test_damage_is_made_good(store: Store, damage: str) -> None:
+def test_damage_is_made_good(store: ArtefactStore, damage: str) -> None:
     maker = Maker()
     entry = store.make("part", Plan(), MODULES, maker)
     if damage == "missing file":
@@ -171,7 +171,7 @@ def test_damage_is_made_good(store: Store, damage: str) -> None:
     assert again.data("size.txt") == b"25.9"
 
 
-def test_size_is_bounded_and_the_newest_stay(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_size_is_bounded_and_the_newest_stay(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STAGECAD_CACHE_MAX", "30000")
     monkeypatch.setattr(store_module, "YOUNGEST", 0.0)
 
@@ -193,13 +193,12 @@ def test_two_runs_at_once_agree(tmp_path: Path) -> None:
 import sys, time
 from pathlib import Path
 from types import SimpleNamespace
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.store import ArtefactStore
 def make(design, folder):
     (folder / "value.txt").write_text(str(design.value))
     time.sleep(0.2)
-entries = [Store(Path(sys.argv[1])).make(f"part{n}", SimpleNamespace(value=n), ("stagecad.solids.modelling.frame",),
-make)
-           for n in range(3)]
+store, modules = ArtefactStore(Path(sys.argv[1])), ("stagecad.solids.modelling.frame",)
+entries = [store.make(f"part{n}", SimpleNamespace(value=n), modules, make) for n in range(3)]
 print([entry.data("value.txt") for entry in entries])
 """
     runs = [

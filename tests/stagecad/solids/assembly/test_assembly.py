@@ -13,11 +13,11 @@ import trimesh
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import Datum
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import Instance, assemble, count
-from stagecad.solids.assembly.machine import Machine, find_machine, make_machine
-from stagecad.solids.assembly.mass import placed
+from stagecad.solids.assembly.machine import Machine, build_machine, find_machine
 from stagecad.solids.modelling.frame import Frame, add, mate, scaled
+from stagecad.solids.modelling.mass import placed
 from stagecad.solids.modelling.registry import MADE
 
 
@@ -159,11 +159,11 @@ def test_measures_on_the_parts_are_the_designs(machine: Machine, design: Design)
 
 
 def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
-    machine: Machine, design: Design, store: Store
+    machine: Machine, design: Design, store: ArtefactStore
 ) -> None:
     thicker = load_design(overrides=("stage.thickness=13 mm",))
     assert find_machine(thicker, store) is None
-    other = make_machine(thicker, store)
+    other = build_machine(thicker, store)
     touched = {name for name in machine.parts if other.parts[name].entry.key != machine.parts[name].entry.key}
     assert touched == {"stage"}
     gain = other.moving_body.mass - machine.moving_body.mass
@@ -174,9 +174,9 @@ def test_one_parameter_changes_its_part_and_the_numbers_and_nothing_else(
     assert again.moving_body == other.moving_body
 
 
-def test_a_design_without_teeth_has_none(store: Store) -> None:
+def test_a_design_without_teeth_has_none(store: ArtefactStore) -> None:
     plain = load_design(overrides=("teeth.fitted=false",))
-    machine = make_machine(plain, store)
+    machine = build_machine(plain, store)
     assert not {"magnet", "tooth_iron", "tooth_bar", "bar_screw"} & set(count(machine.assembly.instances))
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from stagecad.parameters.design import Design
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.bill_of_materials import csv_text
 from stagecad.solids.assembly.machine import Machine
 from workbench.cli import run
@@ -29,7 +29,7 @@ CATALOGUE = {
 
 
 @pytest.fixture
-def cached(machine: Machine, store: Store, monkeypatch: pytest.MonkeyPatch) -> Store:
+def cached(machine: Machine, store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> ArtefactStore:
     monkeypatch.setenv("STAGECAD_CACHE", str(store.folder))
     return store
 
@@ -51,7 +51,7 @@ def test_masses_add_up_to_the_machine(machine: Machine) -> None:
 
 
 def test_command_writes_files_document_and_manifest(
-    cached: Store, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    cached: ArtefactStore, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["parts", "--out", str(tmp_path), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
@@ -65,7 +65,7 @@ def test_command_writes_files_document_and_manifest(
     assert all(Path(file).is_file() for part in document["parts"].values() for file in part["files"])
 
 
-def test_command_leaves_good_files_alone_and_mends_others(cached: Store, tmp_path: Path) -> None:
+def test_command_leaves_good_files_alone_and_mends_others(cached: ArtefactStore, tmp_path: Path) -> None:
     assert run(["parts", "stage", "piezo", "--out", str(tmp_path)]) == 0
     names = {path.name for path in tmp_path.iterdir()}
     assert names == {f"{part}.{kind}" for part in ("stage", "piezo") for kind in ("step", "stl", "glb")} | {
@@ -81,7 +81,7 @@ def test_command_leaves_good_files_alone_and_mends_others(cached: Store, tmp_pat
 
 
 def test_command_makes_again_what_is_damaged_in_the_cache(
-    cached: Store, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    cached: ArtefactStore, machine: Machine, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     stored = machine.parts["magnet"].entry.path("magnet.stl")
     good = stored.read_bytes()
@@ -91,7 +91,9 @@ def test_command_makes_again_what_is_damaged_in_the_cache(
     assert "damaged" in capsys.readouterr().err
 
 
-def test_unknown_part_names_the_nearest(cached: Store, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_part_names_the_nearest(
+    cached: ArtefactStore, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert run(["parts", "stag", "--out", str(tmp_path)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
@@ -100,7 +102,7 @@ def test_unknown_part_names_the_nearest(cached: Store, tmp_path: Path, capsys: p
     assert list(tmp_path.iterdir()) == []
 
 
-def test_nothing_changed_needs_no_kernel(cached: Store, design: Design, tmp_path: Path) -> None:
+def test_nothing_changed_needs_no_kernel(cached: ArtefactStore, design: Design, tmp_path: Path) -> None:
     program = (
         "import sys; from workbench.cli import run; status = run(sys.argv[1:]); "
         "bad = {'cadquery', 'OCP', 'vtk', 'numba', 'scipy', 'pandas'} & set(sys.modules); "

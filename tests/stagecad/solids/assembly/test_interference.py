@@ -7,30 +7,30 @@ from dataclasses import replace
 import pytest
 
 from stagecad.parameters.design import Design
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly import interference
-from stagecad.solids.assembly.interference import Meeting, clashes, make_meetings, meetings
+from stagecad.solids.assembly.interference import Interference, build_interferences, clashes, find_interferences
 from stagecad.solids.assembly.machine import Machine
 
 pytestmark = pytest.mark.xdist_group("interference")
 
 
 @pytest.fixture(scope="module")
-def found(machine: Machine, design: Design, store: Store) -> list[Meeting]:
-    return make_meetings(store, machine.parts, design)
+def found(machine: Machine, design: Design, store: ArtefactStore) -> list[Interference]:
+    return build_interferences(store, machine.parts, design)
 
 
-def at_rest(found: list[Meeting], first: str, second: str) -> Meeting:
+def at_rest(found: list[Interference], first: str, second: str) -> Interference:
     (meeting,) = [m for m in found if {m.first, m.second} == {first, second} and m.travel == m.height == 0.0]
     return meeting
 
 
-def test_no_clash_anywhere(found: list[Meeting]) -> None:
+def test_no_clash_anywhere(found: list[Interference]) -> None:
     assert [(m.first, m.second, m.travel, m.height, m.common_volume) for m in clashes(found)] == []
     assert {(m.travel, m.height) for m in found} == {(t, h) for t in (-1.0, 0.0, 1.0) for h in (-1.0, 0.0, 1.0)}
 
 
-def test_contacts_touch(found: list[Meeting]) -> None:
+def test_contacts_touch(found: list[Interference]) -> None:
     touching = [m for m in found if m.kind in ("contact", "sliding contact", "drive contact")]
     measured = [m for m in touching if m.clearance is not None and m.travel == m.height == 0.0]
     assert len(measured) >= 12
@@ -38,14 +38,14 @@ def test_contacts_touch(found: list[Meeting]) -> None:
         assert meeting.clearance == pytest.approx(0.0, abs=1e-6), meeting
 
 
-def test_fits_have_the_clearance_of_their_diameters(found: list[Meeting], design: Design) -> None:
+def test_fits_have_the_clearance_of_their_diameters(found: list[Interference], design: Design) -> None:
     holder = (design.base.pocket_diameter - design.holder.diameter) / 2.0
     assert at_rest(found, "base", "holder_1").clearance == pytest.approx(holder, abs=1e-5)
     pin = (design.base.pin_2_bore - design.height_pin_2.diameter) / 2.0
     assert at_rest(found, "base", "height_pin_2_1").clearance == pytest.approx(pin, abs=1e-5)
 
 
-def test_threads_overlap_by_their_ring(found: list[Meeting], design: Design) -> None:
+def test_threads_overlap_by_their_ring(found: list[Interference], design: Design) -> None:
     import math
 
     screw, drill = design.screws.way, design.threads.unc_3_8_tap_drill
@@ -56,13 +56,13 @@ def test_threads_overlap_by_their_ring(found: list[Meeting], design: Design) -> 
     assert overlap < ring
 
 
-def test_tooth_gap_is_the_designs(found: list[Meeting], design: Design) -> None:
+def test_tooth_gap_is_the_designs(found: list[Interference], design: Design) -> None:
     gaps = [m.clearance for m in found if m.kind == "gap" and "tooth_iron" in m.second and m.clearance is not None]
     assert gaps
     assert gaps[0] == pytest.approx(design.teeth.gap, abs=1e-6)
 
 
-def test_the_tip_is_clear_below_and_pressed_above(found: list[Meeting], design: Design) -> None:
+def test_the_tip_is_clear_below_and_pressed_above(found: list[Interference], design: Design) -> None:
     drive = {m.height: m for m in found if m.kind == "drive contact" and m.travel == 0.0}
     assert drive[1.0].common_volume > 1.0
     assert drive[0.0].common_volume < interference.TOUCH
@@ -80,7 +80,7 @@ def test_a_part_put_wrong_is_found(machine: Machine, design: Design, monkeypatch
         )
 
     monkeypatch.setattr(interference, "assemble", sunk)
-    wrong = clashes(meetings(machine.parts, design, (0.0,), (0.0,)))
+    wrong = clashes(find_interferences(machine.parts, design, (0.0,), (0.0,)))
     pressed = {frozenset((m.first, m.second)): m.common_volume for m in wrong}
     assert set(pressed) == {frozenset(("bearing_way_left", "stage")), frozenset(("bearing_way_right", "stage"))}
     # Half a millimetre of the crowned pads: less than of flat ones, and a good part of it.

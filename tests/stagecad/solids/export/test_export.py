@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from stagecad.solids.assembly.mass import geometry_of
 from stagecad.solids.export.mesh import LINEAR, Mesh, mesh_of, triangulated
 from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
 from stagecad.solids.modelling.frame import Frame
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.mass import geometry_of
+from stagecad.solids.modelling.placed_shape import PlacedShape
 
 GREY = (0.7, 0.7, 0.8)
 TURNED = Frame(((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)), (10.0, 20.0, 50.0))
@@ -41,13 +41,13 @@ def mesh(solid: cq.Solid) -> Mesh:
     return mesh_of(solid, solid.Volume())
 
 
-def pair() -> list[Piece]:
-    return [Piece("one", "bracket", GREY), Piece("two", "bracket", GREY, TURNED)]
+def pair() -> list[PlacedShape]:
+    return [PlacedShape("one", "bracket", GREY), PlacedShape("two", "bracket", GREY, TURNED)]
 
 
 def test_step_repeats_to_the_byte_in_one_process(solid: cq.Solid) -> None:
     shapes = {"bracket": solid.wrapped}
-    for name, pieces in (("bracket", [Piece("bracket", "bracket", GREY)]), ("pair", pair())):
+    for name, pieces in (("bracket", [PlacedShape("bracket", "bracket", GREY)]), ("pair", pair())):
         first = step_bytes(name, pieces, shapes)
         assert step_bytes(name, pieces, shapes) == first
         assert f"PRODUCT('{name}','{name}'".encode() in first

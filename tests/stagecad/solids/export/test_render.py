@@ -15,7 +15,7 @@ from PIL import Image
 from stagecad.solids.export.mesh import Mesh, mesh_of
 from stagecad.solids.export.render import picture
 from stagecad.solids.modelling.frame import IDENTITY, Frame
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.placed_shape import PlacedShape
 
 RED, BLUE = (0.9, 0.1, 0.1), (0.1, 0.1, 0.9)
 FRONT = (0.0, -1.0, 1e-6)
@@ -38,7 +38,7 @@ def area(image: np.ndarray, channel: int) -> int:
 
 
 def test_fills_the_picture_to_its_margin(cube: Mesh) -> None:
-    image = pixels(picture([Piece("cube", "cube", RED)], {"cube": cube}, FRONT, (300, 200)))
+    image = pixels(picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, FRONT, (300, 200)))
     assert image.shape == (200, 300, 3)
     rows, columns = np.nonzero(np.abs(image - image[0, 0]).max(axis=-1) > 60)
     # The cube is a square of 88 % of the height in the middle.
@@ -48,7 +48,7 @@ def test_fills_the_picture_to_its_margin(cube: Mesh) -> None:
 
 def test_what_is_behind_is_hidden(cube: Mesh) -> None:
     behind = Frame(IDENTITY, (0.0, 30.0, 0.0))
-    front = [Piece("near", "cube", RED), Piece("far", "cube", BLUE, behind)]
+    front = [PlacedShape("near", "cube", RED), PlacedShape("far", "cube", BLUE, behind)]
     image = pixels(picture(front, {"cube": cube}, FRONT, (200, 200)))
     assert area(image, 0) > 20_000
     assert area(image, 2) == 0
@@ -58,7 +58,7 @@ def test_what_is_behind_is_hidden(cube: Mesh) -> None:
 
 
 def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
-    image = pixels(picture([Piece("cube", "cube", RED)], {"cube": cube}, (1.0, -1.0, 0.8), (400, 400)))
+    image = pixels(picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, (1.0, -1.0, 0.8), (400, 400)))
     dark = image.max(axis=-1) < 110
     # From a corner nine edges show; the three that meet behind would cross at the middle of the outline.
     assert np.sum(dark) > 400
@@ -72,13 +72,13 @@ def test_edges_are_drawn_and_hidden_ones_are_not(cube: Mesh) -> None:
 def test_works_without_a_display_and_repeats(cube: Mesh) -> None:
     program = """
 import sys, cadquery as cq
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.placed_shape import PlacedShape
 from stagecad.solids.export.mesh import mesh_of
 from stagecad.solids.export.render import picture
 mesh = mesh_of(cq.Workplane().box(10, 10, 10).val(), 1000.0)
-sys.stdout.buffer.write(picture([Piece("cube", "cube", (0.9, 0.1, 0.1))], {"cube": mesh}, size=(120, 100)))
+sys.stdout.buffer.write(picture([PlacedShape("cube", "cube", (0.9, 0.1, 0.1))], {"cube": mesh}, size=(120, 100)))
 """
     bare = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
     run = subprocess.run([sys.executable, "-c", program], capture_output=True, env=bare, check=True, timeout=120)
-    here = picture([Piece("cube", "cube", RED)], {"cube": cube}, size=(120, 100))
+    here = picture([PlacedShape("cube", "cube", RED)], {"cube": cube}, size=(120, 100))
     assert np.abs(pixels(run.stdout) - pixels(here)).max() == 0

@@ -10,8 +10,8 @@ import trimesh
 
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
-from stagecad.solids.artefacts.part import make_part
-from stagecad.solids.artefacts.store import Store
+from stagecad.solids.artefacts.part import build_part
+from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import PURCHASED
 from stagecad.solids.purchased import spring as spring_module
 
@@ -22,8 +22,8 @@ def hexagon(width: float) -> float:
 
 
 @pytest.mark.parametrize("name", PURCHASED)
-def test_one_valid_closed_solid(name: str, design: Design, store: Store) -> None:
-    part = make_part(store, name, design)
+def test_one_valid_closed_solid(name: str, design: Design, store: ArtefactStore) -> None:
+    part = build_part(store, name, design)
     solid = part.solid
     assert solid.isValid()
     assert len(solid.Shells()) == 1
@@ -34,10 +34,10 @@ def test_one_valid_closed_solid(name: str, design: Design, store: Store) -> None
 
 
 @pytest.mark.parametrize("key", ["way", "clamp_long", "clamp_short", "bar"])
-def test_screw_against_cylinders(key: str, design: Design, store: Store) -> None:
+def test_screw_against_cylinders(key: str, design: Design, store: ArtefactStore) -> None:
     screw = getattr(design.screws, key)
     name = {"way": "way_screw", "bar": "bar_screw"}.get(key, f"{key.replace('clamp', 'clamp_screw')}")
-    part = make_part(store, name, design)
+    part = build_part(store, name, design)
     shank = math.pi / 4.0 * screw.diameter**2 * screw.length
     head = math.pi / 4.0 * screw.head_diameter**2 * screw.head_height
     socket = hexagon(screw.socket_width) * screw.head_height / 2.0
@@ -48,15 +48,15 @@ def test_screw_against_cylinders(key: str, design: Design, store: Store) -> None
     assert high[0] == pytest.approx(screw.head_diameter / 2.0, abs=1e-6)
 
 
-def test_set_screw_against_cylinder(design: Design, store: Store) -> None:
+def test_set_screw_against_cylinder(design: Design, store: ArtefactStore) -> None:
     screw = design.set_screw
     body = (math.pi / 4.0 * screw.diameter**2 - hexagon(screw.socket_width) / 2.0) * screw.length
-    assert make_part(store, "set_screw", design).geometry.volume == pytest.approx(body, rel=0.02)
+    assert build_part(store, "set_screw", design).geometry.volume == pytest.approx(body, rel=0.02)
 
 
-def test_spring_against_length_of_wire(design: Design, store: Store) -> None:
+def test_spring_against_length_of_wire(design: Design, store: ArtefactStore) -> None:
     spring = design.spring
-    made = make_part(store, "spring", design).geometry
+    made = build_part(store, "spring", design).geometry
     radius = (spring.outer_diameter - spring.wire_diameter) / 2.0
     turns = round(spring.coils) + 1
     rise = spring.installed_length - spring.wire_diameter
@@ -74,7 +74,7 @@ def test_spring_pushed_together_keeps_its_wire(design: Design) -> None:
     assert pressed.Volume() == pytest.approx(free.Volume(), rel=0.01)
 
 
-def test_piezo_against_cylinder_and_cap(design: Design, store: Store) -> None:
+def test_piezo_against_cylinder_and_cap(design: Design, store: ArtefactStore) -> None:
     piezo = design.piezo
     radius, crown = piezo.diameter / 2.0, piezo.end_radius
     sag = crown - math.sqrt(crown**2 - radius**2)
@@ -83,21 +83,21 @@ def test_piezo_against_cylinder_and_cap(design: Design, store: Store) -> None:
     # Pappus: the chamfer's triangle at its centroid's radius.
     removed = chamfer**2 / 2.0 * 2.0 * math.pi * (radius - chamfer / 3.0)
     volume = math.pi * radius**2 * (piezo.length - sag) + cap - removed
-    made = make_part(store, "piezo", design)
+    made = build_part(store, "piezo", design)
     assert made.geometry.volume == pytest.approx(volume, rel=1e-9)
     assert made.datums["end"].origin == (0.0, 0.0, piezo.length)
 
 
-def test_only_the_touched_part_is_made_again(design: Design, store: Store) -> None:
+def test_only_the_touched_part_is_made_again(design: Design, store: ArtefactStore) -> None:
     longer = load_design(overrides=("screws.way.length=26 mm",))
     for name in PURCHASED:
-        same = make_part(store, name, longer).entry.key == make_part(store, name, design).entry.key
+        same = build_part(store, name, longer).entry.key == build_part(store, name, design).entry.key
         assert same == (name != "way_screw")
 
 
 @pytest.mark.parametrize("name", PURCHASED)
-def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Design, store: Store) -> None:
-    part = make_part(store, name, design)
+def test_exported_mesh_is_closed_and_of_the_solids_volume(name: str, design: Design, store: ArtefactStore) -> None:
+    part = build_part(store, name, design)
     body = trimesh.load(io.BytesIO(part.entry.data(f"{name}.stl")), file_type="stl")
     assert body.is_watertight
     assert body.volume == pytest.approx(part.geometry.volume, rel=3e-3)

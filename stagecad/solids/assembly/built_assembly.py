@@ -9,11 +9,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stagecad.solids.artefacts.part import MadePart
-from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import Instance, assemble
 from stagecad.solids.modelling.frame import Frame
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.placed_shape import PlacedShape
 from stagecad.solids.modelling.registry import ASSEMBLY
 
 if TYPE_CHECKING:
@@ -25,10 +25,10 @@ EXPLODED = f"{ASSEMBLY}_exploded"
 
 
 @dataclass(frozen=True)
-class MadeAssembly:
+class BuiltAssembly:
     """The whole machine at the middle of its travel and height adjustment."""
 
-    entry: Entry
+    entry: Artefact
 
     @cached_property
     def instances(self) -> tuple[Instance, ...]:
@@ -53,13 +53,13 @@ def _frame(document: dict[str, Any]) -> Frame:
     return Frame((a, b, c), tuple(document["shift"]))  # type: ignore[arg-type]
 
 
-def find_assembly(store: Store, parts: Mapping[str, MadePart], design: Any) -> MadeAssembly | None:
+def find_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly | None:
     """The assembly from the cache, or None where it has to be made."""
     entry = store.find(ASSEMBLY, design, (__name__,), _keys(parts))
-    return MadeAssembly(entry) if entry is not None else None
+    return BuiltAssembly(entry) if entry is not None else None
 
 
-def make_assembly(store: Store, parts: Mapping[str, MadePart], design: Any) -> MadeAssembly:
+def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly:
     """The assembly of `parts` (all that the design has), from the cache or made now."""
 
     def make(reading: Any, folder: Path) -> None:
@@ -79,17 +79,19 @@ def make_assembly(store: Store, parts: Mapping[str, MadePart], design: Any) -> M
         moved = [meshes[piece.part].placed(piece.frame) for piece in pieces]
         (folder / f"{ASSEMBLY}.stl").write_bytes(stl_bytes(moved))
 
-    return MadeAssembly(store.make(ASSEMBLY, design, (__name__,), make, _keys(parts)))
+    return BuiltAssembly(store.make(ASSEMBLY, design, (__name__,), make, _keys(parts)))
 
 
-def _keys(parts: Mapping[str, MadePart]) -> list[str]:
+def _keys(parts: Mapping[str, BuiltPart]) -> list[str]:
     return [part.entry.key for part in parts.values()]
 
 
-def pieces_of(instances: Sequence[Instance], parts: Mapping[str, MadePart], *, exploded: bool = False) -> list[Piece]:
+def pieces_of(
+    instances: Sequence[Instance], parts: Mapping[str, BuiltPart], *, exploded: bool = False
+) -> list[PlacedShape]:
     """What stands where, coloured by material, for export and pictures."""
     return [
-        Piece(
+        PlacedShape(
             instance.name,
             instance.shape,
             parts[instance.part].colour,
@@ -99,7 +101,7 @@ def pieces_of(instances: Sequence[Instance], parts: Mapping[str, MadePart], *, e
     ]
 
 
-def shapes_of(instances: Sequence[Instance], parts: Mapping[str, MadePart], design: Any) -> dict[str, cq.Shape]:
+def shapes_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> dict[str, cq.Shape]:
     """The exact solid of each `Instance.shape`: the part's own, but a spring wound to the length it has there."""
     shapes: dict[str, cq.Shape] = {}
     for instance in instances:
@@ -115,7 +117,7 @@ def shapes_of(instances: Sequence[Instance], parts: Mapping[str, MadePart], desi
 
 
 def meshes_of(
-    instances: Sequence[Instance], parts: Mapping[str, MadePart], shapes: Mapping[str, cq.Shape]
+    instances: Sequence[Instance], parts: Mapping[str, BuiltPart], shapes: Mapping[str, cq.Shape]
 ) -> dict[str, Mesh]:
     """The mesh of each `Instance.shape`; `shapes` is needed only for those that are not a part's own."""
     meshes: dict[str, Mesh] = {}

@@ -74,7 +74,7 @@ class Surface:
         return None
 
 
-class Gauge:
+class DimensionVerifier:
     """The surfaces of one solid, read once, ready to be measured.
 
     Attributes:

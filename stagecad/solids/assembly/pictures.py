@@ -9,12 +9,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from stagecad.solids.artefacts.assembly import EXPLODED, meshes_of, pieces_of, shapes_of
-from stagecad.solids.artefacts.part import MadePart
-from stagecad.solids.artefacts.store import Entry, Store
+from stagecad.solids.artefacts.part import BuiltPart
+from stagecad.solids.artefacts.store import Artefact, ArtefactStore
+from stagecad.solids.assembly.built_assembly import EXPLODED, meshes_of, pieces_of, shapes_of
 from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
-from stagecad.solids.modelling.placed_shape import Piece
+from stagecad.solids.modelling.placed_shape import PlacedShape
 from stagecad.solids.modelling.registry import ASSEMBLY
 
 PART_SIZE = (900, 650)
@@ -23,9 +23,9 @@ FROM_BELOW = ("stage", "tip", "tooth_iron")
 """Parts whose working faces look down: shown from below as well, as ``NAME_below``."""
 
 
-def make_pictures(
-    store: Store, machine: Machine, advance: Callable[[str], None] = lambda name: None
-) -> dict[str, Entry]:
+def build_pictures(
+    store: ArtefactStore, machine: Machine, advance: Callable[[str], None] = lambda name: None
+) -> dict[str, Artefact]:
     """PNG pictures by file name (``stage.png``, ``stage_below.png``, ``assembly.png``, ``assembly_exploded.png``).
 
     Args:
@@ -36,7 +36,7 @@ def make_pictures(
     Returns:
         The result that holds each file; `stagecad.solids.artefacts.outputs.write_stored` copies them.
     """
-    found: dict[str, Entry] = {}
+    found: dict[str, Artefact] = {}
     for part in machine.parts.values():
         entry = _part_pictures(store, part, machine.design)
         found.update(dict.fromkeys(entry.hashes, entry))
@@ -47,9 +47,9 @@ def make_pictures(
     return found
 
 
-def _part_pictures(store: Store, part: MadePart, design: Any) -> Entry:
+def _part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefact:
     def make(reading: Any, folder: Path) -> None:
-        pieces = [Piece(part.name, part.name, part.colour)]
+        pieces = [PlacedShape(part.name, part.name, part.colour)]
         meshes = {part.name: part.mesh}
         (folder / f"{part.name}.png").write_bytes(picture(pieces, meshes, ISOMETRIC, PART_SIZE))
         if part.name in FROM_BELOW:
@@ -58,7 +58,7 @@ def _part_pictures(store: Store, part: MadePart, design: Any) -> Entry:
     return store.make(f"picture of {part.name}", design, (__name__,), make, [part.entry.key])
 
 
-def _assembly_pictures(store: Store, machine: Machine) -> Entry:
+def _assembly_pictures(store: ArtefactStore, machine: Machine) -> Artefact:
     def make(reading: Any, folder: Path) -> None:
         instances, parts = machine.assembly.instances, machine.parts
         changed = [instance for instance in instances if instance.shape != instance.part]
