@@ -36,10 +36,10 @@ ASKED_ROWS, ASKED_RANKING, ASKED_DIAGNOSIS, ASKED_MEGABYTES = 20000, 3.0, 10.0, 
 RANK = """
 import json, sys
 from time import perf_counter, process_time
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 from sysid.estimation.reference_fit import fit_case
 from sysid.diagnosis.trials import looks_on
-case = load_case(sys.argv[1])
+case = load_problem(sys.argv[1])
 base = fit_case(case)
 clock, processor = perf_counter(), process_time()
 looks = looks_on(case, base, [e.name for e in case.start.effects])

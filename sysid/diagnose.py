@@ -34,9 +34,9 @@ from sysid.estimation.misfit import ChannelMisfit, misfit, worst_over_noise
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.screening import RefittedEffect
 from sysid.experiment.experiment import DesignValues
-from sysid.experiment.history import read_ladder
-from sysid.prediction.model import base_name
-from sysid.prediction.problem import Case, load_case
+from sysid.experiment.history import read_history
+from sysid.prediction.model import public_name
+from sysid.prediction.problem import Problem, load_problem
 
 IN_FULL = 6
 """Candidates whose held-out errors and fitted values are reported, in the order of the ranking."""
@@ -47,7 +47,7 @@ class Diagnosis:
     """What is missing, and how sure that is.
 
     Args:
-        case, base: what was diagnosed.
+        problem, base: what was diagnosed.
         trials: every effect tried, best first; one law per effect.
         verdict: `missing-effect`, `adequate` or `unexplained`.
         best: the trial named, for `missing-effect`.
@@ -60,7 +60,7 @@ class Diagnosis:
         told_by: what tells of the effect named, in words, where it is not the error that falls.
     """
 
-    case: Case
+    problem: Problem
     base: ReferenceFit
     trials: tuple[CandidateFit, ...]
     verdict: str
@@ -83,7 +83,7 @@ class Diagnosis:
 
 
 def diagnose(
-    source: str | Path | Case,
+    source: str | Path | Problem,
     all_effects: bool = False,
     design: DesignValues | None = None,
     progress: Progress | None = None,
@@ -91,7 +91,7 @@ def diagnose(
     """Find which effect is missing from the model of an experiment.
 
     Args:
-        source: folder of the experiment, its `experiment.toml`, or a case already made.
+        source: folder of the experiment, its `experiment.toml`, or a problem already built.
         all_effects: try whatever else the library has besides the names everyone uses.
         design: what a known value of `"design"` stands for.
         progress: called with a name, a count and a total.
@@ -100,29 +100,31 @@ def diagnose(
         InputError: a fault in a file, in one line.
     """
     began = perf_counter()
-    case = source if isinstance(source, Case) else load_case(source, design)
-    base = fit_stated_model(case)
-    present = [e.name for e in case.start.effects]
-    search = evaluate_all(case, base, present, all_effects, progress)
-    found = judge(case, base, search, coarse_steps(case, base, ADEQUATE_OVER_NOISE[case.form]), began, all_effects)
+    problem = source if isinstance(source, Problem) else load_problem(source, design)
+    base = fit_stated_model(problem)
+    present = [e.name for e in problem.start.effects]
+    search = evaluate_all(problem, base, present, all_effects, progress)
+    found = judge(
+        problem, base, search, coarse_steps(problem, base, ADEQUATE_OVER_NOISE[problem.form]), began, all_effects
+    )
     # While something is missing the next round comes first; a model that is enough is asked only what it can spare.
     swaps = (
         []
         if found.effect is not None
-        else find_swaps(case, base, _added(case), found.verdict == "unexplained", all_effects, search.first.seen)
+        else find_swaps(problem, base, _added(problem), found.verdict == "unexplained", all_effects, search.first.seen)
     )
     return replace(found, swaps=tuple(swaps), seconds=perf_counter() - began)
 
 
-def _added(case: Case) -> list[str]:
+def _added(problem: Problem) -> list[str]:
     """Effects of the model that its ladder added."""
-    rungs = read_ladder(case.experiment)
-    first = {base_name(name) for name in rungs[0].effects} if rungs else set()
-    return [e.name for e in case.start.effects if rungs and base_name(e.name) not in first]
+    rungs = read_history(problem.experiment)
+    first = {public_name(name) for name in rungs[0].effects} if rungs else set()
+    return [e.name for e in problem.start.effects if rungs and public_name(e.name) not in first]
 
 
 def judge(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     search: CandidateSearch,
     quantised: CandidateFit | None,
@@ -130,17 +132,17 @@ def judge(
     all_effects: bool = False,
 ) -> Diagnosis:
     """The diagnosis of a base model by the effects tried on it: how well it does, where it fails, the verdict."""
-    before_fit = misfit(base.fitted.model, case.fit_records)
-    before_validate = misfit(base.fitted.model, case.validate_records)
-    ranked = _ranked(case, base, search, all_effects)
-    of_model = base.fitted.model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
+    before_fit = misfit(base.fitted.model, problem.fit_records)
+    before_validate = misfit(base.fitted.model, problem.validate_records)
+    ranked = _ranked(problem, base, search, all_effects)
+    of_model = base.fitted.model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights
     maps = residual_maps(*of_model)
     pattern = max((m.pattern for m in maps), default=0.0)
     textured = any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps)
-    added = [e for e in base.fitted.model.effects if e.name in _added(case)]
+    added = [e for e in base.fitted.model.effects if e.name in _added(problem)]
     in_full = IN_FULL
     over = worst_over_noise(before_fit, before_validate)
-    evidence = Evidence(case, base, search, ranked, over, pattern, all_effects, added, textured)
+    evidence = Evidence(problem, base, search, ranked, over, pattern, all_effects, added, textured)
     found = verdict_on(evidence, quantised)
     if found.best is None:
         found = _by_ringing(evidence, found) or found
@@ -152,7 +154,7 @@ def judge(
         in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
         ranked = [found.best, *others]
     return Diagnosis(
-        case=case,
+        problem=problem,
         base=base,
         trials=tuple(ranked),
         verdict=found.verdict,
@@ -176,31 +178,31 @@ def _by_ringing(evidence: Evidence, otherwise: Verdict) -> Verdict | None:
         evidence: on the model without it.
         otherwise: the verdict that the balance alone gives, which names no effect.
     """
-    case, base = evidence.case, evidence.base
-    found = detect_structural_mode(case, base.fitted)
+    problem, base = evidence.problem, evidence.base
+    found = detect_structural_mode(problem, base.fitted)
     if found is None:
         return None
-    effect, fitted = with_structural_mode(case, base.fitted, found)
+    effect, fitted = with_structural_mode(problem, base.fitted, found)
     seen = next((t for t in evidence.ranked if t.name == effect.name), None)
     if seen is not None and prefers_balance_fit(seen.fitted, fitted):
         trial = seen
     else:
-        trial = evaluate_candidate(case, base, RefittedEffect(effect, 0.0, fitted))
+        trial = evaluate_candidate(problem, base, RefittedEffect(effect, 0.0, fitted))
     if trial is None or trial.error > HARDLY_MORE * evidence.error:
         return None
     left = evidence.left_by(trial) if otherwise.verdict == "unexplained" else 0.0
     return Verdict("missing-effect", trial, (), left, EXPLAINS_ALL, found.words)
 
 
-def _ranked(case: Case, base: ReferenceFit, search: CandidateSearch, all_effects: bool) -> list[CandidateFit]:
+def _ranked(problem: Problem, base: ReferenceFit, search: CandidateSearch, all_effects: bool) -> list[CandidateFit]:
     """The best law of each effect, best first; where none does much, effects of the model are searched for anew too."""
     ranked = one_per_family(search.trials)
     before = root_mean_huber(base.residual)
     nothing = (
-        not ranked or not is_worthwhile(case, base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
+        not ranked or not is_worthwhile(problem, base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
     )
     if nothing and before > NEARLY_NOISE:
-        present = [e.name for e in case.start.effects]
-        again = forward_after_deletion(case, base, present, all_effects, search.first.seen)
+        present = [e.name for e in problem.start.effects]
+        again = forward_after_deletion(problem, base, present, all_effects, search.first.seen)
         return one_per_family([*again, *search.trials])
     return ranked

@@ -20,7 +20,7 @@ from sysid.estimation.reference_fit import ReferenceFit
 from sysid.experiment.rigs import CHANNELS
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
 from sysid.prediction.effect_terms import split_channel
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 
 SCHEMA = 1
 LEAST_P = 0.001
@@ -39,25 +39,25 @@ RIG_UNITS = {
 }
 
 
-def channel_unit(case: Case, channel: str) -> str:
+def channel_unit(problem: Problem, channel: str) -> str:
     """SI unit of a channel on this rig's axis."""
-    return CHANNELS[channel].si_unit(case.experiment.rig.rotary)
+    return CHANNELS[channel].si_unit(problem.experiment.rig.rotary)
 
 
-def parameter_unit(case: Case, key: str) -> str:
+def parameter_unit(problem: Problem, key: str) -> str:
     """SI unit of a parameter by key on this rig's axis; `1` for a plain number."""
     effect, _, name = key.rpartition(".")
-    rotary = case.experiment.rig.rotary
+    rotary = problem.experiment.rig.rotary
     if effect == "rig":
         if name.startswith("offset_"):
-            return channel_unit(case, name.removeprefix("offset_"))
+            return channel_unit(problem, name.removeprefix("offset_"))
         return RIG_UNITS[name][1 if rotary else 0]
     from sim.effects.catalogue import find
 
-    unit = find(effect, case.custom).parameter(name).unit
+    unit = find(effect, problem.custom).parameter(name).unit
     if "channel" in unit:
-        channel = split_channel(effect)[1] or next(iter(case.fit_records[0].measured))
-        return unit.replace("channel", channel_unit(case, channel))
+        channel = split_channel(effect)[1] or next(iter(problem.fit_records[0].measured))
+        return unit.replace("channel", channel_unit(problem, channel))
     return rotary_unit(unit) if rotary else unit
 
 
@@ -66,17 +66,17 @@ def p_value_json(p: float) -> Any:
     return {"below": LEAST_P} if p <= 1.5 * LEAST_P else float(p)
 
 
-def noise_json(case: Case) -> dict[str, Any]:
+def noise_json(problem: Problem) -> dict[str, Any]:
     """Noise by measured channel, with where it comes from."""
-    measured = set(case.fit_records[0].measured)
-    return {c: n.to_json() for c, n in case.noise.items() if c in measured or c == "position"}
+    measured = set(problem.fit_records[0].measured)
+    return {c: n.to_json() for c, n in problem.noise.items() if c in measured or c == "position"}
 
 
-def misfit_json(case: Case, by_channel: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
+def misfit_json(problem: Problem, by_channel: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
     """rms, error over noise and fit percent by channel."""
     return {
         channel: {
-            "rms": as_json(m.rms, channel_unit(case, channel)),
+            "rms": as_json(m.rms, channel_unit(problem, channel)),
             "over_noise": m.over_noise,
             "fit_percent": m.fit_percent,
         }
@@ -84,21 +84,23 @@ def misfit_json(case: Case, by_channel: Mapping[str, ChannelMisfit]) -> dict[str
     }
 
 
-def both_json(case: Case, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]) -> dict[str, Any]:
+def both_json(
+    problem: Problem, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
+) -> dict[str, Any]:
     """Misfit on the records of the fit and on the held-out ones."""
-    return {"fit": misfit_json(case, fit), "validate": misfit_json(case, validate)}
+    return {"fit": misfit_json(problem, fit), "validate": misfit_json(problem, validate)}
 
 
 def parameters_json(
-    case: Case, fitted: FittedModel, found: Intervals | None = None, only: str | None = None
+    problem: Problem, fitted: FittedModel, found: Intervals | None = None, only: str | None = None
 ) -> dict[str, Any]:
     """Fitted values with deviation and 95 % interval, by key; `only` those of one effect."""
-    found = intervals(fitted, case.fit_records) if found is None else found
+    found = intervals(fitted, problem.fit_records) if found is None else found
     out: dict[str, Any] = {}
     for key, interval in found.by_key.items():
         if only is not None and key.rpartition(".")[0] != only:
             continue
-        entry = as_json(interval.value, parameter_unit(case, key), interval.std, interval.low, interval.high)
+        entry = as_json(interval.value, parameter_unit(problem, key), interval.std, interval.low, interval.high)
         # What the records do not tell is null in every file, never a number that JSON cannot hold.
         entry.update({name: None for name in ("std", "low", "high") if not np.isfinite(entry[name])})
         if interval.at_bound:
@@ -112,15 +114,15 @@ def identifiability_json(fitted: FittedModel, found: Intervals) -> dict[str, Any
     return {"not_identifiable": identifiability_report(fitted, found), "correlation": correlation_json(found)}
 
 
-def detectable_json(case: Case, sizes: Sequence[MinimumDetectableEffect]) -> list[dict[str, Any]]:
+def detectable_json(problem: Problem, sizes: Sequence[MinimumDetectableEffect]) -> list[dict[str, Any]]:
     """The smallest size of each effect that the records could have shown; `value` is null where no size would have."""
     return [
         {
             "effect": one.effect,
             "parameter": public_key(one.key),
             "value": one.value,
-            "unit": parameter_unit(case, one.key),
-            "at": {public_key(key): as_json(value, parameter_unit(case, key)) for key, value in one.at.items()},
+            "unit": parameter_unit(problem, one.key),
+            "at": {public_key(key): as_json(value, parameter_unit(problem, key)) for key, value in one.at.items()},
         }
         for one in sizes
     ]
@@ -135,21 +137,21 @@ def where_json(maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
     ]
 
 
-def headline_channel(case: Case) -> str:
+def headline_channel(problem: Problem) -> str:
     """The channel whose error is quoted where one number is wanted: the force, or the worse tip channel."""
-    record = case.fit_records[0]
+    record = problem.fit_records[0]
     return getattr(record, "force_channel", "") or next(iter(record.measured))
 
 
-def worst_channel(case: Case, by_channel: Mapping[str, ChannelMisfit]) -> str:
+def worst_channel(problem: Problem, by_channel: Mapping[str, ChannelMisfit]) -> str:
     """The channel with the largest error over noise."""
-    return max(by_channel, key=lambda c: by_channel[c].over_noise) if by_channel else headline_channel(case)
+    return max(by_channel, key=lambda c: by_channel[c].over_noise) if by_channel else headline_channel(problem)
 
 
 def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
     """Effects tried, best first: held-out error they would leave, its reduction, chance, and values."""
-    case = diagnosis.case
-    channel = worst_channel(case, diagnosis.before_validate)
+    problem = diagnosis.problem
+    channel = worst_channel(problem, diagnosis.before_validate)
     before = diagnosis.before_validate[channel].rms if channel in diagnosis.before_validate else float("nan")
     rows = []
     for k, trial in enumerate(diagnosis.trials[:most]):
@@ -157,7 +159,7 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
         in_full = k < diagnosis.reported_in_full or trial is diagnosis.best
         after = trial.after_validate.get(channel) if in_full else None
         if after is not None:
-            row["validate_error"] = as_json(after.rms, channel_unit(case, channel))
+            row["validate_error"] = as_json(after.rms, channel_unit(problem, channel))
             row["reduction"] = 1.0 - after.rms / before if before > 0 else None
             row["over_noise"] = after.over_noise
         row["p_value"] = p_value_json(trial.p_value)
@@ -168,7 +170,7 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
         if trial.name != trial.public_name:
             row["law"] = trial.name
         if after is not None:
-            row["parameters"] = parameters_json(case, trial.fitted, only=trial.name)
+            row["parameters"] = parameters_json(problem, trial.fitted, only=trial.name)
         angle = angle_to_best(diagnosis, trial)
         if angle is not None:
             row["angle"] = as_json(angle, "rad")
@@ -190,27 +192,27 @@ def angle_to_best(diagnosis: Diagnosis, trial: CandidateFit) -> float | None:
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     """The document of `diagnose`."""
-    case, best = diagnosis.case, diagnosis.best
+    problem, best = diagnosis.problem, diagnosis.best
     after = diagnosis.trials[0] if diagnosis.trials else None
     after = best if best is not None else after
     fitted = best.fitted if best is not None else diagnosis.base.fitted
-    found = intervals(fitted, case.fit_records)
+    found = intervals(fitted, problem.fit_records)
     return {
         "schema": SCHEMA,
-        "form": case.form,
+        "form": problem.form,
         "verdict": diagnosis.verdict,
         "effect": diagnosis.effect,
         "indistinguishable": list(diagnosis.indistinguishable),
         "reason": diagnosis.reason,
-        "noise": noise_json(case),
-        "before": both_json(case, diagnosis.before_fit, diagnosis.before_validate),
-        "after": both_json(case, after.after_fit, after.after_validate)
+        "noise": noise_json(problem),
+        "before": both_json(problem, diagnosis.before_fit, diagnosis.before_validate),
+        "after": both_json(problem, after.after_fit, after.after_validate)
         if after is not None
         else {"fit": {}, "validate": {}},
         "ranking": ranking_json(diagnosis),
-        "parameters": parameters_json(case, fitted, found),
+        "parameters": parameters_json(problem, fitted, found),
         **identifiability_json(fitted, found),
-        "detectable": detectable_json(case, minimum_detectable_effects(diagnosis)),
+        "detectable": detectable_json(problem, minimum_detectable_effects(diagnosis)),
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,
         "swaps": [
@@ -218,13 +220,13 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
             for s in diagnosis.swaps
         ],
         "laws": list(diagnosis.base.laws),
-        "notes": list(case.notes),
+        "notes": list(problem.notes),
         "seconds": diagnosis.seconds,
     }
 
 
 def comparison_json(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     fit: Mapping[str, ChannelMisfit],
     validate: Mapping[str, ChannelMisfit],
@@ -232,18 +234,18 @@ def comparison_json(
     seconds: float,
 ) -> dict[str, Any]:
     """The document of `compare`."""
-    found = intervals(base.fitted, case.fit_records)
+    found = intervals(base.fitted, problem.fit_records)
     return {
         "schema": SCHEMA,
-        "form": case.form,
+        "form": problem.form,
         "effects": [e.name for e in base.fitted.model.effects],
-        "noise": noise_json(case),
-        "before": both_json(case, fit, validate),
-        "parameters": parameters_json(case, base.fitted, found),
+        "noise": noise_json(problem),
+        "before": both_json(problem, fit, validate),
+        "parameters": parameters_json(problem, base.fitted, found),
         **identifiability_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
         "dead": [public_key(k) for k in base.fitted.fit.inactive],
         "where": where_json(maps),
-        "notes": list(case.notes),
+        "notes": list(problem.notes),
         "seconds": seconds,
     }

@@ -41,9 +41,9 @@ from sysid.estimation.misfit import (
     worst_over_noise,
 )
 from sysid.estimation.reference_fit import ReferenceFit, predicts_clearly_better, select_variants
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.model import Model, Prepared, law_family
-from sysid.prediction.problem import Case
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.model import Model, PreparedRecord, variant_group
+from sysid.prediction.problem import Problem
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Evidence:
     """What a verdict is made from.
 
     Args:
-        case, base: records and scales, and the model fitted to them.
+        problem, base: records and scales, and the model fitted to them.
         search: every effect tried on it.
         ranked: the best law of each effect, best first.
         over: error over noise of the base model, the worst of its records.
@@ -61,7 +61,7 @@ class Evidence:
         textured: whether the position foretells the residual of moments it has not seen, be it little of it.
     """
 
-    case: Case
+    problem: Problem
     base: ReferenceFit
     search: CandidateSearch
     ranked: Sequence[CandidateFit]
@@ -74,12 +74,12 @@ class Evidence:
     @property
     def allowance(self) -> float:
         """Error over noise up to which a model of this form is adequate."""
-        return ADEQUATE_OVER_NOISE[self.case.form]
+        return ADEQUATE_OVER_NOISE[self.problem.form]
 
     @property
     def balance(self) -> bool:
         """Whether the records are compared as a force balance."""
-        return self.case.form == "force_balance"
+        return self.problem.form == "force_balance"
 
     @property
     def error(self) -> float:
@@ -107,17 +107,18 @@ class Evidence:
         in_fit = root_mean_huber(fitted.fit.residual) >= SPELLS
         return (self.error >= SPELLS and self._persistence() >= LEAST_PERSISTENCE) or (
             in_fit
-            and persistence(self.case, self.case.fit_records, fitted.weights, fitted.fit.residual) >= LEAST_PERSISTENCE
+            and persistence(self.problem, self.problem.fit_records, fitted.weights, fitted.fit.residual)
+            >= LEAST_PERSISTENCE
         )
 
     def _persistence(self) -> float:
-        return persistence(self.case, self.case.validate_records, self.base.weights, self.base.residual)
+        return persistence(self.problem, self.problem.validate_records, self.base.weights, self.base.residual)
 
     def patterns_left(self, model: Model) -> dict[str, float]:
         """Share of a model's residual that each coordinate explains."""
-        case, base = self.case, self.base
+        problem, base = self.problem, self.base
         return dependence_by_coordinate(
-            model, case.fit_records, base.fitted.weights, case.validate_records, base.weights
+            model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights
         )
 
     def pattern_left(self, model: Model, coordinates: Sequence[str] = ()) -> float:
@@ -135,20 +136,20 @@ class Evidence:
         if self.pattern_left(fitted.model, own) < BENT[own[0]]:
             return False
         best, _ = select_variants(
-            self.case, fitted, [law_family(trial.name)], partial(predicts_clearly_better, self.case)
+            self.problem, fitted, [variant_group(trial.name)], partial(predicts_clearly_better, self.problem)
         )
         return best is fitted or self.pattern_left(best.model, own) >= BENT[own[0]]
 
     def on_top(self, trial: CandidateFit) -> list[Pair]:
         """An effect with each of the most promising others on top of it, best first."""
-        return pairs_on_top(self.case, self.base, trial.refit, self.all_effects, self.search.first.seen)
+        return pairs_on_top(self.problem, self.base, trial.refit, self.all_effects, self.search.first.seen)
 
     def share_away(self, trial: CandidateFit) -> float | None:
         """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.
 
         Of the held-out records; of those fitted, where the held-out ones have too little of it there.
         """
-        held_out, fitted = away_of(self.case, self.base, trial)
+        held_out, fitted = away_of(self.problem, self.base, trial)
         if held_out is None:
             return None
         # Where there is little above the noise a share of it says nothing.
@@ -160,7 +161,7 @@ class Evidence:
         own = own_coordinates(self.added)
         if not own:
             return 0.0
-        records, weights = self.case.validate_records, self.base.weights
+        records, weights = self.problem.validate_records, self.base.weights
         before, after = (
             float(np.mean(huber_square(apart_from(r, records, weights, own))))
             for r in (self.base.residual, trial.residual)
@@ -170,7 +171,7 @@ class Evidence:
     def like_turns(self, trial: CandidateFit) -> bool:
         """Whether a small error in the time of the turns would look like this effect."""
         # On a driven mass a late sensor of its motion is a late drive.
-        late = self.case.kind == "force-drive" and trial.public_name in LATE
+        late = self.problem.kind == "force-drive" and trial.public_name in LATE
         return (late or trial.public_name in AT_REVERSALS) and trial.share_at_rest < AT_REST
 
 
@@ -198,17 +199,17 @@ class LossAway:
         return (self.before - self.after) / max(self.before - min(1.0, self.after), 1e-9)
 
 
-def away_of(case: Case, base: ReferenceFit, trial: CandidateFit) -> tuple[LossAway | None, LossAway | None]:
+def away_of(problem: Problem, base: ReferenceFit, trial: CandidateFit) -> tuple[LossAway | None, LossAway | None]:
     """What an effect does away from the turns, on the held-out records and on those fitted; none where all is near."""
-    held_out = _away(case.validate_records, base.weights, base.residual, trial.residual)
+    held_out = _away(problem.validate_records, base.weights, base.residual, trial.residual)
     after = trial.fitted.fit.residual
     whole = after.size == base.fitted.fit.residual.size
-    fitted = _away(case.fit_records, base.fitted.weights, base.fitted.fit.residual, after) if whole else None
+    fitted = _away(problem.fit_records, base.fitted.weights, base.fitted.fit.residual, after) if whole else None
     return held_out, fitted
 
 
 def _away(
-    records: Sequence[Prepared], weights: ResidualWeights, before: np.ndarray, after: np.ndarray
+    records: Sequence[PreparedRecord], weights: ResidualWeights, before: np.ndarray, after: np.ndarray
 ) -> LossAway | None:
     away = away_from_events(records, weights)
     if np.mean(away) < LEAST_AWAY:
@@ -221,7 +222,9 @@ def _away(
     )
 
 
-def persistence(case: Case, records: Sequence[Prepared], weights: ResidualWeights, residual: np.ndarray) -> float:
+def persistence(
+    problem: Problem, records: Sequence[PreparedRecord], weights: ResidualWeights, residual: np.ndarray
+) -> float:
     """Correlation of a residual (n,) with itself four scored samples on, less that of the sensors' noise: what is
     left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
     lag, best = 4, 0.0
@@ -232,27 +235,27 @@ def persistence(case: Case, records: Sequence[Prepared], weights: ResidualWeight
             start += pick.size
             if r.size < 50:
                 continue
-            noise = case.noise.get(channel)
-            own = noise.correlation**lag if noise is not None and case.form == "output" else 0.0
-            if isinstance(record, Balance) and record.whole is not None:
+            noise = problem.noise.get(channel)
+            own = noise.correlation**lag if noise is not None and problem.form == "output" else 0.0
+            if isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
                 # Filtered white noise; a record is thinned to a sample per filter width, rounded down.
-                apart = lag * max(1, int(record.whole.width / record.step)) * record.step
-                own = float(np.exp(-0.25 * (apart / record.whole.width) ** 2))
+                apart = lag * max(1, int(record.full_filter.width / record.step)) * record.step
+                own = float(np.exp(-0.25 * (apart / record.full_filter.width) ** 2))
             best = max(best, float(np.corrcoef(r[lag:], r[:-lag])[0, 1]) - own)
     return best
 
 
-def is_worthwhile(case: Case, base: ReferenceFit, trial: CandidateFit) -> bool:
+def is_worthwhile(problem: Problem, base: ReferenceFit, trial: CandidateFit) -> bool:
     """Whether an effect lowers the held-out loss by more than chance, and by enough to matter.
 
     On a driven mass what its stops leave may hide that: then it counts away from its turns, where an effect has to take
     nearly all of a clear loss, on all records.
     """
-    return _takes_enough(base, trial) or _takes_all_away(case, base, trial)
+    return _takes_enough(base, trial) or _takes_all_away(problem, base, trial)
 
 
-def _takes_all_away(case: Case, base: ReferenceFit, trial: CandidateFit) -> bool:
-    losses = away_of(case, base, trial)
+def _takes_all_away(problem: Problem, base: ReferenceFit, trial: CandidateFit) -> bool:
+    losses = away_of(problem, base, trial)
     known = [loss for loss in losses if loss is not None]
     return (
         len(known) == len(losses)

@@ -17,11 +17,11 @@ import numpy as np
 
 from sysid.estimation.misfit import ResidualWeights, misfit
 from sysid.prediction.actuator_tip import TipRecord
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.model import Model, Prepared, predict
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.model import Model, PreparedRecord, predict
 
 
-def coordinates_of(record: Prepared) -> dict[str, np.ndarray]:
+def coordinates_of(record: PreparedRecord) -> dict[str, np.ndarray]:
     """The coordinates (n,) that a record's residual is held against, by the interface's names; `frequency` aside."""
     if isinstance(record, TipRecord):
         rate = np.gradient(np.mean(record.drives, axis=0), record.step)
@@ -105,9 +105,9 @@ ALIAS = 0.9
 
 def compared(
     model: Model,
-    fit_records: Sequence[Prepared],
+    fit_records: Sequence[PreparedRecord],
     fit_weights: ResidualWeights,
-    held_out: Sequence[Prepared],
+    held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> Iterator[tuple[str, Samples, Samples]]:
     """Each of the worst channels, with its samples in the records of the fit and in the held-out ones."""
@@ -123,14 +123,14 @@ def shared(learn: Samples, judge: Samples) -> list[str]:
     return [name for name in learn[0] if name != "_direction" and name in judge[0]]
 
 
-def _worst_channels(model: Model, records: Sequence[Prepared]) -> list[str]:
+def _worst_channels(model: Model, records: Sequence[PreparedRecord]) -> list[str]:
     """Channels whose misfit, over their noise, is at least half the worst one's."""
     over = {channel: m.over_noise for channel, m in misfit(model, records).items()}
     return [channel for channel, value in over.items() if value >= 0.5 * max(over.values())]
 
 
 def _samples(
-    model: Model, records: Sequence[Prepared], weights: ResidualWeights, channel: str
+    model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights, channel: str
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray] | None:
     """Coordinates, residual (n,) and block number (n,) at the scored samples of all records that hold the channel."""
     coordinates: dict[str, list[np.ndarray]] = {}
@@ -147,7 +147,7 @@ def _samples(
             base, _, only = name.partition("@")
             if not only or only == channel:
                 coordinates.setdefault(base, []).append(values[pick])
-        direction = record.axis.direction if isinstance(record, Balance) else np.ones(record.size)
+        direction = record.axis.direction if isinstance(record, ForceBalanceRecord) else np.ones(record.size)
         coordinates.setdefault("_direction", []).append(direction[pick])
         start += BLOCKS
     if not residuals:

@@ -9,9 +9,9 @@ import numpy as np
 from sim.library.effect import Effect
 from sysid.diagnosis.explained_share import cells_of, coordinates_of, edges_of, means_of
 from sysid.estimation.misfit import ResidualWeights
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.force_balance.stick_phases import REST
-from sysid.prediction.model import Prepared
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
+from sysid.prediction.model import PreparedRecord
 
 OWN = ("time", "position", "distance_travelled", "temperature", "normal_load")
 """Coordinates along which an added law that is not quite the true one leaves a pattern that is clearly its own."""
@@ -26,7 +26,7 @@ def own_coordinates(effects: Sequence[Effect]) -> tuple[str, ...]:
 
 
 def apart_from(
-    residual: np.ndarray, records: Sequence[Prepared], weights: ResidualWeights, coordinates: Sequence[str]
+    residual: np.ndarray, records: Sequence[PreparedRecord], weights: ResidualWeights, coordinates: Sequence[str]
 ) -> np.ndarray:
     """A residual (n,) in deviations, less its mean in bins of each coordinate, apart for the directions of motion."""
     out = residual.copy()
@@ -36,9 +36,9 @@ def apart_from(
         for channel, pick in samples.items():
             part = out[start : start + pick.size]
             start += pick.size
-            if channel == REST or pick.size == 0:
+            if channel == STICK_DISPLACEMENT or pick.size == 0:
                 continue
-            direction = record.axis.direction[pick] if isinstance(record, Balance) else np.ones(pick.size)
+            direction = record.axis.direction[pick] if isinstance(record, ForceBalanceRecord) else np.ones(pick.size)
             for _ in range(PASSES):
                 for name in coordinates:
                     values = known[name][pick] if name in known else None

@@ -22,8 +22,8 @@ from sysid.estimation.reference_fit import ReferenceFit, has_shape
 from sysid.estimation.score_test import IN_PAIRS, ScoreStatistic, out_of_bounds, profiled_residual, start_for
 from sysid.estimation.screening import RefittedEffect, ScoredCandidate, ScreeningFit, refit_candidate, screen_candidate
 from sysid.estimation.variant_selection import with_bounds_of, without_public_effect
-from sysid.prediction.model import Model, base_name, with_effect
-from sysid.prediction.problem import Case
+from sysid.prediction.model import Model, public_name, with_effect
+from sysid.prediction.problem import Problem
 from sysid.signals.side_by_side import side_by_side
 
 PAIRS_REFITTED = 6
@@ -51,7 +51,7 @@ class Pair:
     @property
     def names(self) -> tuple[str, str]:
         """The two, as everyone calls them."""
-        return (base_name(self.effects[0].name), base_name(self.effects[1].name))
+        return (public_name(self.effects[0].name), public_name(self.effects[1].name))
 
     @property
     def model(self) -> Model:
@@ -64,7 +64,7 @@ class Pair:
 
     def other(self, family: str) -> Effect:
         """The one of the two that is not of this family."""
-        return self.effects[1] if base_name(self.effects[0].name) == family else self.effects[0]
+        return self.effects[1] if public_name(self.effects[0].name) == family else self.effects[0]
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class _Part:
 
 
 def best_pairs(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     first: ScreeningResult,
     wanted: str | None = None,
@@ -84,7 +84,7 @@ def best_pairs(
     """The pairs of effects that looked best together, refitted, best on the held-out records first.
 
     Args:
-        case: records and scales.
+        problem: records and scales.
         base: the fitted model that the looks were taken on.
         first: looks at every effect on top of it.
         wanted: family that must be one of the two.
@@ -109,14 +109,14 @@ def best_pairs(
     least = 0.0 if wanted is None else _least_with(wanted, parts, first.target)
     chosen: dict[frozenset[str], tuple[_Part, _Part]] = {}
     for predicted_reduction, one, other in together:
-        families = frozenset((base_name(one.known.effect.name), base_name(other.known.effect.name)))
+        families = frozenset((public_name(one.known.effect.name), public_name(other.known.effect.name)))
         if len(chosen) >= PAIRS_REFITTED or predicted_reduction < least:
             break
         if wanted is None or wanted in families:
             chosen.setdefault(families, (one, other))
     shared = (*(part.known.effect for part in parts), *base.fitted.model.effects, base.fitted.weights)
     found = side_by_side(
-        lambda two: _refitted(case, base, two, gram, right, given), list(chosen.values()), shared
+        lambda two: _refitted(problem, base, two, gram, right, given), list(chosen.values()), shared
     )  # fmt: skip
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
@@ -125,7 +125,7 @@ def _least_with(wanted: str, parts: Sequence[_Part], target: np.ndarray) -> floa
     """What a pair must take of the squared target for the other to be worth a fit beside an effect that is wanted."""
     total = float(target @ target)
     alone = total * max(
-        (p.score.predicted_reduction for p in parts if base_name(p.known.effect.name) == wanted), default=0.0
+        (p.score.predicted_reduction for p in parts if public_name(p.known.effect.name) == wanted), default=0.0
     )
     return alone + BESIDE_IT * (total - alone)
 
@@ -135,7 +135,9 @@ def _pair_drops(parts: Sequence[_Part], gram: np.ndarray, right: np.ndarray) -> 
     found = []
     for first, second in combinations(parts, 2):
         a, b = first.known.effect, second.known.effect
-        if base_name(a.name) == base_name(b.name) or (a.friction_state is not None and b.friction_state is not None):
+        if public_name(a.name) == public_name(b.name) or (
+            a.friction_state is not None and b.friction_state is not None
+        ):
             continue
         index = np.r_[first.columns, second.columns]
         weights = _weights(gram, right, index)
@@ -158,7 +160,12 @@ def _weights(gram: np.ndarray, right: np.ndarray, index: np.ndarray) -> np.ndarr
 
 
 def _refitted(
-    case: Case, base: ReferenceFit, two: tuple[_Part, _Part], gram: np.ndarray, right: np.ndarray, given: Model | None
+    problem: Problem,
+    base: ReferenceFit,
+    two: tuple[_Part, _Part],
+    gram: np.ndarray,
+    right: np.ndarray,
+    given: Model | None,
 ) -> Pair | None:
     weights = _weights(gram, right, np.r_[two[0].columns, two[1].columns])
     model = base.fitted.model
@@ -167,11 +174,11 @@ def _refitted(
         effect, score = part.known.effect, part.score
         own = weights[: score.columns.shape[1]] if part is two[0] else weights[-score.columns.shape[1] :]
         own = own / np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
-        model = with_effect(model, effect, case.scales, start_for(effect, score.shape, score.directions, own))
+        model = with_effect(model, effect, problem.scales, start_for(effect, score.shape, score.directions, own))
     if given is not None:
         model = with_bounds_of(model, given)
-    fitted = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
-    residual = weighted_residual(fitted.model, case.validate_records, base.weights)
+    fitted = fit_model(model, problem.fit_records, base.fitted.weights, near=base.fitted)
+    residual = weighted_residual(fitted.model, problem.validate_records, base.weights)
     if not np.isfinite(residual).all():
         return None
     return Pair((two[0].known.effect, two[1].known.effect), fitted, root_mean_huber(residual), residual)
@@ -188,7 +195,7 @@ PROMISING = 10
 
 
 def pairs_on_top(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     first: RefittedEffect,
     all_effects: bool = False,
@@ -200,19 +207,19 @@ def pairs_on_top(
     where the other is there.
 
     Args:
-        case, base: records, and the fitted base model.
+        problem, base: records, and the fitted base model.
         first: effect on top of it.
         all_effects: try whatever else the library has, too.
         seen: what effects do to the residual of the base model.
     """
     below = ReferenceFit(
-        first.fitted, base.weights, weighted_residual(first.fitted.model, case.validate_records, base.weights)
+        first.fitted, base.weights, weighted_residual(first.fitted.model, problem.validate_records, base.weights)
     )
     present = [e.name for e in first.fitted.model.effects]
 
     def refitted(look: ScreeningFit) -> Pair | None:
-        fitted = refit_candidate(first.fitted, look, case.fit_records, case.scales).fitted
-        residual = weighted_residual(fitted.model, case.validate_records, base.weights)
+        fitted = refit_candidate(first.fitted, look, problem.fit_records, problem.scales).fitted
+        residual = weighted_residual(fitted.model, problem.validate_records, base.weights)
         if not np.isfinite(residual).all():
             return None
         return Pair((first.effect, look.effect), fitted, root_mean_huber(residual), residual)
@@ -220,7 +227,7 @@ def pairs_on_top(
     before = root_mean_huber(base.fitted.fit.residual) ** 2
     enough = before - COULD_EXPLAIN * max(before - 1.0, 0.0)
     needed = 1.0 - enough / max(root_mean_huber(first.fitted.fit.residual) ** 2, 1e-300)
-    seen_on_top = screen_all(case, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
+    seen_on_top = screen_all(problem, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
     looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
     shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
     found = side_by_side(refitted, looks, shared)
@@ -228,7 +235,7 @@ def pairs_on_top(
 
 
 def forward_after_deletion(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     present: Sequence[str],
     all_effects: bool = False,
@@ -240,33 +247,34 @@ def forward_after_deletion(
     tried on top of it then seems to do little.
 
     Args:
-        case, base: records, and the fitted model.
+        problem, base: records, and the fitted model.
         present: names of its effects.
         all_effects: try whatever else the library has, too.
         seen: what effects do to the residual of the model.
     """
     trials = []
     for family in _shaped(base.fitted.model):
-        below, first = less_one(case, base, present, family, all_effects, seen)
-        for pair in best_pairs(case, below, first, family, base.fitted.model)[:2]:
-            trial = evaluate_candidate(case, base, RefittedEffect(pair.other(family), 0.0, pair.fitted))
+        below, first = less_one(problem, base, present, family, all_effects, seen)
+        for pair in best_pairs(problem, below, first, family, base.fitted.model)[:2]:
+            trial = evaluate_candidate(problem, base, RefittedEffect(pair.other(family), 0.0, pair.fitted))
             if trial is not None:
                 trials.append(trial)
     return sorted(trials, key=lambda trial: trial.error)
 
 
-def add_after_deletion(case: Case, base: ReferenceFit, options: Sequence[Effect]) -> list[FittedModel]:
+def add_after_deletion(problem: Problem, base: ReferenceFit, options: Sequence[Effect]) -> list[FittedModel]:
     """Fits of the model with one of `options` added, while one effect that it has is searched for anew."""
     fits = []
     for family in _shaped(base.fitted.model):
-        below = less(case, base, family)
+        below = less(problem, base, family)
         basis, target = profiled_residual(below.fitted)
-        own = [effect for effect in base.fitted.model.effects if base_name(effect.name) == family]
+        own = [effect for effect in base.fitted.model.effects if public_name(effect.name) == family]
         found = [
-            screen_candidate(below.fitted, e, case.fit_records, case.scales, basis, target) for e in (*own, *options)
+            screen_candidate(below.fitted, e, problem.fit_records, problem.scales, basis, target)
+            for e in (*own, *options)
         ]
         seen = ScreeningResult([look for look in found if look is not None], [], target)
-        pairs = best_pairs(case, below, seen, family, base.fitted.model)
+        pairs = best_pairs(problem, below, seen, family, base.fitted.model)
         fits += [pair.fitted for pair in pairs[:1]]
     return fits
 
@@ -274,11 +282,11 @@ def add_after_deletion(case: Case, base: ReferenceFit, options: Sequence[Effect]
 def _shaped(model: Model) -> list[str]:
     """Families of the model's effects that have a shape which the fit may move."""
     free = {u.key.partition(".")[0] for u in model.unknowns}
-    return [base_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
+    return [public_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
 
 
 def less_one(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     present: Sequence[str],
     family: str,
@@ -286,20 +294,20 @@ def less_one(
     seen: CandidateJacobians | None = None,
 ) -> tuple[ReferenceFit, ScreeningResult]:
     """The fit without one family of effects, and the looks on top of it, once for whoever asks."""
-    below = less(case, base, family)
+    below = less(problem, base, family)
     key = f"looks, {all_effects}"
     if key not in below.memo:
-        others = [name for name in present if base_name(name) != family]
-        below.memo[key] = screen_all(case, below, others, all_effects, promising=PROMISING, seen=seen)
+        others = [name for name in present if public_name(name) != family]
+        below.memo[key] = screen_all(problem, below, others, all_effects, promising=PROMISING, seen=seen)
     return below, below.memo[key]
 
 
-def less(case: Case, base: ReferenceFit, family: str) -> ReferenceFit:
+def less(problem: Problem, base: ReferenceFit, family: str) -> ReferenceFit:
     """The fit of the model without one family of effects, on the same weights."""
     key = f"less {family}"
     if key not in base.memo:
         model = without_public_effect(base.fitted.model, family)
-        rest = fit_model(model, case.fit_records, base.fitted.weights, near=base.fitted)
-        residual = weighted_residual(rest.model, case.validate_records, base.weights)
+        rest = fit_model(model, problem.fit_records, base.fitted.weights, near=base.fitted)
+        residual = weighted_residual(rest.model, problem.validate_records, base.weights)
         base.memo[key] = ReferenceFit(rest, base.weights, residual)
     return base.memo[key]

@@ -22,7 +22,7 @@ from sysid.diagnosis.explained_share import (
     told_by,
 )
 from sysid.estimation.misfit import ResidualWeights
-from sysid.prediction.model import Model, Prepared, predict
+from sysid.prediction.model import Model, PreparedRecord, predict
 
 PERMUTATIONS = 500
 
@@ -54,9 +54,9 @@ class ResidualMap:
 
 def residual_maps(
     model: Model,
-    fit_records: Sequence[Prepared],
+    fit_records: Sequence[PreparedRecord],
     fit_weights: ResidualWeights,
-    held_out: Sequence[Prepared],
+    held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
     seed: int = 0,
 ) -> list[ResidualMap]:
@@ -79,9 +79,9 @@ def residual_maps(
 
 def dependence_by_coordinate(
     model: Model,
-    fit_records: Sequence[Prepared],
+    fit_records: Sequence[PreparedRecord],
     fit_weights: ResidualWeights,
-    held_out: Sequence[Prepared],
+    held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> dict[str, float]:
     """`ResidualMap.pattern` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
@@ -96,9 +96,9 @@ def dependence_by_coordinate(
 def compared_with_time(
     maps: Sequence[ResidualMap],
     model: Model,
-    fit_records: Sequence[Prepared],
+    fit_records: Sequence[PreparedRecord],
     fit_weights: ResidualWeights,
-    held_out: Sequence[Prepared],
+    held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> list[ResidualMap]:
     """The maps of a residual that no effect of the library explains: weighed against time, and in that order."""
@@ -171,7 +171,7 @@ def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng
     return float((1 + np.sum(signs @ inner >= inner.sum())) / (1 + PERMUTATIONS))
 
 
-def _spectrum(model: Model, records: Sequence[Prepared], channel: str) -> ResidualMap:
+def _spectrum(model: Model, records: Sequence[PreparedRecord], channel: str) -> ResidualMap:
     """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
     best = ResidualMap("frequency", 0.0, 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
     for record in records:

@@ -29,10 +29,10 @@ from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.reference_fit import fits_clearly_better
 from sysid.experiment.unknowns import Prior
 from sysid.noise.estimate import Noise
-from sysid.prediction.force_balance.predict import raw_force
-from sysid.prediction.force_balance.record import EDGE_WIDTHS, Balance, longer_than, spread
-from sysid.prediction.model import Model, Prepared, base_name, with_effect
-from sysid.prediction.problem import Case
+from sysid.prediction.force_balance.predict import unfiltered_force
+from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord, longer_than, spread
+from sysid.prediction.model import Model, PreparedRecord, public_name, with_effect
+from sysid.prediction.problem import Problem
 from sysid.signals.gaussian_filter import BAND
 
 AWAY = 3.0
@@ -127,21 +127,21 @@ class _Whitened:
         return signal - self.beside @ (self.beside.T @ signal)
 
 
-def detect_structural_mode(case: Case, fitted: FittedModel) -> StructuralMode | None:
+def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralMode | None:
     """The mode that rings above the filter of a driven mass; none where none is clear.
 
     Args:
-        case: the records.
+        problem: the records.
         fitted: a model of them without a mode.
     """
-    if any(base_name(e.name) == "flexible_mode" for e in fitted.model.effects):
+    if any(public_name(e.name) == "flexible_mode" for e in fitted.model.effects):
         return None
-    fits = _whitened(case, fitted.model, case.fit_records)
-    held_out = _whitened(case, fitted.model, case.validate_records)
+    fits = _whitened(problem, fitted.model, problem.fit_records)
+    held_out = _whitened(problem, fitted.model, problem.validate_records)
     if not fits or not held_out:
         return None
     band = min(record.band for record in fits)
-    highest = min(TO * band, HIGHEST / max(r.step for r in case.fit_records))
+    highest = min(TO * band, HIGHEST / max(r.step for r in problem.fit_records))
     if highest <= FROM * band:
         return None
     tried = [
@@ -161,14 +161,14 @@ def detect_structural_mode(case: Case, fitted: FittedModel) -> StructuralMode | 
     return StructuralMode(values, stds, errors, errors_held_out, band)
 
 
-def with_structural_mode(case: Case, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
+def with_structural_mode(problem: Problem, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
     """The mode, and the model with it: what its ringing tells is known before the balance is fitted."""
-    effect = find("flexible_mode", case.custom)
+    effect = find("flexible_mode", problem.custom)
     start = {f"{effect.name}.{name}": value for name, value in found.values.items()}
-    model = with_effect(fitted.model, effect, case.scales, start)
+    model = with_effect(fitted.model, effect, problem.scales, start)
     known = {f"{effect.name}.{name}": Prior(found.values[name], std) for name, std in found.stds.items()}
     model = replace(model, unknowns=tuple(replace(u, prior=known.get(u.key, u.prior)) for u in model.unknowns))
-    return effect, fit_model(model, case.fit_records, fitted.weights)
+    return effect, fit_model(model, problem.fit_records, fitted.weights)
 
 
 SAME_MODE = 0.1
@@ -182,31 +182,35 @@ def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
     return fits_clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 
 
-def _whitened(case: Case, model: Model, records: Sequence[Prepared]) -> list[_Whitened]:
+def _whitened(problem: Problem, model: Model, records: Sequence[PreparedRecord]) -> list[_Whitened]:
     found = []
     for record in records:
-        if isinstance(record, Balance) and record.logged is not None and record.whole is not None:
-            one = _record(case, model, record)
+        if (
+            isinstance(record, ForceBalanceRecord)
+            and record.raw_position is not None
+            and record.full_filter is not None
+        ):
+            one = _record(problem, model, record)
             if one is not None:
                 found.append(one)
     return found
 
 
-def _record(case: Case, model: Model, balance: Balance) -> _Whitened | None:
+def _record(problem: Problem, model: Model, balance: ForceBalanceRecord) -> _Whitened | None:
     """A record over its noise; none where too little of it is away from the turns."""
-    assert balance.logged is not None and balance.whole is not None and balance.applied is not None
+    assert balance.raw_position is not None and balance.full_filter is not None and balance.applied is not None
     mass = model.values.get("rig.mass", 0.0)
-    width = balance.whole.width / balance.step
+    width = balance.full_filter.width / balance.step
     seen = np.flatnonzero(_away(balance, width))
     if mass <= 0.0 or seen.size < 100:
         return None
-    force = balance.applied - raw_force(balance, model.effects, model.values)
+    force = balance.applied - unfiltered_force(balance, model.effects, model.values)
     reach = min(balance.size - 1, int(np.ceil(8.0 * width)))
     length = 1 << (balance.size + 2 * reach - 1).bit_length()
     f = np.fft.rfftfreq(length, balance.step)
     turn = 2.0 * np.pi * f
-    band = BAND / balance.whole.width
-    noise = _noise_spectrum(case, balance, mass, f)
+    band = BAND / balance.full_filter.width
+    noise = _noise_spectrum(problem, balance, mass, f)
     # Below the filter's band the balance itself says more, and what the model lacks lies there.
     weight = (1.0 - np.exp(-((f / (0.5 * band)) ** 4))) / np.sqrt(noise)
 
@@ -218,7 +222,7 @@ def _record(case: Case, model: Model, balance: Balance) -> _Whitened | None:
         return np.fft.irfft(of, length)[reach:][seen]
 
     drive = spectrum(force)
-    residual = at_seen(weight * (drive + mass * turn**2 * spectrum(balance.logged)))
+    residual = at_seen(weight * (drive + mass * turn**2 * spectrum(balance.raw_position)))
     beside, _ = np.linalg.qr(np.column_stack([at_seen(weight * drive * (1j * f / band) ** k) for k in range(3)]))
     # A model that leaves more than noise is no better known than what it leaves.
     scale = robust_scale(residual)
@@ -227,35 +231,35 @@ def _record(case: Case, model: Model, balance: Balance) -> _Whitened | None:
     return _Whitened(residual, weight * drive / scale, f, seen, beside, length, reach, band)
 
 
-def _away(balance: Balance, width: float) -> np.ndarray:
+def _away(balance: ForceBalanceRecord, width: float) -> np.ndarray:
     """Samples (n,) in motion, away from turns, gaps and ends; widths in samples."""
     out = np.ones(balance.size, dtype=bool)
-    assert balance.stops is not None and balance.turns is not None and balance.stuck is not None
+    assert balance.slip_phases is not None and balance.reversals is not None and balance.stick_fraction is not None
     reach = int(np.ceil(AWAY * width))
-    for time in (*balance.stops.time, *balance.stops.departure, *np.abs(balance.turns)):
+    for time in (*balance.slip_phases.end, *balance.slip_phases.break_away, *np.abs(balance.reversals)):
         if np.isfinite(time):
             out[max(0, int(time) - reach) : int(time) + reach + 2] = False
     edge = int(np.ceil(EDGE_WIDTHS * width))
     out[:edge] = out[-edge:] = False
-    if balance.made_up is not None:
-        out &= ~spread(longer_than(balance.made_up, 1.0), reach)
-    return out & (balance.stuck < 1e-3)
+    if balance.interpolated is not None:
+        out &= ~spread(longer_than(balance.interpolated, 1.0), reach)
+    return out & (balance.stick_fraction < 1e-3)
 
 
-def _noise_spectrum(case: Case, balance: Balance, mass: float, f: np.ndarray) -> np.ndarray:
+def _noise_spectrum(problem: Problem, balance: ForceBalanceRecord, mass: float, f: np.ndarray) -> np.ndarray:
     """Power of the noise (k,) of force less mass times acceleration, N^2, whatever its scale over all frequencies."""
     turn = 2.0 * np.pi * f
     motion = (mass * turn**2) ** 2
     of_spring = balance.kind == "spring-pull"
-    if "position" in case.noise:
-        moved = _power(case.noise["position"], f, balance.step)
-    elif "velocity" in case.noise:
-        moved = _power(case.noise["velocity"], f, balance.step) / np.maximum(turn, turn[1]) ** 2
+    if "position" in problem.noise:
+        moved = _power(problem.noise["position"], f, balance.step)
+    elif "velocity" in problem.noise:
+        moved = _power(problem.noise["velocity"], f, balance.step) / np.maximum(turn, turn[1]) ** 2
     else:
-        moved = _power(case.noise["spring_force"], f, balance.step) / balance.pull_stiffness**2
+        moved = _power(problem.noise["spring_force"], f, balance.step) / balance.pull_stiffness**2
     name = "spring_force" if of_spring else "drive_force"
-    if name in case.noise:
-        forced = _power(case.noise[name], f, balance.step)
+    if name in problem.noise:
+        forced = _power(problem.noise[name], f, balance.step)
     else:
         forced = balance.pull_stiffness**2 * moved if of_spring else np.zeros(f.size)
     power = forced + motion * moved

@@ -13,8 +13,8 @@ from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import ReferenceFit
 from sysid.estimation.screening import refit_candidate
-from sysid.prediction.model import base_name
-from sysid.prediction.problem import Case
+from sysid.prediction.model import public_name
+from sysid.prediction.problem import Problem
 
 TRIED = 4
 """Effects refitted in the place of an old one: those that looked best."""
@@ -43,7 +43,7 @@ class Swap:
 
 
 def find_swaps(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     added: Sequence[str],
     others_too: bool = True,
@@ -53,7 +53,7 @@ def find_swaps(
     """Effects added earlier that should go, each with what should come in its place.
 
     Args:
-        case, base: the model as it is, fitted.
+        problem, base: the model as it is, fitted.
         added: names of the effects that were added to it.
         others_too: look for effects to put in their place, not only for those that nothing needs.
         all_effects: try whatever else the library has, too.
@@ -62,36 +62,36 @@ def find_swaps(
     now = root_mean_huber(base.residual)
     found = []
     for name in added:
-        family = base_name(name)
+        family = public_name(name)
         # Steps are read off the values themselves, not off a misfit that a model without them could be spared.
         if family == "sensor_quantisation" or not any(
-            base_name(e.name) == family and e.friction_state is None for e in base.fitted.model.effects
+            public_name(e.name) == family and e.friction_state is None for e in base.fitted.model.effects
         ):
             continue
-        own = [u for u in base.fitted.model.unknowns if base_name(u.key.rpartition(".")[0]) == family]
+        own = [u for u in base.fitted.model.unknowns if public_name(u.key.rpartition(".")[0]) == family]
         if own and all(u.prior is not None for u in own):
             # Something else than these residuals told of it, as a mode's ringing does above what they show.
             continue
-        below = less(case, base, family)
+        below = less(problem, base, family)
         without = root_mean_huber(below.residual)
         if without <= NEEDLESS * now:
-            found.append(Swap(name, None, _worst(case, base), _worst(case, below)))
+            found.append(Swap(name, None, _worst(problem, base), _worst(problem, below)))
             continue
         if not others_too:
             continue
-        below, first = less_one(case, base, [e.name for e in case.start.effects], family, all_effects, seen)
+        below, first = less_one(problem, base, [e.name for e in problem.start.effects], family, all_effects, seen)
         best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
-        for look in [look for look in first.looks if base_name(look.effect.name) != family][:TRIED]:
-            candidate = refit_candidate(below.fitted, look, case.fit_records, case.scales)
-            trial = evaluate_candidate(case, below, candidate)
+        for look in [look for look in first.looks if public_name(look.effect.name) != family][:TRIED]:
+            candidate = refit_candidate(below.fitted, look, problem.fit_records, problem.scales)
+            trial = evaluate_candidate(problem, below, candidate)
             if trial is not None and trial.error**2 - 1.0 < least:
                 best, least = trial, trial.error**2 - 1.0
         if best is not None:
-            after = misfit(best.fitted.model, case.validate_records)
-            found.append(Swap(name, best.public_name, _worst(case, base), max(m.over_noise for m in after.values())))
+            after = misfit(best.fitted.model, problem.validate_records)
+            found.append(Swap(name, best.public_name, _worst(problem, base), max(m.over_noise for m in after.values())))
     return found
 
 
-def _worst(case: Case, base: ReferenceFit) -> float:
-    over = [m.over_noise for m in misfit(base.fitted.model, case.validate_records).values()]
+def _worst(problem: Problem, base: ReferenceFit) -> float:
+    over = [m.over_noise for m in misfit(base.fitted.model, problem.validate_records).values()]
     return max(over, default=float(np.nan))

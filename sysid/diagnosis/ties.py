@@ -12,7 +12,7 @@ from sysid.diagnosis.verdict_limits import LATE, MORE_IS_MISSING
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.misfit import blocks, worst_over_noise
 from sysid.estimation.reference_fit import ReferenceFit
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 
 OF_FORM = 1e-3
 """Part of the gain by which one effect may fall behind another because its law is not nature's to the last digit."""
@@ -25,9 +25,11 @@ COMPARED = 6
 """Effects in the order of their held-out error among which a simpler one is preferred where it leaves as little."""
 
 
-def tied_beside(case: Case, base: ReferenceFit, pair: Pair, pairs: Sequence[Pair], partner: str) -> tuple[str, ...]:
+def tied_beside(
+    problem: Problem, base: ReferenceFit, pair: Pair, pairs: Sequence[Pair], partner: str
+) -> tuple[str, ...]:
     """Families that, beside a partner, do what the other one of a pair does, but for chance."""
-    numbers = blocks(case.validate_records, base.weights)
+    numbers = blocks(problem.validate_records, base.weights)
     gained = root_mean_huber(base.residual) ** 2 - pair.error**2
     others = [other for other in pairs if other is not pair and partner in other.names]
     return tuple(other.partner(partner) for other in others if _by_chance(pair, other, gained, numbers))[:2]
@@ -44,20 +46,20 @@ def _by_chance(
     return behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5)
 
 
-def tied(case: Case, base: ReferenceFit, ranked: Sequence[CandidateFit]) -> tuple[tuple[str, ...], CandidateFit]:
+def tied(problem: Problem, base: ReferenceFit, ranked: Sequence[CandidateFit]) -> tuple[tuple[str, ...], CandidateFit]:
     """The effect to name, and those that these records cannot tell from it.
 
     Tied are effects whose held-out loss differs from the best one's by chance only. Named is the simplest of them, or a
     simpler effect that leaves as little in the robust figure: what it lacks are a few samples beside reversals.
     """
-    numbers = blocks(case.validate_records, base.weights)
+    numbers = blocks(problem.validate_records, base.weights)
     first = ranked[0]
     before = root_mean_huber(base.residual) ** 2
     gained = before - first.error**2
     group = [first]
     for other in ranked[1:]:
         # Along a filtered motion a lag and a delay differ by less than what the filter costs.
-        alike = case.kind == "force-drive" and {first.public_name, other.public_name} <= LATE and other.error <= 1.0
+        alike = problem.kind == "force-drive" and {first.public_name, other.public_name} <= LATE and other.error <= 1.0
         if _by_chance(first, other, gained, numbers, alike):
             group.append(other)
     best = min(group, key=lambda t: (parameter_count(t), t.error))

@@ -31,9 +31,9 @@ from sysid.estimation.screening import (
     search_lower_minimum,
 )
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import base_name, in_contact
-from sysid.prediction.observable import candidates_of
-from sysid.prediction.problem import Case
+from sysid.prediction.model import in_contact, public_name
+from sysid.prediction.observable import candidate_effects
+from sysid.prediction.problem import Problem
 from sysid.signals.side_by_side import side_by_side
 
 Progress = Callable[[str, int, int], None]
@@ -79,7 +79,7 @@ class CandidateFit:
     @property
     def public_name(self) -> str:
         """Public name of the effect, without variant and channel."""
-        return base_name(self.name)
+        return public_name(self.name)
 
     @property
     def effect(self) -> Effect:
@@ -161,7 +161,7 @@ class CandidateSearch:
 
 
 def screen_all(
-    case: Case,
+    problem: Problem,
     base: ReferenceFit,
     present: Sequence[str],
     all_effects: bool = False,
@@ -173,7 +173,7 @@ def screen_all(
     """A first look at every candidate on top of a fitted model.
 
     Args:
-        case, base: records, and the fitted model.
+        problem, base: records, and the fitted model.
         present: names of its effects.
         all_effects: try whatever else the library has, too.
         progress: called before each step.
@@ -182,7 +182,7 @@ def screen_all(
             looked at anew.
         needed: share of the squared residual that an effect has to take to be of any use.
     """
-    fitted, records = truncated(base.fitted, case.fit_records)
+    fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
     if seen is not None and (seen.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
         # One effect more, and a driven stage slips at other times.
@@ -190,9 +190,9 @@ def screen_all(
     rows = EVERY_ROW if seen is None else seen.rows
     kept = slice(None, None, max(1, size // ROWS_SEEN))
     basis, target = profiled_residual(fitted, rows)
-    effects = candidates_of(case, present, all_effects)
+    effects = candidate_effects(problem, present, all_effects)
     shared = (*effects, *fitted.model.effects, fitted.weights)
-    _bring_in(case, effects)
+    _bring_in(problem, effects)
 
     def tell(step: int, name: str) -> None:
         if progress is not None:
@@ -202,12 +202,12 @@ def screen_all(
         effect = numbered[1]
         if seen is not None and effect.name in seen.grids:
             return ScoredCandidate(effect, score_test(effect, seen.grids[effect.name], basis, target)), []
-        grid = candidate_directions(fitted, effect, records, case.scales, rows)
+        grid = candidate_directions(fitted, effect, records, problem.scales, rows)
         thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if seen is None else []
         return ScoredCandidate(effect, score_test(effect, grid, basis, target)), thinned
 
     def look(numbered: tuple[int, ScoredCandidate]) -> ScreeningFit | None:
-        return screen_scored(numbered[1], fitted, records, case.scales, basis, rows)
+        return screen_scored(numbered[1], fitted, records, problem.scales, basis, rows)
 
     scored = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
     grids = {one.effect.name: grid for one, grid in scored}
@@ -228,19 +228,23 @@ def screen_all(
     return ScreeningResult(looks, unfitted, target, CandidateJacobians(size, kept, grids) if seen is None else seen)
 
 
-def _bring_in(case: Case, effects: Sequence[Effect]) -> None:
+def _bring_in(problem: Problem, effects: Sequence[Effect]) -> None:
     """Have the libraries and compiled loops of what acts on signals, before processes part: each would bring them in.
 
     The user's own effects are left out: they are called with what they are made for.
     """
     signal = np.linspace(0.0, 1.0, 8)
     for effect in effects:
-        if effect.signal is not None and effect not in case.custom:
+        if effect.signal is not None and effect not in problem.custom:
             effect.signal(signal, 1.0, effect.values())
 
 
 def evaluate_all(
-    case: Case, base: ReferenceFit, present: Sequence[str], all_effects: bool = False, progress: Progress | None = None
+    problem: Problem,
+    base: ReferenceFit,
+    present: Sequence[str],
+    all_effects: bool = False,
+    progress: Progress | None = None,
 ) -> CandidateSearch:
     """Try every candidate on top of a fitted model."""
     looked, steps = 0, 0
@@ -251,14 +255,14 @@ def evaluate_all(
         if progress is not None:
             progress(name, count, steps)
 
-    first = screen_all(case, base, present, all_effects, scoring)
-    fitted, records = truncated(base.fitted, case.fit_records)
+    first = screen_all(problem, base, present, all_effects, scoring)
+    fitted, records = truncated(base.fitted, problem.fit_records)
 
     def tried(numbered: tuple[int, ScreeningFit]) -> CandidateFit | None:
         k, look = numbered
         if k >= REFITTED:
-            return evaluate_candidate(case, base, as_screened(look, records))
-        return evaluate_candidate(case, base, refit_candidate(fitted, look, records, case.scales))
+            return evaluate_candidate(problem, base, as_screened(look, records))
+        return evaluate_candidate(problem, base, refit_candidate(fitted, look, records, problem.scales))
 
     def tell(numbered: tuple[int, ScreeningFit]) -> None:
         k, look = numbered
@@ -273,14 +277,14 @@ def evaluate_all(
     trials.sort(key=lambda t: t.error)
     if fitted is not base.fitted:
         full_step_reduction = [
-            evaluate_candidate(case, base, _in_full(base, trial.refit, case)) for trial in trials[:IN_FULL]
+            evaluate_candidate(problem, base, _in_full(base, trial.refit, problem)) for trial in trials[:IN_FULL]
         ]
         trials = sorted([*(t for t in full_step_reduction if t is not None), *trials[IN_FULL:]], key=lambda t: t.error)
-    trials = _with_laws_anew(case, base, _gone_on(case, base, trials))
+    trials = _with_laws_anew(problem, base, _gone_on(problem, base, trials))
     return CandidateSearch(trials, first)
 
 
-def _gone_on(case: Case, base: ReferenceFit, trials: list[CandidateFit]) -> list[CandidateFit]:
+def _gone_on(problem: Problem, base: ReferenceFit, trials: list[CandidateFit]) -> list[CandidateFit]:
     """The trials with the first gone on to the lowest valley near, where it is promising.
 
     Where the best still leaves more than the noise, those between tip and stage go on too, whatever they promise: what
@@ -293,8 +297,8 @@ def _gone_on(case: Case, base: ReferenceFit, trials: list[CandidateFit]) -> list
             continue
         if min(t.error for t in trials) <= ONLY_NOISE:
             break
-        gone_on = search_lower_minimum(base.fitted, trial.refit, case.fit_records, of_contact=slips)
-        further = evaluate_candidate(case, base, gone_on) if gone_on is not trial.refit else None
+        gone_on = search_lower_minimum(base.fitted, trial.refit, problem.fit_records, of_contact=slips)
+        further = evaluate_candidate(problem, base, gone_on) if gone_on is not trial.refit else None
         if further is not None and further.error < trial.error:
             trials[k] = further
     return sorted(trials, key=lambda t: t.error)
@@ -307,12 +311,12 @@ PART_WITH_LAWS = 0.2
 """Share of the loss above the noise that an effect must take for that."""
 
 
-def _with_laws_anew(case: Case, base: ReferenceFit, trials: list[CandidateFit]) -> list[CandidateFit]:
+def _with_laws_anew(problem: Problem, base: ReferenceFit, trials: list[CandidateFit]) -> list[CandidateFit]:
     """The trials with the laws chosen anew beside the best of them, where the program chose any for the model.
 
     A law that made up for what was missing may be the wrong one where that is there.
     """
-    families = dict.fromkeys(base_name(name) for name in base.laws)
+    families = dict.fromkeys(public_name(name) for name in base.laws)
     known = {trial.public_name: trial for trial in reversed(trials)}
     for trial in sorted(known.values(), key=lambda t: t.error)[:LAWS_ANEW] if families else []:
         if trial.error <= ONLY_NOISE or explained_share(base, trial) < PART_WITH_LAWS or trial.public_name in families:
@@ -320,24 +324,24 @@ def _with_laws_anew(case: Case, base: ReferenceFit, trials: list[CandidateFit]) 
         if trial.fitted.fit.residual.size != base.fitted.fit.residual.size:
             # Fitted to the beginnings of long records: too little to choose laws by.
             continue
-        fitted, _ = select_variants(case, trial.fitted, list(families))
-        anew = evaluate_candidate(case, base, replace(trial.refit, fitted=fitted))
+        fitted, _ = select_variants(problem, trial.fitted, list(families))
+        anew = evaluate_candidate(problem, base, replace(trial.refit, fitted=fitted))
         if fitted is not trial.fitted and anew is not None and anew.error < trial.error:
             trials = [anew if t is trial else t for t in trials]
     return sorted(trials, key=lambda t: t.error)
 
 
-def _in_full(base: ReferenceFit, candidate: RefittedEffect, case: Case) -> RefittedEffect:
+def _in_full(base: ReferenceFit, candidate: RefittedEffect, problem: Problem) -> RefittedEffect:
     """A candidate fitted to the beginnings of long records, fitted to the whole of them."""
-    return replace(candidate, fitted=fit_model(candidate.fitted.model, case.fit_records, base.fitted.weights))
+    return replace(candidate, fitted=fit_model(candidate.fitted.model, problem.fit_records, base.fitted.weights))
 
 
-def evaluate_candidate(case: Case, base: ReferenceFit, candidate: RefittedEffect) -> CandidateFit | None:
+def evaluate_candidate(problem: Problem, base: ReferenceFit, candidate: RefittedEffect) -> CandidateFit | None:
     """What a fitted candidate does on the held-out records; none where it predicts no number."""
-    residual = weighted_residual(candidate.fitted.model, case.validate_records, base.weights)
+    residual = weighted_residual(candidate.fitted.model, problem.validate_records, base.weights)
     if not np.isfinite(residual).all():
         return None
-    numbers = blocks(case.validate_records, base.weights)
+    numbers = blocks(problem.validate_records, base.weights)
     count = int(numbers.max()) + 1 if numbers.size else 0
     before = np.bincount(numbers, huber_square(base.residual), minlength=count)
     loss = np.bincount(numbers, huber_square(residual), minlength=count)
@@ -349,8 +353,8 @@ def evaluate_candidate(case: Case, base: ReferenceFit, candidate: RefittedEffect
         significance=significance_of(base.residual, residual, numbers),
         fit_gain=before_fit**2 - root_mean_huber(candidate.fitted.fit.residual) ** 2,
         residual=residual,
-        after_fit=misfit(candidate.fitted.model, case.fit_records),
-        after_validate=misfit(candidate.fitted.model, case.validate_records),
+        after_fit=misfit(candidate.fitted.model, problem.fit_records),
+        after_validate=misfit(candidate.fitted.model, problem.validate_records),
         p_value=_sign_flip_p_value(before - loss),
         steadiness=_steadiness(before - loss),
         share_at_rest=_share_at_rest(base, residual),

@@ -114,9 +114,9 @@ def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
         on_a_grid = "the measured values lie on a grid coarser than the noise"
         return Verdict("missing-effect", quantised, (), left, on_a_grid, on_a_grid)
     best = evidence.ranked[0] if evidence.ranked else None
-    if best is None or not is_worthwhile(evidence.case, evidence.base, best):
+    if best is None or not is_worthwhile(evidence.problem, evidence.base, best):
         return _nothing_gains(evidence, best)
-    ties, best = tied(evidence.case, evidence.base, evidence.ranked)
+    ties, best = tied(evidence.problem, evidence.base, evidence.ranked)
     named = _named(evidence, best, ties)
     noise = _only_noise(evidence, named)
     if noise is not None:
@@ -124,7 +124,7 @@ def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
     if worst_over_noise(best.after_fit, best.after_validate) <= NEARLY_NOISE:
         return named.missing(EXPLAINS_ALL)
     bent = named.enough_alone and evidence.bent(best)
-    pairs = best_pairs(evidence.case, evidence.base, evidence.search.first)
+    pairs = best_pairs(evidence.problem, evidence.base, evidence.search.first)
     pair, first = _beside(evidence, best, pairs)
     if first is not best:
         named = _named(evidence, first, ())
@@ -132,7 +132,7 @@ def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
         return named.missing(EXPLAINS_ALL)
     if pair is not None and _explains(evidence, pair, bent):
         partner = pair.partner(first.public_name)
-        beside = tied_beside(evidence.case, evidence.base, pair, pairs, partner)
+        beside = tied_beside(evidence.problem, evidence.base, pair, pairs, partner)
         ties = tuple(dict.fromkeys(name for name in (*beside, *named.ties) if name != partner))[:2]
         return replace(named, ties=ties).missing(f"explains its share; {partner} the rest")
     return _of_a_part(evidence, named, bent)
@@ -238,7 +238,9 @@ def _apart_from_patterns(evidence: Evidence) -> CandidateFit | None:
     if not evidence.added:
         return None
     able = [
-        t for t in evidence.ranked[:6] if is_worthwhile(evidence.case, evidence.base, t) and not evidence.like_turns(t)
+        t
+        for t in evidence.ranked[:6]
+        if is_worthwhile(evidence.problem, evidence.base, t) and not evidence.like_turns(t)
     ]
     best = max(able, key=evidence.share_apart, default=None)
     return best if best is not None and evidence.share_apart(best) >= SHARE_ENOUGH else None
@@ -265,8 +267,8 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     pattern."""
     if set(pair.names) <= RESTORING:
         return False
-    case = evidence.case
-    after = worst_over_noise(misfit(pair.model, case.fit_records), misfit(pair.model, case.validate_records))
+    problem = evidence.problem
+    after = worst_over_noise(misfit(pair.model, problem.fit_records), misfit(pair.model, problem.validate_records))
     rest_left = evidence.left_at(after)
     rest = share_of_error(evidence.base, pair.error)
     patterns = evidence.patterns_left(pair.model)
@@ -285,8 +287,8 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
 
 def _only_together(evidence: Evidence, best: CandidateFit | None) -> Iterator[Pair]:
     """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
-    case, base, search = evidence.case, evidence.base, evidence.search
-    yield from best_pairs(case, base, search.first)[:1]
+    problem, base, search = evidence.problem, evidence.base, evidence.search
+    yield from best_pairs(problem, base, search.first)[:1]
     if best is not None:
         yield from evidence.on_top(best)[:1]
 

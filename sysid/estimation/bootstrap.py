@@ -34,8 +34,8 @@ from sysid.estimation.systematic_errors import systematic_errors
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.unknowns import Prior, Unknown
-from sysid.prediction.model import Model, Prepared
-from sysid.prediction.problem import Case, make_case
+from sysid.prediction.model import Model, PreparedRecord
+from sysid.prediction.problem import Problem, build_problem
 
 ITERATIONS = 15
 """Of one refit, which begins at the best values."""
@@ -44,7 +44,8 @@ LEAST_DRAWS = 20
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """A fitted case as plain data, so that it can be refitted in another process: records, values, and what is moved.
+    """A fitted problem as plain data, so that it can be refitted in another process: records, values, and what is
+    moved.
 
     Args:
         experiment: without its files.
@@ -68,7 +69,7 @@ class Refit:
 @dataclass(frozen=True)
 class _Prepared:
     model: Model
-    records: tuple[Prepared, ...]
+    records: tuple[PreparedRecord, ...]
     residual: np.ndarray  # (n,), at the best values
     basis: np.ndarray  # (n, p) orthonormal, of the directions in which the fit can follow the records
     changes: tuple[np.ndarray, ...]
@@ -76,7 +77,7 @@ class _Prepared:
 
 @lru_cache(maxsize=1)
 def _prepared(refit: Refit) -> _Prepared:
-    """What the draws of a case are made of, worked out once a process."""
+    """What the draws of a problem are made of, worked out once a process."""
     with tempfile.TemporaryDirectory() as folder:
         files = []
         for name, text in refit.custom:
@@ -84,7 +85,7 @@ def _prepared(refit: Refit) -> _Prepared:
             files[-1].write_text(text, "utf-8")
         custom = load_all_custom(files)
         experiment = replace(refit.experiment, custom=tuple(files))
-        records = make_case(experiment, refit.records, refit.names).fit_records
+        records = build_problem(experiment, refit.records, refit.names).fit_records
     model = Model(tuple(find(name, custom) for name in refit.names), refit.values, refit.unknowns).at({})
     # One step from the best values: for the slopes there.
     result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
@@ -95,27 +96,27 @@ def _prepared(refit: Refit) -> _Prepared:
     return _Prepared(model, records, residual, basis, tuple(changes))
 
 
-def _residual(refit: Refit, model: Model, records: Sequence[Prepared], point: np.ndarray) -> np.ndarray:
+def _residual(refit: Refit, model: Model, records: Sequence[PreparedRecord], point: np.ndarray) -> np.ndarray:
     values = {**model.values, **dict(zip((u.key for u in model.unknowns), point.tolist(), strict=True))}
     return weighted_residual(model, records, refit.weights, values)
 
 
-def refit_of(case: Case, fitted: FittedModel) -> Refit:
-    """What another process needs to refit a case.
+def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
+    """What another process needs to refit a problem.
 
     Raises:
         InputError: the model has nothing to fit.
     """
     if not fitted.model.unknowns:
-        raise InputError(f"{case.experiment.path}: the model has no value to fit, so there is nothing to bootstrap")
+        raise InputError(f"{problem.experiment.path}: the model has no value to fit, so there is nothing to bootstrap")
     return Refit(
-        experiment=replace(case.experiment, records=(), custom=()),
-        records=case.records,
+        experiment=replace(problem.experiment, records=(), custom=()),
+        records=problem.records,
         names=tuple(effect.name for effect in fitted.model.effects),
         values=dict(fitted.model.values),
         unknowns=fitted.model.unknowns,
         weights=fitted.weights,
-        custom=tuple((path.name, path.read_text("utf-8")) for path in case.experiment.custom),
+        custom=tuple((path.name, path.read_text("utf-8")) for path in problem.experiment.custom),
     )
 
 
@@ -138,7 +139,7 @@ def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
     return tuple(result.values[u.key] for u in unknowns) if result.converged else None
 
 
-def _blocks(records: Sequence[Prepared], weights: ResidualWeights, offset: float) -> np.ndarray:
+def _blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, offset: float) -> np.ndarray:
     """Number (n,) of each sample's block of time, the same for all channels of a record; `offset` in blocks."""
     parts, start = [], 0
     for record, samples in zip(records, weights.samples, strict=True):

@@ -10,7 +10,7 @@ import numpy as np
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import blocks
 from sysid.estimation.systematic_errors import systematic_errors
-from sysid.prediction.model import Prepared
+from sysid.prediction.model import PreparedRecord
 
 BLOCKS_PER_RECORD = 40
 
@@ -43,7 +43,7 @@ class Intervals:
     unidentified: tuple[str, ...]
 
 
-def intervals(fitted: FittedModel, records: Sequence[Prepared]) -> Intervals:
+def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Intervals:
     """95 % intervals from a covariance in which whole blocks of time count as one observation.
 
         cov = H^-1 (sum_b g_b g_b^T + (g_b g_b+1^T + g_b+1 g_b^T)/2) H^-1 * (B - 1)/B

@@ -27,14 +27,16 @@ import numpy as np
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS
-from sysid.prediction.friction_drive.record import ACROSS, FrictionDriveRecord, beginning
-from sysid.prediction.model import Model, Prepared
+from sysid.prediction.friction_drive.record import TRANSVERSE, FrictionDriveRecord, leading_segment
+from sysid.prediction.model import Model, PreparedRecord
 
 ROWS = 3000
 """Of each record, at the most."""
 
 
-def truncated(fitted: FittedModel, records: Sequence[Prepared], rows: int = ROWS) -> tuple[FittedModel, list[Prepared]]:
+def truncated(
+    fitted: FittedModel, records: Sequence[PreparedRecord], rows: int = ROWS
+) -> tuple[FittedModel, list[PreparedRecord]]:
     """A fit and its records cut down to their beginnings, where they are long ones of a driven stage along one axis.
 
     Args:
@@ -42,7 +44,7 @@ def truncated(fitted: FittedModel, records: Sequence[Prepared], rows: int = ROWS
         records: those fitted.
         rows: of each record that are kept, at the most.
     """
-    driven = [r for r in records if isinstance(r, FrictionDriveRecord) and ACROSS not in r.measured]
+    driven = [r for r in records if isinstance(r, FrictionDriveRecord) and TRANSVERSE not in r.measured]
     if len(driven) < len(records) or all(record.size <= rows for record in driven):
         return fitted, list(records)
     kept = [{channel: pick < rows for channel, pick in samples.items()} for samples in fitted.weights.samples]
@@ -58,21 +60,25 @@ def truncated(fitted: FittedModel, records: Sequence[Prepared], rows: int = ROWS
         fitted.fit, residual=fitted.fit.residual[seen], jacobian=fitted.fit.jacobian[seen],
         weights=fitted.fit.weights[seen],
     )  # fmt: skip
-    return FittedModel(fitted.model, fit, weights), [beginning(record, rows) for record in driven]
+    return FittedModel(fitted.model, fit, weights), [leading_segment(record, rows) for record in driven]
 
 
 HELD_TO = 0.3
 """Part of the way to the measured place, in a row: half of an error is gone after two."""
 
 
-def held(records: Sequence[Prepared]) -> list[Prepared]:
+def held(records: Sequence[PreparedRecord]) -> list[PreparedRecord]:
     """The records with their stages held to the measured motion; none where some are not driven along one axis."""
-    driven = [r for r in records if isinstance(r, FrictionDriveRecord) and ACROSS not in r.measured]
-    return [replace(r, held_to=HELD_TO) for r in driven] if len(driven) == len(records) else []
+    driven = [r for r in records if isinstance(r, FrictionDriveRecord) and TRANSVERSE not in r.measured]
+    return [replace(r, nudging_gain=HELD_TO) for r in driven] if len(driven) == len(records) else []
 
 
 def synchronised_starts(
-    starts: Sequence[Model], records: Sequence[Prepared], weights: ResidualWeights | None, steps: int, count: int = 1
+    starts: Sequence[Model],
+    records: Sequence[PreparedRecord],
+    weights: ResidualWeights | None,
+    steps: int,
+    count: int = 1,
 ) -> list[Model]:
     """The starts that come nearest once fitted held, best first; none where nothing can be held, nor
     where bristles give way before they slip: their stretch follows the stage's own motion.
@@ -110,7 +116,7 @@ AT_THE_NOISE = 1.03
 """Ranking error, in deviations, that leaves nothing to look for."""
 
 
-def lowest_minimum(fitted: FittedModel, records: Sequence[Prepared], rounds: int = ROUNDS) -> FittedModel:
+def lowest_minimum(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: int = ROUNDS) -> FittedModel:
     """The fit, or one that began with some number elsewhere and ended lower; as it is where nothing is driven.
 
     Of long records the beginnings are searched.
@@ -130,7 +136,7 @@ def lowest_minimum(fitted: FittedModel, records: Sequence[Prepared], rounds: int
     return whole if whole.fit.cost < LOWER * fitted.fit.cost else fitted
 
 
-def _lowest(fitted: FittedModel, records: Sequence[Prepared], rounds: int) -> FittedModel:
+def _lowest(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: int) -> FittedModel:
     best = fitted
     for _ in range(rounds):
         before = best
@@ -166,7 +172,7 @@ def _stiffer(model: Model) -> list[Model]:
     return starts
 
 
-def _beside(fitted: FittedModel, key: str, records: Sequence[Prepared]) -> list[FittedModel]:
+def _beside(fitted: FittedModel, key: str, records: Sequence[PreparedRecord]) -> list[FittedModel]:
     """Short fits from either side of a number."""
     unknown = next(u for u in fitted.model.unknowns if u.key == key)
     value = fitted.model.values[key]

@@ -18,8 +18,8 @@ from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.least_squares import least_squares
 from sysid.prediction.friction_drive.friction import CONTACT
 from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS, contact_damping
-from sysid.prediction.friction_drive.record import FrictionDriveRecord, beginning, predict_friction_drive
-from sysid.prediction.model import Model, Prepared, Scales, in_contact, with_effect
+from sysid.prediction.friction_drive.record import FrictionDriveRecord, leading_segment, predict_friction_drive
+from sysid.prediction.model import Model, PreparedRecord, Scales, in_contact, with_effect
 
 QUANTILES = (0.5, 0.75, 0.9)
 """Of the stage's motion over the tip's, which are tried as the gain: while the contact sticks, the one is the other."""
@@ -67,7 +67,12 @@ class Effort:
 
 
 def slipping_starts(
-    base: Model, effect: Effect, records: Sequence[Prepared], scales: Scales, far: bool, point: dict[str, float] | None
+    base: Model,
+    effect: Effect,
+    records: Sequence[PreparedRecord],
+    scales: Scales,
+    far: bool,
+    point: dict[str, float] | None,
 ) -> list[Model]:
     """Rough models with an effect that decides where a contact slips; none for another effect.
 
@@ -101,7 +106,7 @@ def slipping_starts(
 
 
 def rough_starts(
-    model: Model, records: Sequence[Prepared], given: Collection[str], effort: Effort | None = None
+    model: Model, records: Sequence[PreparedRecord], given: Collection[str], effort: Effort | None = None
 ) -> list[Model]:
     """The model at the rough values that come nearest the records, best first; none where nothing is open.
 
@@ -112,7 +117,7 @@ def rough_starts(
         effort: how much is tried.
     """
     effort = effort or Effort()
-    driven = [beginning(r, ROWS) for r in records if isinstance(r, FrictionDriveRecord)]
+    driven = [leading_segment(r, ROWS) for r in records if isinstance(r, FrictionDriveRecord)]
     free = {u.key: u for u in model.unknowns if u.key not in given}
     grids = _grids(model, driven, free) if driven else {}
     if not grids:

@@ -10,7 +10,7 @@ import numpy as np
 from sysid.estimation.least_squares import FitResult, ResidualFunction, jacobian, least_squares
 from sysid.estimation.misfit import ResidualWeights, huber_square, residual_weights, weighted_residual
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Model, Prepared
+from sysid.prediction.model import Model, PreparedRecord
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class FittedModel:
 
 def fit_model(
     model: Model,
-    records: Sequence[Prepared],
+    records: Sequence[PreparedRecord],
     weights: ResidualWeights | None = None,
     iterations: int = 25,
     near: FittedModel | None = None,
@@ -76,7 +76,7 @@ def _rescaled(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _residual_of(model: Model, records: Sequence[Prepared], weights: ResidualWeights) -> ResidualFunction:
+def _residual_of(model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> ResidualFunction:
     """The weighted residual (n,) of a model at a point (p,) of its unknowns."""
     keys = [u.key for u in model.unknowns]
 
@@ -87,7 +87,7 @@ def _residual_of(model: Model, records: Sequence[Prepared], weights: ResidualWei
     return residual
 
 
-def with_final_jacobian(fitted: FittedModel, records: Sequence[Prepared]) -> FittedModel:
+def with_final_jacobian(fitted: FittedModel, records: Sequence[PreparedRecord]) -> FittedModel:
     """The fit with what its unknowns do measured where it ended."""
     if fitted.fit.measured:
         return fitted

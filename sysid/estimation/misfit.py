@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.force_balance.stick_phases import REST
-from sysid.prediction.model import Model, Prepared, predict
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
+from sysid.prediction.model import Model, PreparedRecord, predict
 
 KEPT = 0.97
 """Share of samples in the robust figure: a reversal between two samples is nobody's fault."""
@@ -67,9 +67,9 @@ def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> boo
     return after.rms * before.over_noise > 2.0 * after.over_noise * before.rms
 
 
-def scored_channels(record: Prepared) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
+def scored_channels(record: PreparedRecord) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
     """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
-    if isinstance(record, Balance):
+    if isinstance(record, ForceBalanceRecord):
         return record.scored
     return {channel: (y, record.valid[channel], record.noise[channel]) for channel, y in record.measured.items()}
 
@@ -78,19 +78,21 @@ FOLLOWED = 0.1
 """Part of the uncertain timing that is left where bristles follow a given position, and no force flips in a step."""
 
 
-def sample_std(record: Prepared, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0) -> np.ndarray:
+def sample_std(
+    record: PreparedRecord, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0
+) -> np.ndarray:
     """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep.
 
     `timing` is the part of the record's own uncertainty of timing that the model leaves.
     """
     noise = scored_channels(record)[channel][2]
-    if not isinstance(record, Balance) or record.jitter == 0.0 or channel == REST:
+    if not isinstance(record, ForceBalanceRecord) or record.timing_uncertainty == 0.0 or channel == STICK_DISPLACEMENT:
         return np.full(record.size, noise)
     steep = np.gradient(predicted[channel], record.step)
-    return np.hypot(noise, timing * record.jitter * np.abs(steep))
+    return np.hypot(noise, timing * record.timing_uncertainty * np.abs(steep))
 
 
-def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit]:
+def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, ChannelMisfit]:
     """Misfit of a model on records, by channel."""
     residuals: dict[str, list[np.ndarray]] = {}
     scaled: dict[str, list[np.ndarray]] = {}
@@ -104,11 +106,13 @@ def misfit(model: Model, records: Sequence[Prepared]) -> dict[str, ChannelMisfit
             residuals.setdefault(channel, []).append(r)
             scaled.setdefault(channel, []).append(r / record.noise[channel])
             measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
-        if isinstance(record, Balance) and record.rests is not None:
+        if isinstance(record, ForceBalanceRecord) and record.stick_phases is not None:
             # How a body gives way while it is held counts as a misfit of its position.
-            ok = record.rests.scored
+            ok = record.stick_phases.scored
             channel = "position" if "position" in record.measured else record.force_channel
-            given.setdefault(channel, []).append((record.rests.shift - predicted[REST])[ok] / record.rests.noise)
+            given.setdefault(channel, []).append(
+                (record.stick_phases.displacement - predicted[STICK_DISPLACEMENT])[ok] / record.stick_phases.noise
+            )
     out = {}
     for channel, parts in residuals.items():
         r, y = np.concatenate(parts), np.concatenate(measured[channel])
@@ -147,7 +151,7 @@ class ResidualWeights:
         )
 
 
-def residual_weights(model: Model, records: Sequence[Prepared], thin: bool = True) -> ResidualWeights:
+def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool = True) -> ResidualWeights:
     """Deviations from the base model's prediction, and the samples that are scored.
 
     A filtered record is thinned to a sample per filter width: its neighbours say the same, and count once.
@@ -156,7 +160,7 @@ def residual_weights(model: Model, records: Sequence[Prepared], thin: bool = Tru
     for record in records:
         predicted = predict(record, model.effects, model.values)
         scored = scored_channels(record)
-        given = isinstance(record, Balance) and record.stuck is None
+        given = isinstance(record, ForceBalanceRecord) and record.stick_fraction is None
         timing = (
             FOLLOWED
             if given and any(e.friction_state and e.friction_state.name != "coulomb" for e in model.effects)
@@ -164,8 +168,8 @@ def residual_weights(model: Model, records: Sequence[Prepared], thin: bool = Tru
         )
         deviations.append({c: sample_std(record, predicted, c, timing) for c in scored})
         every = 1
-        if thin and isinstance(record, Balance) and record.whole is not None:
-            every = max(1, int(record.whole.width / record.step))
+        if thin and isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
+            every = max(1, int(record.full_filter.width / record.step))
         pick = {}
         for channel, (_, valid, _) in scored.items():
             index = np.flatnonzero(valid)
@@ -175,7 +179,7 @@ def residual_weights(model: Model, records: Sequence[Prepared], thin: bool = Tru
 
 
 def weighted_residual(
-    model: Model, records: Sequence[Prepared], weights: ResidualWeights, values: Mapping[str, float] | None = None
+    model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights, values: Mapping[str, float] | None = None
 ) -> np.ndarray:
     """Residual over its deviation at the scored samples, all channels of all records end to end, (n,)."""
     values = model.values if values is None else values
@@ -190,7 +194,11 @@ def weighted_residual(
 
 def in_stick_phase(weights: ResidualWeights) -> np.ndarray:
     """Which of the scored samples (n,) are displacements while friction holds the body."""
-    parts = [np.full(pick.size, channel == REST) for samples in weights.samples for channel, pick in samples.items()]
+    parts = [
+        np.full(pick.size, channel == STICK_DISPLACEMENT)
+        for samples in weights.samples
+        for channel, pick in samples.items()
+    ]
     return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
@@ -198,7 +206,7 @@ AWAY = 4.0
 """Widths of the filter from a stop, a start or a turn beyond which nothing of it is left in a balance."""
 
 
-def away_from_events(records: Sequence[Prepared], weights: ResidualWeights) -> np.ndarray:
+def away_from_events(records: Sequence[PreparedRecord], weights: ResidualWeights) -> np.ndarray:
     """Which of the scored samples (n,) of driven masses lie in motion or at rest, beyond the reach of any turn.
 
     Where a mass stops and starts, its balance depends on when to a fraction of a sample; beside, on the laws alone.
@@ -206,22 +214,25 @@ def away_from_events(records: Sequence[Prepared], weights: ResidualWeights) -> n
     parts = []
     for record, samples in zip(records, weights.samples, strict=True):
         near = np.ones(record.size, dtype=bool)
-        if isinstance(record, Balance) and record.stops is not None and record.whole is not None:
-            near = _near(record, AWAY * record.whole.width / record.step)
-        parts += [~near[pick] if channel != REST else np.zeros(pick.size, bool) for channel, pick in samples.items()]
+        if isinstance(record, ForceBalanceRecord) and record.slip_phases is not None and record.full_filter is not None:
+            near = _near(record, AWAY * record.full_filter.width / record.step)
+        parts += [
+            ~near[pick] if channel != STICK_DISPLACEMENT else np.zeros(pick.size, bool)
+            for channel, pick in samples.items()
+        ]
     return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
-def _near(record: Balance, reach: float) -> np.ndarray:
-    assert record.stops is not None and record.turns is not None
+def _near(record: ForceBalanceRecord, reach: float) -> np.ndarray:
+    assert record.slip_phases is not None and record.reversals is not None
     near = np.zeros(record.size + 1, dtype=int)
-    for time in (*record.stops.time, *record.stops.departure, *np.abs(record.turns)):
+    for time in (*record.slip_phases.end, *record.slip_phases.break_away, *np.abs(record.reversals)):
         if np.isfinite(time):
             near[max(0, int(time - reach)) : int(time + reach) + 2] = 1
     return near[:-1].astype(bool)
 
 
-def blocks(records: Sequence[Prepared], weights: ResidualWeights, per_record: int = 24) -> np.ndarray:
+def blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, per_record: int = 24) -> np.ndarray:
     """Block number (n,) of each scored sample: stretches of time, the same for all channels of a record."""
     parts, start = [], 0
     for record, samples in zip(records, weights.samples, strict=True):

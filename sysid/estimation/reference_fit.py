@@ -1,4 +1,4 @@
-"""The model of a case at its best fit, with the law of each effect that fits best.
+"""The model of a problem at its best fit, with the law of each effect that fits best.
 The first fit of a model as an experiment states it: shape parameters that nobody gave a start are searched for.
 
 A Stribeck velocity or a tooth's pitch has no gradient where its effect is still absent, or is off by more than a
@@ -23,15 +23,15 @@ from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
 from sysid.estimation.variant_selection import core_variant_fits, fit_replacement
-from sysid.prediction.model import Model, Prepared, Scales, base_name, law_family
-from sysid.prediction.observable import shows_on
-from sysid.prediction.problem import Case
+from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, variant_group
+from sysid.prediction.observable import is_observable
+from sysid.prediction.problem import Problem
 from sysid.signals.side_by_side import side_by_side
 
 
 @dataclass(frozen=True)
 class ReferenceFit:
-    """The model of a case at its best, and what the comparison with others needs.
+    """The model of a problem at its best, and what the comparison with others needs.
 
     Args:
         fitted: model, fit and weights on the records of the fit.
@@ -48,17 +48,17 @@ class ReferenceFit:
     memo: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
 
-def fit_stated_model(case: Case, model: Model | None = None) -> ReferenceFit:
-    """Fit the case's model; an effect named without a variant takes the law of its family that fits best."""
+def fit_stated_model(problem: Problem, model: Model | None = None) -> ReferenceFit:
+    """Fit the problem's model; an effect named without a variant takes the law of its family that fits best."""
     chosen: tuple[str, ...] = ()
     if model is not None:
-        fitted = fit_model(model, case.fit_records)
+        fitted = fit_model(model, problem.fit_records)
     else:
-        given = [key for key, setting in case.experiment.parameters.items() if setting.start is not None]
-        fitted = initial_fit(case.start, case.fit_records, case.scales, given)
-        fitted, chosen = select_variants(case, fitted)
-    weights = residual_weights(fitted.model, case.validate_records)
-    residual = weighted_residual(fitted.model, case.validate_records, weights)
+        given = [key for key, setting in problem.experiment.parameters.items() if setting.start is not None]
+        fitted = initial_fit(problem.start, problem.fit_records, problem.scales, given)
+        fitted, chosen = select_variants(problem, fitted)
+    weights = residual_weights(fitted.model, problem.validate_records)
+    residual = weighted_residual(fitted.model, problem.validate_records, weights)
     return ReferenceFit(fitted, weights, residual, chosen)
 
 
@@ -73,20 +73,20 @@ BETTER_HELD_OUT = 0.67
 """Part of the held-out loss above the noise below which another law of an effect is taken for that alone."""
 
 
-def predicts_clearly_better(case: Case, other: FittedModel, fitted: FittedModel) -> bool:
+def predicts_clearly_better(problem: Problem, other: FittedModel, fitted: FittedModel) -> bool:
     """Whether another law of an effect fits clearly better or, fitting no worse, predicts the held-out records so."""
     if fits_clearly_better(other, fitted):
         return True
-    weights = residual_weights(fitted.model, case.validate_records)
+    weights = residual_weights(fitted.model, problem.validate_records)
     errors = [
-        root_mean_huber(weighted_residual(m, case.validate_records, weights)) for m in (other.model, fitted.model)
+        root_mean_huber(weighted_residual(m, problem.validate_records, weights)) for m in (other.model, fitted.model)
     ]
     above = [error**2 - 1.0 for error in errors]
     return other.fit.cost <= fitted.fit.cost and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
 
 
 def select_variants(
-    case: Case,
+    problem: Problem,
     fitted: FittedModel,
     families: Collection[str] | None = None,
     better: Callable[[FittedModel, FittedModel], bool] = fits_clearly_better,
@@ -96,7 +96,7 @@ def select_variants(
     The law of the family's own name is taken unless another is better.
 
     Args:
-        case: whose records are fitted.
+        problem: whose records are fitted.
         fitted: the model as it stands, with any law of each family.
         families: names of the effects whose law is open; those of `open_laws` where left out.
         better: whether one fit is so much better than another that its law is taken.
@@ -105,61 +105,67 @@ def select_variants(
         The fit, and the names of the laws that took their family's place.
     """
     chosen: list[str] = []
-    for name in selectable_effects(case) if families is None else families:
-        for place in dict.fromkeys(law_family(e.name) for e in fitted.model.effects):
-            if name in (place, base_name(place)):
-                fitted = _best_law(case, fitted, place, better)
+    for name in selectable_effects(problem) if families is None else families:
+        for place in dict.fromkeys(variant_group(e.name) for e in fitted.model.effects):
+            if name in (place, public_name(place)):
+                fitted = _best_law(problem, fitted, place, better)
                 if "@" in place and "@" not in name:
-                    fitted = _best_channel(case, fitted, place, better)
+                    fitted = _best_channel(problem, fitted, place, better)
                 chosen += [
-                    e.name for e in fitted.model.effects if base_name(e.name) == base_name(place) and ":" in e.name
+                    e.name for e in fitted.model.effects if public_name(e.name) == public_name(place) and ":" in e.name
                 ]
     return fitted, tuple(dict.fromkeys(chosen))
 
 
 def _best_law(
-    case: Case, fitted: FittedModel, place: str, better: Callable[[FittedModel, FittedModel], bool]
+    problem: Problem, fitted: FittedModel, place: str, better: Callable[[FittedModel, FittedModel], bool]
 ) -> FittedModel:
     """A fit in which one effect, named without a variant, has its best law."""
-    effect = find(place, case.custom)
+    effect = find(place, problem.custom)
     before: list[FittedModel] = []
     if place not in {e.name for e in fitted.model.effects}:
         # Another law was chosen while the model still lacked something; its fit may be better than any begun anew.
         before = [fitted]
-        fitted = fit_replacement(fitted, effect, case.fit_records, case.scales)
+        fitted = fit_replacement(fitted, effect, problem.fit_records, problem.scales)
     if effect.friction_state is not None:
-        trials = core_variant_fits(fitted, effect, case.fit_records, case.scales)
+        trials = core_variant_fits(fitted, effect, problem.fit_records, problem.scales)
     else:
-        shown = [law for law in laws_of(place, case.custom) if shows_on(case, law)]
+        shown = [law for law in laws_of(place, problem.custom) if is_observable(problem, law)]
         given, shared = fitted, (*shown, *fitted.model.effects)
-        trials = side_by_side(lambda law: fit_replacement(given, law, case.fit_records, case.scales), shown, shared)
+        trials = side_by_side(
+            lambda law: fit_replacement(given, law, problem.fit_records, problem.scales), shown, shared
+        )
     best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
     return best if better(best, fitted) else fitted
 
 
 def _best_channel(
-    case: Case, fitted: FittedModel, place: str, better: Callable[[FittedModel, FittedModel], bool]
+    problem: Problem, fitted: FittedModel, place: str, better: Callable[[FittedModel, FittedModel], bool]
 ) -> FittedModel:
     """A fit in which a sensor's effect acts on the channel where it does best: which, what was missing may have hid."""
-    present = {law_family(e.name) for e in fitted.model.effects}
-    channels = [name for name in case.fit_records[0].measured if f"{base_name(place)}@{name}" not in present]
-    places = [f"{base_name(place)}@{channel}" for channel in channels]
-    laws = [law for other in places for law in (find(other, case.custom), *laws_of(other, case.custom))]
-    trials = [fit_replacement(fitted, law, case.fit_records, case.scales, place) for law in laws if shows_on(case, law)]
+    present = {variant_group(e.name) for e in fitted.model.effects}
+    channels = [name for name in problem.fit_records[0].measured if f"{public_name(place)}@{name}" not in present]
+    places = [f"{public_name(place)}@{channel}" for channel in channels]
+    laws = [law for other in places for law in (find(other, problem.custom), *laws_of(other, problem.custom))]
+    trials = [
+        fit_replacement(fitted, law, problem.fit_records, problem.scales, place)
+        for law in laws
+        if is_observable(problem, law)
+    ]
     best = min(trials, key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
     return best if better(best, fitted) else fitted
 
 
-def selectable_effects(case: Case) -> tuple[str, ...]:
+def selectable_effects(problem: Problem) -> tuple[str, ...]:
     """Effects whose law is for the fit to choose: named without a variant, and with no value given by the user."""
-    given = {key.rpartition(".")[0] for key in case.experiment.parameters}
+    given = {key.rpartition(".")[0] for key in problem.experiment.parameters}
     return tuple(
-        e.name for e in case.start.effects
+        e.name for e in problem.start.effects
         if ":" not in e.name and e.variants and e.name not in given
     )  # fmt: skip
 
 
-def initial_fit(model: Model, records: Sequence[Prepared], scales: Scales, given: Collection[str]) -> FittedModel:
+def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]) -> FittedModel:
     """Fit of a model from its stated start, and from one that is searched for, whichever ends better.
 
     Args:
@@ -187,7 +193,7 @@ def initial_fit(model: Model, records: Sequence[Prepared], scales: Scales, given
 
 
 def _start_from_screening(
-    model: Model, records: Sequence[Prepared], scales: Scales, given: Collection[str]
+    model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]
 ) -> Model | None:
     """The model with shape parameters from a search, one effect on top of the other; none where nothing is sought."""
     sought = [e for e in model.effects if has_shape(e) and not any(key.startswith(f"{e.name}.") for key in given)]

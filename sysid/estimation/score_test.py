@@ -16,7 +16,7 @@ from sim.library.effect import Effect
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.misfit import weighted_residual
-from sysid.prediction.model import Prepared, Scales, shape_grid, size_of, with_effect
+from sysid.prediction.model import PreparedRecord, Scales, shape_grid, size_of, with_effect
 
 KEPT_SCORES = 6
 """Grid points of an effect that are remembered: starts for its refit."""
@@ -86,7 +86,7 @@ class GridPoint:
 
 
 def candidate_directions(
-    base: FittedModel, effect: Effect, records: Sequence[Prepared], scales: Scales, rows: slice = EVERY_ROW
+    base: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, rows: slice = EVERY_ROW
 ) -> list[GridPoint]:
     """An effect at every point of its shape grid on top of a fitted model.
 

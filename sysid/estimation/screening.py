@@ -17,7 +17,7 @@ from sysid.estimation.driven_stage_starts import slipping_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber, with_final_jacobian
 from sysid.estimation.score_test import EVERY_ROW, ScoreStatistic, candidate_directions, project_out, score_test
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import Prepared, Scales, with_effect
+from sysid.prediction.model import PreparedRecord, Scales, with_effect
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ FROM_AFAR = 8
 def screen_candidate(
     base: FittedModel,
     effect: Effect,
-    records: Sequence[Prepared],
+    records: Sequence[PreparedRecord],
     scales: Scales,
     basis: np.ndarray,
     target: np.ndarray,
@@ -104,7 +104,7 @@ def screen_candidate(
 def screen_scored(
     known: ScoredCandidate,
     base: FittedModel,
-    records: Sequence[Prepared],
+    records: Sequence[PreparedRecord],
     scales: Scales,
     basis: np.ndarray,
     rows: slice = EVERY_ROW,
@@ -137,7 +137,7 @@ def screen_scored(
 def refit_candidate(
     base: FittedModel,
     look: ScreeningFit,
-    records: Sequence[Prepared],
+    records: Sequence[PreparedRecord],
     scales: Scales,
     starts: int = 2,
     iterations: int = 15,
@@ -160,7 +160,7 @@ HALFWAY = 0.5
 
 
 def search_lower_minimum(
-    base: FittedModel, candidate: RefittedEffect, records: Sequence[Prepared], of_contact: bool = False
+    base: FittedModel, candidate: RefittedEffect, records: Sequence[PreparedRecord], of_contact: bool = False
 ) -> RefittedEffect:
     """A promising effect on a driven stage, its fit gone on to the lowest valley near; any other as it is.
 
@@ -179,7 +179,7 @@ def search_lower_minimum(
 def screen_and_refit(
     base: FittedModel,
     effect: Effect,
-    records: Sequence[Prepared],
+    records: Sequence[PreparedRecord],
     scales: Scales,
     basis: np.ndarray,
     target: np.ndarray,
@@ -191,7 +191,7 @@ def screen_and_refit(
     return refit_candidate(base, look, records, scales, starts, iterations) if look is not None else None
 
 
-def as_screened(look: ScreeningFit, records: Sequence[Prepared]) -> RefittedEffect:
+def as_screened(look: ScreeningFit, records: Sequence[PreparedRecord]) -> RefittedEffect:
     """The effect as the first look left it."""
     return RefittedEffect(
         look.effect, look.predicted_reduction, with_final_jacobian(look.fitted, records), look.blocked_reduction

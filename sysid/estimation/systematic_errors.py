@@ -19,32 +19,32 @@ from dataclasses import replace
 import numpy as np
 
 from sysid.estimation.fit import FittedModel
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.model import Prepared, predict
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.model import PreparedRecord, predict
 
 CHANNEL_SKEW = 0.06
 """Part of a step by which a channel may be sampled earlier or later than the others of its row (assumed)."""
 
 
-def systematic_errors(fitted: FittedModel, records: Sequence[Prepared]) -> list[np.ndarray]:
+def systematic_errors(fitted: FittedModel, records: Sequence[PreparedRecord]) -> list[np.ndarray]:
     """Changes (n,) of the weighted residual, each by one standard deviation of something that is not known better.
 
     The order of samples is that of `sysid.estimation.misfit.weighted_residual`. Empty for an actuator's tip, whose laws
     see its voltages as they are, and whose channels move slowly against a step.
     """
-    if not any(isinstance(record, Balance) for record in records):
+    if not any(isinstance(record, ForceBalanceRecord) for record in records):
         return []
     effects, values = fitted.model.effects, fitted.model.values
     channels = list(records[0].measured)
     skewed: dict[str, list[np.ndarray]] = {channel: [] for channel in channels}
     blunted: list[np.ndarray] = []
     for record, scales, samples in zip(records, fitted.weights.scored_std, fitted.weights.samples, strict=True):
-        assert isinstance(record, Balance)
+        assert isinstance(record, ForceBalanceRecord)
         predicted = predict(record, effects, values)
         finer = predicted
-        if record.finer is not None:
-            axis, smooth = record.finer()
-            finer = predict(replace(record, axis=axis, smooth=smooth, memo={}), effects, values)
+        if record.half_width_variant is not None:
+            axis, smooth = record.half_width_variant()
+            finer = predict(replace(record, axis=axis, complementary_filter=smooth, memo={}), effects, values)
         for channel, pick in samples.items():
             late = CHANNEL_SKEW * np.gradient(predicted[channel])[pick] / scales[channel]
             for other in channels:

@@ -17,7 +17,7 @@ from sysid.estimation.driven_stage_search import synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import weighted_residual
 from sysid.estimation.score_test import candidate_directions, profiled_residual, score_test
-from sysid.prediction.model import Model, Prepared, Scales, base_name, law_family, with_effect
+from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, variant_group, with_effect
 
 HELD = 15
 """Steps of a fit held to the measured motion."""
@@ -25,12 +25,12 @@ HELD = 15
 
 def without_effect(model: Model, effect: str) -> Model:
     """The model less one effect and its parameters, whatever law of it the model has on the effect's channel."""
-    return _without(model, [e.name for e in model.effects if law_family(e.name) == law_family(effect)])
+    return _without(model, [e.name for e in model.effects if variant_group(e.name) == variant_group(effect)])
 
 
 def without_public_effect(model: Model, family: str) -> Model:
     """The model less every effect of one name, on whatever channel, and their parameters."""
-    return _without(model, [e.name for e in model.effects if base_name(e.name) == family])
+    return _without(model, [e.name for e in model.effects if public_name(e.name) == family])
 
 
 def _without(model: Model, gone: Sequence[str]) -> Model:
@@ -41,7 +41,7 @@ def _without(model: Model, gone: Sequence[str]) -> Model:
 
 
 def fit_replacement(
-    fitted: FittedModel, effect: Effect, records: Sequence[Prepared], scales: Scales, place: str | None = None
+    fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, place: str | None = None
 ) -> FittedModel:
     """The model with `effect` in place of its family's law (or of the one at `place`, as on another channel), fitted
     from the best point of the effect's grid.
@@ -77,7 +77,7 @@ SPANS = (10.0, 100.0)
 
 
 def core_variant_fits(
-    fitted: FittedModel, core: Effect, records: Sequence[Prepared], scales: Scales
+    fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> list[FittedModel]:
     """Fits with the bristles of the model's core, Maxwell-slip of a given curve, left free; none where it fits."""
     if root_mean_huber(fitted.fit.residual) <= WORTH_A_SEARCH:

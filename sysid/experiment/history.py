@@ -43,7 +43,7 @@ class Placed(Protocol):
 
 
 @dataclass(frozen=True)
-class Rung:
+class Revision:
     """One rung.
 
     Args:
@@ -65,7 +65,7 @@ class Rung:
 
 
 @contextmanager
-def ladder_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[None]:
+def history_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[None]:
     """Keep other runs from writing to the experiment; may be taken again by whoever holds it.
 
     Raises:
@@ -75,7 +75,7 @@ def ladder_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[N
         yield
 
 
-def read_ladder(experiment: Placed) -> list[Rung]:
+def read_history(experiment: Placed) -> list[Revision]:
     """The rungs from 000 up; empty where nothing was added yet. Writes nothing.
 
     Raises:
@@ -88,12 +88,12 @@ def read_ladder(experiment: Placed) -> list[Rung]:
     return rungs if _stands(experiment, rungs[-1]) else rungs[:-1]
 
 
-def edited_by_hand(experiment: Placed, rungs: Sequence[Rung]) -> bool:
+def edited_by_hand(experiment: Placed, rungs: Sequence[Revision]) -> bool:
     """Whether `[model]` says something else than the last rung."""
     return bool(rungs) and model_hash(model_of(_current_text(experiment))) != model_hash(rungs[-1].model)
 
 
-def append_rung(
+def append_revision(
     experiment: Experiment,
     effects: Sequence[str],
     starts: Mapping[str, tuple[float, str]],
@@ -102,7 +102,7 @@ def append_rung(
     record_hashes: Mapping[str, str],
     timeout: float = LOCK_SECONDS,
     known: Mapping[str, Prior] | None = None,
-) -> Rung:
+) -> Revision:
     """Write the next rung, then `experiment.toml`.
 
     Args:
@@ -122,7 +122,7 @@ def append_rung(
     Raises:
         InputError: `experiment.toml` changed since it was loaded, another run holds the lock, a file cannot be written.
     """
-    with ladder_lock(experiment, timeout), _readable_errors():
+    with history_lock(experiment, timeout), _readable_errors():
         _recover(experiment)
         text = _current_text(experiment)
         if hashlib.sha256(experiment.path.read_bytes()).hexdigest() != experiment.sha256:
@@ -147,7 +147,7 @@ def append_rung(
         return rung
 
 
-def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Rung, Path]:
+def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Revision, Path]:
     """Go back to the rung before the last; the last one is kept in `ladder/undone/`.
 
     Args:
@@ -162,7 +162,7 @@ def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Rung, Path]
     """
     if not (experiment.folder / "ladder").is_dir():
         raise InputError(f"{experiment.path}: nothing to undo; no effect was added yet")
-    with ladder_lock(experiment, timeout), _readable_errors():
+    with history_lock(experiment, timeout), _readable_errors():
         _recover(experiment)
         rungs = _read_rungs(experiment.folder / "ladder")
         if len(rungs) < 2:
@@ -203,7 +203,7 @@ def _readable_errors() -> Iterator[None]:
         raise InputError(f"{error.filename}: cannot be written: {error.strerror}") from None
 
 
-def _read_rungs(folder: Path) -> list[Rung]:
+def _read_rungs(folder: Path) -> list[Revision]:
     if not folder.is_dir():
         return []
     rungs = [_read_rung(path) for path in sorted(folder.iterdir()) if _RUNG.fullmatch(path.name)]
@@ -214,7 +214,7 @@ def _read_rungs(folder: Path) -> list[Rung]:
     return rungs
 
 
-def _read_rung(path: Path) -> Rung:
+def _read_rung(path: Path) -> Revision:
     try:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -225,7 +225,7 @@ def _read_rung(path: Path) -> Rung:
         raise InputError(f"{path}: is no rung of this program; 'schema': {SCHEMA} is wanted")
     if not isinstance(document.get("model"), dict):
         raise InputError(f"{path}: 'model' is missing, or no table")
-    return Rung(int(path.stem), path, document["model"], document)
+    return Revision(int(path.stem), path, document["model"], document)
 
 
 def _write_rung(
@@ -236,7 +236,7 @@ def _write_rung(
     record_hashes: Mapping[str, str],
     text_before: str | None,
     text_after: str,
-) -> Rung:
+) -> Revision:
     path = experiment.folder / "ladder" / f"{number:03d}.json"
     whole = {
         "schema": SCHEMA,
@@ -250,7 +250,7 @@ def _write_rung(
     }
     whole = json_data(whole)
     atomic_write_text(path, json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    return Rung(number, path, whole["model"], whole)
+    return Revision(number, path, whole["model"], whole)
 
 
 def _pending_path(folder: Path) -> Path:
@@ -270,7 +270,7 @@ def _pending(folder: Path) -> dict[str, Any] | None:
         return None
 
 
-def _stands(experiment: Placed, rung: Rung) -> bool:
+def _stands(experiment: Placed, rung: Revision) -> bool:
     """Whether `experiment.toml` holds the model of `rung`, which a stopped run was about to write or to undo."""
     return model_hash(model_of(_current_text(experiment))) == model_hash(rung.model)
 

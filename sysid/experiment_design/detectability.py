@@ -24,8 +24,8 @@ from sysid.diagnosis.verdict_limits import LEAST_GAIN, LEAST_SIGNIFICANCE
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal
-from sysid.prediction.model import Model, Prepared, Scales, base_name, shape_grid, size_of, with_effect
-from sysid.prediction.observable import candidates_of
+from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, shape_grid, size_of, with_effect
+from sysid.prediction.observable import candidate_effects
 
 MOST_SHAPES = 10
 """Points of an effect's grid of shapes at which its size is asked for."""
@@ -53,16 +53,16 @@ class MinimumDetectableEffect:
 
 def minimum_detectable_effects(diagnosis: Diagnosis) -> list[MinimumDetectableEffect]:
     """What the records of a diagnosis could have shown of each effect it did not find, beside the one it found."""
-    case, best = diagnosis.case, diagnosis.best
+    problem, best = diagnosis.problem, diagnosis.best
     fitted = best.fitted if best is not None else diagnosis.base.fitted
     present = [*(e.name for e in diagnosis.base.fitted.model.effects), *([best.name] if best is not None else [])]
-    return minimum_sizes(fitted, candidates_of(case, present), case.fit_records, case.scales)
+    return minimum_sizes(fitted, candidate_effects(problem, present), problem.fit_records, problem.scales)
 
 
 class _Judge:
     """What a change of the residual must be to count, with the model's own parameters free to move."""
 
-    def __init__(self, fitted: FittedModel, records: Sequence[Prepared]) -> None:
+    def __init__(self, fitted: FittedModel, records: Sequence[PreparedRecord]) -> None:
         self.residual = fitted.fit.residual
         self.basis = orthonormal(fitted.fit.jacobian)
         self.numbers = blocks(records, fitted.weights, PER_RECORD)
@@ -86,7 +86,7 @@ class _Judge:
 def minimum_sizes(
     fitted: FittedModel,
     effects: Sequence[Effect],
-    records: Sequence[Prepared],
+    records: Sequence[PreparedRecord],
     scales: Scales,
 ) -> list[MinimumDetectableEffect]:
     """Smallest size of each effect that the records could have shown on top of a fitted model.
@@ -100,7 +100,7 @@ def minimum_sizes(
     judge = _Judge(fitted, records)
     rows: dict[str, MinimumDetectableEffect] = {}
     for effect in effects:
-        name = base_name(effect.name)
+        name = public_name(effect.name)
         if name in rows:
             continue
         size = _amplitude(effect)
@@ -121,7 +121,12 @@ def _amplitude(effect: Effect) -> Parameter | None:
 
 
 def _by_amplitude(
-    judge: _Judge, fitted: FittedModel, effect: Effect, size: Parameter, records: Sequence[Prepared], scales: Scales
+    judge: _Judge,
+    fitted: FittedModel,
+    effect: Effect,
+    size: Parameter,
+    records: Sequence[PreparedRecord],
+    scales: Scales,
 ) -> MinimumDetectableEffect | None:
     key = f"{effect.name}.{size.name}"
     others = {f"{effect.name}.{p.name}": 0.0 for p in effect.parameters if p.role == "amplitude" and p is not size}
@@ -138,11 +143,11 @@ def _by_amplitude(
     if not isfinite(best):
         return None
     highest = max(abs(size.high), abs(size.low) if size.low < 0.0 else 0.0)
-    return MinimumDetectableEffect(base_name(effect.name), key, best if best <= highest else None, at)
+    return MinimumDetectableEffect(public_name(effect.name), key, best if best <= highest else None, at)
 
 
 def _by_shape(
-    judge: _Judge, fitted: FittedModel, effect: Effect, records: Sequence[Prepared], scales: Scales
+    judge: _Judge, fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> MinimumDetectableEffect | None:
     sizes = [p for p in effect.parameters if p.role == "shape" and p.scan is not None and not p.fixed]
     if not sizes or effect.name.partition(":")[0] == "flexible_mode":
@@ -162,9 +167,9 @@ def _by_shape(
         if needed <= 1.0:
             # How a bristle shows below the shortest one tried hangs on the noise of the position: no extrapolation.
             seen = value if effect.friction_state is not None and before is None else _between(before, (value, needed))
-            return MinimumDetectableEffect(base_name(effect.name), key, seen, {})
+            return MinimumDetectableEffect(public_name(effect.name), key, seen, {})
         before = (value, needed) if isfinite(needed) else None
-    return MinimumDetectableEffect(base_name(effect.name), key, None, {}) if before is not None else None
+    return MinimumDetectableEffect(public_name(effect.name), key, None, {}) if before is not None else None
 
 
 def _between(before: tuple[float, float] | None, after: tuple[float, float]) -> float:
@@ -176,6 +181,6 @@ def _between(before: tuple[float, float] | None, after: tuple[float, float]) -> 
     return float(value * needed ** (-1.0 / slope)) if slope < 0.0 else value
 
 
-def _change(fitted: FittedModel, trial: Model, move: dict[str, float], records: Sequence[Prepared]) -> np.ndarray:
+def _change(fitted: FittedModel, trial: Model, move: dict[str, float], records: Sequence[PreparedRecord]) -> np.ndarray:
     """Change (n,) of the residual, in deviations, from the fitted model to `trial` with values moved."""
     return fitted.fit.residual - weighted_residual(trial, records, fitted.weights, {**trial.values, **move})

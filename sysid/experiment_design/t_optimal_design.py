@@ -23,13 +23,13 @@ from sysid.diagnosis.trials import CandidateFit, Progress
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.experiment.experiment import DesignValues
-from sysid.experiment.history import read_ladder
+from sysid.experiment.history import read_history
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.prediction.actuator_tip import TipRecord
-from sysid.prediction.force_balance.record import Balance, make_axis, spread
-from sysid.prediction.friction_drive.record import FrictionDriveRecord, driven_by
-from sysid.prediction.model import Model, Prepared, predict
-from sysid.prediction.problem import Case, load_case, make_case
+from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, spread
+from sysid.prediction.friction_drive.record import FrictionDriveRecord, with_voltages
+from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
 
 MOST_RIVALS = 4
@@ -80,7 +80,7 @@ class Suggestion:
     """What to measure next.
 
     Args:
-        case: what was diagnosed.
+        problem: what was diagnosed.
         diagnosis: of the model as it stands, or of the model before its last effect where nothing is missing now.
         rivals: names of the effects compared, best first.
         motions: best first, the space-filling one last.
@@ -88,7 +88,7 @@ class Suggestion:
         revisited: the last effect of the ladder is weighed against its rivals.
     """
 
-    case: Case
+    problem: Problem
     diagnosis: Diagnosis
     rivals: tuple[str, ...]
     motions: tuple[DesignValue, ...]
@@ -97,7 +97,7 @@ class Suggestion:
 
 
 def suggest(
-    source: str | Path | Case,
+    source: str | Path | Problem,
     design: DesignValues | None = None,
     progress: Progress | None = None,
 ) -> Suggestion:
@@ -109,15 +109,15 @@ def suggest(
     Raises:
         InputError: a fault in a file, in one line.
     """
-    case = source if isinstance(source, Case) else load_case(source, design)
-    found = diagnose(case, progress=progress)
+    problem = source if isinstance(source, Problem) else load_problem(source, design)
+    found = diagnose(problem, progress=progress)
     revisited = None
-    if found.verdict != "missing-effect" and len(read_ladder(case.experiment)) > 1:
-        *before, last = case.experiment.effects
-        again = diagnose(make_case(case.experiment, case.records, before), progress=progress)
+    if found.verdict != "missing-effect" and len(read_history(problem.experiment)) > 1:
+        *before, last = problem.experiment.effects
+        again = diagnose(build_problem(problem.experiment, problem.records, before), progress=progress)
         if again.verdict == "missing-effect":
             found, revisited = again, last
-    return rank_motions(found, motions_for(found.case), revisited, progress)
+    return rank_motions(found, motions_for(found.problem), revisited, progress)
 
 
 def rank_motions(
@@ -125,17 +125,17 @@ def rank_motions(
 ) -> Suggestion:
     """Order motions by what they would separate of a diagnosis's rivals."""
     rivals = competing_models(found)
-    filling, case = motions[-1], found.case
+    filling, problem = motions[-1], found.problem
     names = [t.public_name for t in rivals]
     if len(rivals) < 2:
-        return Suggestion(case, found, tuple(names), (DesignValue(filling, ()),), (), revisited)
+        return Suggestion(problem, found, tuple(names), (DesignValue(filling, ()),), (), revisited)
     models = [t.fitted.model for t in rivals]
-    now = [_apart_on_records(case, models[0], other) for other in models[1:]]
+    now = [_apart_on_records(problem, models[0], other) for other in models[1:]]
     found_pairs: list[list[Discrimination]] = []
     for k, motion in enumerate(motions):
         if progress is not None:
             progress(motion.name, k, len(motions))
-        record, count = motion_record(case, motion)
+        record, count = motion_record(problem, motion)
         weights = residual_weights(models[0], [record], thin=False)
         apart = [count * discrimination_distance(models[0], other, [record], weights) for other in models[1:]]
         found_pairs.append([Discrimination((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
@@ -148,7 +148,7 @@ def rank_motions(
         least = min((p.deviations for p in pairs if p.effects[1] not in same), default=0.0)
         worths.append(DesignValue(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
     ordered = sorted(worths[:-1], key=lambda w: -w.rate)
-    return Suggestion(case, found, tuple(names), (*ordered, worths[-1]), tuple(same), revisited)
+    return Suggestion(problem, found, tuple(names), (*ordered, worths[-1]), tuple(same), revisited)
 
 
 def competing_models(found: Diagnosis) -> list[CandidateFit]:
@@ -165,12 +165,14 @@ def competing_models(found: Diagnosis) -> list[CandidateFit]:
     return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_RIVALS]
 
 
-def discrimination_distance(one: Model, other: Model, records: Sequence[Prepared], weights: ResidualWeights) -> float:
+def discrimination_distance(
+    one: Model, other: Model, records: Sequence[PreparedRecord], weights: ResidualWeights
+) -> float:
     """Deviations by which records tell two models apart, each refitted to the other, the lesser of the two."""
     return min(_unlike(one, other, records, weights), _unlike(other, one, records, weights))
 
 
-def _unlike(truth: Model, rival: Model, records: Sequence[Prepared], weights: ResidualWeights) -> float:
+def _unlike(truth: Model, rival: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> float:
     posed = [replace(r, measured=predict(r, truth.effects, truth.values), memo={}) for r in records]
     keys = [u.key for u in rival.unknowns]
 
@@ -183,36 +185,36 @@ def _unlike(truth: Model, rival: Model, records: Sequence[Prepared], weights: Re
     return float(np.linalg.norm(fitted.residual))
 
 
-def _independent(case: Case, record: Prepared, step: float) -> float:
+def _independent(problem: Problem, record: PreparedRecord, step: float) -> float:
     """Root of the independent samples that one sample `step` (s) apart stands for."""
     own = record.step
-    colour = max((n.correlation for n in case.noise.values()), default=0.0)
+    colour = max((n.correlation for n in problem.noise.values()), default=0.0)
     apart = own * (1.0 + colour) / max(1.0 - colour, 1e-3)
-    if isinstance(record, Balance) and record.whole is not None:
-        apart = max(apart, record.whole.width)
+    if isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
+        apart = max(apart, record.full_filter.width)
     return float(np.sqrt(step / apart))
 
 
-def _apart_on_records(case: Case, one: Model, other: Model) -> float:
+def _apart_on_records(problem: Problem, one: Model, other: Model) -> float:
     """Deviations by which the records of the fit tell two models apart."""
     total = 0
-    full = residual_weights(one, case.fit_records)
+    full = residual_weights(one, problem.fit_records)
     for pick in full.samples:
         total += max((p.size for p in pick.values()), default=0)
     every = max(1, total // SCORED)
     samples = tuple(
         {c: _away_from_turns(record, p)[::every] for c, p in pick.items()}
-        for record, pick in zip(case.fit_records, full.samples, strict=True)
+        for record, pick in zip(problem.fit_records, full.samples, strict=True)
     )
     thinned = replace(full, samples=samples)
-    record = case.fit_records[0]
+    record = problem.fit_records[0]
     gap = every * record.step
-    if isinstance(record, Balance) and record.whole is not None:
-        gap = every * max(1, int(record.whole.width / record.step)) * record.step
-    return _independent(case, record, gap) * discrimination_distance(one, other, case.fit_records, thinned)
+    if isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
+        gap = every * max(1, int(record.full_filter.width / record.step)) * record.step
+    return _independent(problem, record, gap) * discrimination_distance(one, other, problem.fit_records, thinned)
 
 
-def _turning(record: Balance, reach: int) -> np.ndarray:
+def _turning(record: ForceBalanceRecord, reach: int) -> np.ndarray:
     """Samples (n,) at which an axis turns, `reach` on either side with them: nobody's evidence."""
     direction = record.axis.direction if record.direction is None else record.direction
     turns = np.concatenate([[False], direction[1:] != direction[:-1]])
@@ -223,35 +225,35 @@ def _turning(record: Balance, reach: int) -> np.ndarray:
     return turning
 
 
-def _away_from_turns(record: Prepared, pick: np.ndarray) -> np.ndarray:
-    if not isinstance(record, Balance):
+def _away_from_turns(record: PreparedRecord, pick: np.ndarray) -> np.ndarray:
+    if not isinstance(record, ForceBalanceRecord):
         return pick
-    width = record.whole.width if record.whole is not None else 0.0
+    width = record.full_filter.width if record.full_filter is not None else 0.0
     return pick[~_turning(record, 2 + int(np.ceil(5.0 * width / record.step)))[pick]]
 
 
-def motions_for(case: Case) -> list[Motion]:
-    """The family of motions for a case's rig, within what its records have shown."""
-    first = case.fit_records[0]
+def motions_for(problem: Problem) -> list[Motion]:
+    """The family of motions for a problem's rig, within what its records have shown."""
+    first = problem.fit_records[0]
     if isinstance(first, TipRecord | FrictionDriveRecord):
         drives = [
-            np.concatenate([r.drives[k] for r in case.fit_records if isinstance(r, TipRecord | FrictionDriveRecord)])
+            np.concatenate([r.drives[k] for r in problem.fit_records if isinstance(r, TipRecord | FrictionDriveRecord)])
             for k in range(len(first.drives))
         ]
         return tip_motions([float(u.min()) for u in drives], [float(u.max()) for u in drives], first.step)
-    return axis_motions(envelope_of(case), first.step)
+    return axis_motions(envelope_of(problem), first.step)
 
 
-def envelope_of(case: Case) -> Envelope:
+def envelope_of(problem: Problem) -> Envelope:
     """Travel, speed and acceleration that the records of the fit have shown."""
-    axes = [r.axis for r in case.fit_records if isinstance(r, Balance)]
-    first = case.fit_records[0]
-    assert isinstance(first, Balance)
+    axes = [r.axis for r in problem.fit_records if isinstance(r, ForceBalanceRecord)]
+    first = problem.fit_records[0]
+    assert isinstance(first, ForceBalanceRecord)
     position = np.concatenate([a.position for a in axes])
     speed = float(np.quantile(np.abs(np.concatenate([a.velocity for a in axes])), 0.998))
     acceleration = float(np.quantile(np.abs(np.concatenate([a.acceleration for a in axes])), 0.98))
     load = np.concatenate([a.load for a in axes])
-    noise = case.noise.get("position")
+    noise = problem.noise.get("position")
     span = float(np.ptp(position))
     fine = max(30.0 * noise.value if noise is not None else 0.0, 1e-5 * span)
     varied = float(np.ptp(load)) > 0.05 * abs(float(np.mean(load)))
@@ -262,56 +264,57 @@ def envelope_of(case: Case) -> Envelope:
     )  # fmt: skip
 
 
-def motion_record(case: Case, motion: Motion) -> tuple[Prepared, float]:
+def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, float]:
     """A prepared record of a motion, as if the rig had followed it, and the weight of its samples.
 
     On a rig that drives a mass the motion is the reference the axis follows, and rivals are compared in the force.
     """
-    first = case.fit_records[0]
+    first = problem.fit_records[0]
     n = next(iter(motion.signals.values())).size
     time = np.arange(n) * motion.step
     scored = np.arange(n) >= 1
     if isinstance(first, TipRecord | FrictionDriveRecord):
-        bias = case.experiment.rig.known.get("bias_voltage")
+        bias = problem.experiment.rig.known.get("bias_voltage")
         drives = [motion.signals[f"voltage_{k + 1}"] - (bias.value if bias else 0.0) for k in range(len(first.drives))]
         if isinstance(first, FrictionDriveRecord):
-            return driven_by(first, motion.name, motion.step, drives), _independent(case, first, motion.step)
-        record: Prepared = replace(
+            return with_voltages(first, motion.name, motion.step, drives), _independent(problem, first, motion.step)
+        record: PreparedRecord = replace(
             first, name=motion.name, step=motion.step, time=time, drives=drives, memo={},
             measured={c: np.zeros(n) for c in first.measured}, valid=dict.fromkeys(first.measured, scored),
         )  # fmt: skip
-        return record, _independent(case, first, motion.step)
+        return record, _independent(problem, first, motion.step)
     position = motion.signals["position"]
     velocity = np.gradient(position, motion.step)
     acceleration = np.gradient(velocity, motion.step)
-    load = motion.signals.get("normal_load", np.full(n, case.scales.load_mean))
-    warmth = np.full(n, case.scales.temperature_mean)
+    load = motion.signals.get("normal_load", np.full(n, problem.scales.load_mean))
+    warmth = np.full(n, problem.scales.temperature_mean)
     rest = 1e-6 * float(np.max(np.abs(velocity)))
     axis = make_axis(time, position, velocity, acceleration, load, warmth, rest)
     channel = first.force_channel
-    width = first.whole.width if first.whole is not None else 0.0
+    width = first.full_filter.width if first.full_filter is not None else 0.0
     margin = int(np.ceil(4.0 * width / motion.step)) + 1
     inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
     record = replace(
         first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
-        stuck=None, smooth=GaussianFilter(width, motion.step, n), whole=None, direction=None, heading=None, finer=None,
-        inputs={"pull_position": position, "spring_force": np.zeros(n)}, applied=None, rests=None, memo={},
+        stick_fraction=None, complementary_filter=GaussianFilter(width, motion.step, n), full_filter=None,
+        direction=None, velocity_sign=None, half_width_variant=None, inputs={"pull_position": position, "spring_force":
+        np.zeros(n)}, applied=None, stick_phases=None, memo={},
     )  # fmt: skip
     record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
-    return record, _independent(case, first, motion.step)
+    return record, _independent(problem, first, motion.step)
 
 
-def columns_of(case: Case, motion: Motion) -> dict[str, np.ndarray]:
+def columns_of(problem: Problem, motion: Motion) -> dict[str, np.ndarray]:
     """The motion as a table to run: `name [unit]` in SI, (n,) each, `time [s]` first."""
-    unit = "rad" if case.experiment.rig.rotary else "m"
+    unit = "rad" if problem.experiment.rig.rotary else "m"
     n = next(iter(motion.signals.values())).size
     table = {"time [s]": np.arange(n) * motion.step}
     for name, values in motion.signals.items():
         if name == "position":
             # The end of the pulling spring is what such a rig moves; the mass follows it.
-            table[f"{'pull_position' if case.kind == 'spring-pull' else 'position'} [{unit}]"] = values
-            if case.kind == "velocity-drive":
+            table[f"{'pull_position' if problem.kind == 'spring-pull' else 'position'} [{unit}]"] = values
+            if problem.kind == "velocity-drive":
                 table[f"velocity [{unit}/s]"] = np.gradient(values, motion.step)
         else:
             table[f"{name} [{'V' if name.startswith('voltage') else 'N'}]"] = values

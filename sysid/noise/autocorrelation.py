@@ -39,7 +39,7 @@ UNSEEN_UNDER_STEP = 0.1
 
 
 @dataclass(frozen=True)
-class Colour:
+class Autoregression:
     """Noise as a first-order autoregression.
 
     Args:
@@ -68,12 +68,15 @@ def difference_scale(differences: np.ndarray) -> float:
     return float(MAD_TO_STD * np.median(np.abs(differences)))
 
 
-def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None, flat: bool = False) -> Colour | None:
+def fit_autoregression(
+    pieces: Sequence[np.ndarray], quantisation_step: float | None = None, flat: bool = False
+) -> Autoregression | None:
     """Noise of a signal given in stretches.
 
     Args:
         pieces: stretches, each of shape (n,).
-        quantum: grid the values lie on; medians are no measure on a coarse grid, whose own noise is taken off.
+        quantisation_step: grid the values lie on; medians are no measure on a coarse grid, whose own noise is taken
+        off.
         flat: the stretches hold noise and slow drift alone, so that long windows tell its colour too.
 
     Returns:
@@ -83,13 +86,13 @@ def colour_of(pieces: Sequence[np.ndarray], quantum: float | None = None, flat: 
         return None
     scales = [_order_scale(pieces, order) for order in ORDERS]
     floor = scales[-1]
-    if quantum is not None and floor < 3.0 * quantum:
-        value = _under_quantum(pieces, quantum)
-        return Colour(value, 0.0, False, value)
+    if quantisation_step is not None and floor < 3.0 * quantisation_step:
+        value = _under_quantum(pieces, quantisation_step)
+        return Autoregression(value, 0.0, False, value)
     if floor <= 0.0:
-        return Colour(0.0, 0.0, False, 0.0)
+        return Autoregression(0.0, 0.0, False, 0.0)
     if scales[-3] > FILTERED_FALL**2 * floor:
-        return Colour(floor, 0.0, True, floor)
+        return Autoregression(floor, 0.0, True, floor)
     order, white = next(
         (order, scale)
         for order, scale, after in zip(ORDERS, scales, [*scales[1:], floor])
@@ -117,14 +120,14 @@ def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:
     return difference_scale(np.concatenate(parts)) / np.sqrt(comb(2 * order, order))
 
 
-def _under_quantum(pieces: Sequence[np.ndarray], quantum: float) -> float:
+def _under_quantum(pieces: Sequence[np.ndarray], quantisation_step: float) -> float:
     """Noise of a channel with coarse steps, without the noise of the steps themselves."""
     total = min(
         trimmed_rms(np.concatenate([np.diff(piece, order) for piece in pieces])) / np.sqrt(comb(2 * order, order))
         for order in (2, 3, 4)
     )
-    left = total**2 - quantum**2 / 12.0
-    return max(float(np.sqrt(max(left, 0.0))), UNSEEN_UNDER_STEP * quantum)
+    left = total**2 - quantisation_step**2 / 12.0
+    return max(float(np.sqrt(max(left, 0.0))), UNSEEN_UNDER_STEP * quantisation_step)
 
 
 def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
@@ -136,7 +139,7 @@ def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
 
 def _coloured(
     pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], order: int, white: float, flat: bool
-) -> Colour:
+) -> Autoregression:
     """Compare the scatter in windows with the differences, and find the autoregression that gives both."""
     measured = {}
     for length in WINDOWS:
@@ -145,7 +148,7 @@ def _coloured(
             measured[length] = scatter
     short = [length for length in measured if length <= SHORT]
     if len(short) < 3 or 2 * SHORT not in measured or measured[short[0]] <= 1.1 * white:
-        return Colour(white, 0.0, False, white)
+        return Autoregression(white, 0.0, False, white)
     used = list(measured) if flat else short
     errors = {
         correlation: {
@@ -169,8 +172,8 @@ def _coloured(
     # A bend grows with the fourth power of the window, far faster than any autoregression; and no window holds less.
     levels_off = misfit[2 * SHORT] < 0.4 and all(value > -0.25 for value in misfit.values())
     if max(abs(misfit[length]) for length in used) > 0.2 or not levels_off:
-        return Colour(white, 0.0, False, white)
-    return Colour(size * white / _difference_share(order, best), best, False, white)
+        return Autoregression(white, 0.0, False, white)
+    return Autoregression(size * white / _difference_share(order, best), best, False, white)
 
 
 def _window_scatter(pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], length: int) -> float | None:

@@ -49,10 +49,10 @@ def with_quantisation(noise: Mapping[str, Noise], names: Sequence[str]) -> dict[
     for name in names:
         wanted = name.partition("@")[2]
         for channel, found in noise.items():
-            if found.quantum is None or (wanted and wanted != channel):
+            if found.quantisation_step is None or (wanted and wanted != channel):
                 continue
-            step = found.quantum / np.sqrt(12.0)
+            step = found.quantisation_step / np.sqrt(12.0)
             # Steps well above the noise come and go with the motion, not from sample to sample: as good as white.
             value = float(np.hypot(found.value, step))
-            out[channel] = replace(found, value=value, correlation=0.0, under_steps=found.value)
+            out[channel] = replace(found, value=value, correlation=0.0, without_quantisation=found.value)
     return out

@@ -25,8 +25,8 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json
 from sysid.experiment.record import Record
 from sysid.experiment.rigs import RIGS
-from sysid.noise.autocorrelation import Colour, colour_of, difference_scale, segments
-from sysid.noise.quantisation import find_quantum
+from sysid.noise.autocorrelation import Autoregression, difference_scale, fit_autoregression, segments
+from sysid.noise.quantisation import find_quantisation_step
 from sysid.noise.repeats import cycle_scatter
 
 NoiseSource = Literal["given", "repeats", "quiet", "difference"]
@@ -54,9 +54,10 @@ class Noise:
         correlation: correlation of neighbouring samples (first-order autoregression); zero for white noise.
         correlation_time: s, -step / log(correlation); zero for white noise.
         filtered: the log was low-passed: differences of neighbours say nothing about the noise.
-        quantum: step of the grid the values lie on, SI; none where they lie on no grid.
+        quantisation_step: step of the grid the values lie on, SI; none where they lie on no grid.
         note: for people, one line.
-        under_steps: deviation without the steps of the grid, SI, where `value` counts them in; none where it does not.
+        without_quantisation: deviation without the steps of the grid, SI, where `value` counts them in; none where it
+        does not.
     """
 
     value: float
@@ -65,9 +66,9 @@ class Noise:
     correlation: float = 0.0
     correlation_time: float = 0.0
     filtered: bool = False
-    quantum: float | None = None
+    quantisation_step: float | None = None
     note: str = ""
-    under_steps: float | None = None
+    without_quantisation: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """As it stands in the output: a quantity with `from`."""
@@ -93,19 +94,19 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         raise InputError(f"no record holds '{channel}'")
     unit = holding[0].units[channel]
     step = float(np.median([record.step for record in holding]))
-    quanta = [find_quantum([record.channels[channel]]) for record in holding]
-    quantum = max((found for found in quanta if found is not None), default=None)
-    if quantum is None:
-        colour = colour_of([piece for record in holding for piece in _pieces(record, channel)])
+    quanta = [find_quantisation_step([record.channels[channel]]) for record in holding]
+    quantisation_step = max((found for found in quanta if found is not None), default=None)
+    if quantisation_step is None:
+        colour = fit_autoregression([piece for record in holding for piece in _pieces(record, channel)])
     else:
         # A record on a grid and one that is not are two sensors, or one that was worked on.
-        apart = [colour_of(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
+        apart = [fit_autoregression(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
         colour = _together([found for found in apart if found is not None])
     irregular = colour is None
     if colour is None:
         colour = _irregular(holding, channel)
     if given is not None:
-        return _noise(given, unit, "given", colour, step, quantum, "given")
+        return _noise(given, unit, "given", colour, step, quantisation_step, "given")
     repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
     scatter = _rms([item.scatter for item in repeats])
     signal = _rms([float(np.sqrt(np.nanmean(record.channels[channel] ** 2))) for record in holding])
@@ -116,17 +117,19 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         if filtered:
             note += f"; the log was filtered, so the {colour.value:.2g} {unit} between neighbours says nothing"
             memory = float(np.median([item.correlation for item in repeats]))
-            colour = Colour(scatter, memory, True, colour.white)
-        return _noise(scatter, unit, "repeats", colour, step, quantum, note)
+            colour = Autoregression(scatter, memory, True, colour.white)
+        return _noise(scatter, unit, "repeats", colour, step, quantisation_step, note)
     least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
     if colour.value < least:
         note = f"no noise is seen; taken as {LEAST:g} of the largest value, the last digit a file would keep"
         if colour.filtered:
             note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
-        return _noise(least, unit, "difference", Colour(least, 0.0, colour.filtered, least), step, quantum, note)
-    quiet = _quiet(holding, channel, colour, quantum)
+        return _noise(
+            least, unit, "difference", Autoregression(least, 0.0, colour.filtered, least), step, quantisation_step, note
+        )
+    quiet = _quiet(holding, channel, colour, quantisation_step)
     if quiet is not None:
-        return _noise(quiet.value, unit, "quiet", quiet, step, quantum, "where the input stands still")
+        return _noise(quiet.value, unit, "quiet", quiet, step, quantisation_step, "where the input stands still")
     note = "from differences of neighbouring samples"
     if irregular:
         note += " at uneven times"
@@ -137,7 +140,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     elif repeats:
         # Cycles that differ by more than a sensor's noise hold an effect that changes from cycle to cycle.
         note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
-    return _noise(colour.value, unit, "difference", colour, step, quantum, note)
+    return _noise(colour.value, unit, "difference", colour, step, quantisation_step, note)
 
 
 def _rms(values: Sequence[float]) -> float:
@@ -148,10 +151,10 @@ def _pieces(record: Record, channel: str) -> list[np.ndarray]:
     return segments(record.time, record.channels[channel], record.step)
 
 
-def _together(colours: Sequence[Colour]) -> Colour | None:
+def _together(colours: Sequence[Autoregression]) -> Autoregression | None:
     if not colours:
         return None
-    return Colour(
+    return Autoregression(
         _rms([colour.value for colour in colours]),
         float(np.median([colour.correlation for colour in colours])),
         all(colour.filtered for colour in colours),
@@ -160,19 +163,25 @@ def _together(colours: Sequence[Colour]) -> Colour | None:
 
 
 def _noise(
-    value: float, unit: str, source: NoiseSource, colour: Colour, step: float, quantum: float | None, note: str
+    value: float,
+    unit: str,
+    source: NoiseSource,
+    colour: Autoregression,
+    step: float,
+    quantisation_step: float | None,
+    note: str,
 ) -> Noise:
-    if quantum is not None and quantum > 0.1 * value:
-        note += f"; the values lie on a grid of {quantum:.3g} {unit}"
+    if quantisation_step is not None and quantisation_step > 0.1 * value:
+        note += f"; the values lie on a grid of {quantisation_step:.3g} {unit}"
     correlation = colour.correlation
-    return Noise(value, unit, source, correlation, _time(correlation, step), colour.filtered, quantum, note)
+    return Noise(value, unit, source, correlation, _time(correlation, step), colour.filtered, quantisation_step, note)
 
 
 def _time(correlation: float, step: float) -> float:
     return -step / float(np.log(correlation)) if correlation > 0.0 else 0.0
 
 
-def _irregular(records: Sequence[Record], channel: str) -> Colour:
+def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
     """Residuals from the straight line between the two neighbours, each divided by its own spread."""
     parts = []
     for record in records:
@@ -186,10 +195,12 @@ def _irregular(records: Sequence[Record], channel: str) -> Colour:
     if not parts or sum(part.size for part in parts) < 8:
         raise InputError(f"channel '{channel}' has too few samples to tell its noise; give it under [noise]")
     value = difference_scale(np.concatenate(parts))
-    return Colour(value, 0.0, False, value)
+    return Autoregression(value, 0.0, False, value)
 
 
-def _quiet(records: Sequence[Record], channel: str, overall: Colour, quantum: float | None) -> Colour | None:
+def _quiet(
+    records: Sequence[Record], channel: str, overall: Autoregression, quantisation_step: float | None
+) -> Autoregression | None:
     """The noise where the input stands still, if that is long enough and free of motion that goes on."""
     pieces: list[np.ndarray] = []
     for record in records:
@@ -206,7 +217,7 @@ def _quiet(records: Sequence[Record], channel: str, overall: Colour, quantum: fl
         pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
     if sum(piece.size for piece in pieces) < 1000:
         return None
-    colour = colour_of(pieces, quantum, flat=True)
+    colour = fit_autoregression(pieces, quantisation_step, flat=True)
     if colour is None or colour.filtered:
         return None
     uneven = overall.white / max(colour.white, 1e-300)

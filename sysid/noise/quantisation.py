@@ -10,7 +10,7 @@ SHARPNESS = 0.995
 """Mean resultant of the values' phases on the grid: 1 on the grid, 0 when they lie anywhere; rounding costs little."""
 
 
-def find_quantum(arrays: Sequence[np.ndarray]) -> float | None:
+def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
     """Step of the grid that the values of a channel lie on.
 
     A step is told from the smallest changes between neighbours, then sharpened over ever wider ranges, since an error

@@ -79,7 +79,7 @@ def tip_record(record: Record, known: Mapping[str, float], noise: Mapping[str, N
     )  # fmt: skip
 
 
-def stretch_of(record: DrivenPiezos, effects: Sequence[Effect], values: Values, index: int) -> np.ndarray:
+def piezo_stretch(record: DrivenPiezos, effects: Sequence[Effect], values: Values, index: int) -> np.ndarray:
     """Stretch (n,) of one piezo over its gain, V, after every effect on drive and piezo."""
     signal, key = record.drives[index], ("stretch", index)
     for effect in effects:
@@ -95,7 +95,7 @@ def stretch_of(record: DrivenPiezos, effects: Sequence[Effect], values: Values, 
 
 def predict_tip(record: TipRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
     """Predicted tip channels (n,), m."""
-    stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
+    stretches = [piezo_stretch(record, effects, values, k) for k in range(len(record.drives))]
     gain, lever = values["rig.gain"], record.tip_height / record.piezo_spacing
     first, second = stretches[0], stretches[1]
     out: dict[str, np.ndarray] = {"tip_x": -lever * gain * (second - first), "tip_y": 0.5 * gain * (first + second)}

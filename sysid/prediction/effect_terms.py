@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Axis, Effect
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 Values = Mapping[str, float]
 """Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
@@ -37,7 +37,9 @@ def remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], m
     return store[key]
 
 
-def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -> tuple[Axis, tuple[object, ...]]:
+def friction_axis(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values
+) -> tuple[Axis, tuple[object, ...]]:
     """The axis as level and core see it, after the effects with memory, and a key that names it."""
     axis, key = balance.axis, ()
     for effect in effects:
@@ -48,7 +50,7 @@ def friction_axis(balance: Balance, effects: Sequence[Effect], values: Values) -
     return axis, key
 
 
-def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray | float:
+def friction_level(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray | float:
     """Friction level (n,), N: the sum of every `level` times the product of every `factor`, never below zero."""
     axis, key = friction_axis(balance, effects, values)
     total: Any = 0.0
@@ -63,7 +65,7 @@ def friction_level(balance: Balance, effects: Sequence[Effect], values: Values) 
     return np.maximum(total * factor, 0.0)
 
 
-def axis_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+def axis_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """Sum (n,) of the forces that act on the axis beside the core, N."""
     total = np.zeros(balance.size)
     for effect in effects:

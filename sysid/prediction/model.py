@@ -13,15 +13,15 @@ from sysid.experiment.unknowns import Unknown
 from sysid.prediction.actuator_tip import TipRecord, predict_tip
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.predict import predict_balance
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import CONTACT, FrictionDriveRecord, predict_friction_drive
 from sysid.prediction.friction_drive.sliding_velocity import sliding_speed
 
-Prepared = Balance | TipRecord
+PreparedRecord = ForceBalanceRecord | TipRecord
 
 
 def predict(
-    record: Prepared,
+    record: PreparedRecord,
     effects: Sequence[Effect],
     values: Mapping[str, float],
     at: Mapping[str, np.ndarray] | None = None,
@@ -69,7 +69,7 @@ LEAST_REST = 10.0
 """Samples that a rest must last to be one to speak of."""
 
 
-def scales_of(records: Sequence[Prepared]) -> Scales:
+def scales_of(records: Sequence[PreparedRecord]) -> Scales:
     """Scales of a set of records: the largest over them."""
 
     def largest(of: list[float]) -> float:
@@ -269,7 +269,7 @@ def with_effect(
             start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{beside.name}.force"], **(start or {})}
         effects.insert(0, effect)
     else:
-        drifts = [k for k, e in enumerate(effects) if base_name(e.name) == "sensor_drift"]
+        drifts = [k for k, e in enumerate(effects) if public_name(e.name) == "sensor_drift"]
         before = drifts[0] if drifts and effect.acts_on == "sensor" and not as_listed else len(effects)
         effects.insert(before, effect)
     for parameter in effect.parameters:
@@ -292,12 +292,12 @@ def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str
     ]
 
 
-def base_name(effect: str) -> str:
+def public_name(effect: str) -> str:
     """The name everyone uses for an effect: without its variant and channel."""
     return split_channel(effect)[0].partition(":")[0]
 
 
-def law_family(effect: str) -> str:
+def variant_group(effect: str) -> str:
     """The name under which one law takes another's place: without its variant, with its channel."""
     plain, channel = split_channel(effect)
     return plain.partition(":")[0] + (f"@{channel}" if channel else "")

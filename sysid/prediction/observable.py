@@ -8,13 +8,13 @@ import numpy as np
 
 from sim.effects.catalogue import find, library
 from sim.library.effect import Effect
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.observable import can_show, contact_candidates
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import base_name
-from sysid.prediction.problem import Case
+from sysid.prediction.model import public_name
+from sysid.prediction.problem import Problem
 
-EVERYONES = (
+PUBLIC_EFFECTS = (
     *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
     *("direction_asymmetry", "position_dependent_friction", "load_dependent_friction"),
     *("temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring"),
@@ -31,25 +31,25 @@ REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
 """Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""
 
 
-def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
+def candidate_effects(problem: Problem, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
     """Effects to try on top of a model whose effects are named `present`, in the order of the interface.
 
     An effect of the model is not tried again, nor is another law of its family. A friction effect that multiplies the
     level needs a level to multiply.
     """
-    taken = {base_name(name) for name in present}
+    taken = {public_name(name) for name in present}
     cores = {"coulomb", "presliding", "dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run"}
     has_core = bool(taken & (cores | {"maxwell_slip"}))
-    names = list(EVERYONES)
+    names = list(PUBLIC_EFFECTS)
     if all_effects:
         names += [n for n in library() if n not in names and n != "sensor_quantisation"]
-    names += [e.name for e in case.custom]
+    names += [e.name for e in problem.custom]
     found: list[Effect] = []
     for name in names:
-        if name in taken and not _another_channel(case, name, present):
+        if name in taken and not _another_channel(problem, name, present):
             continue
-        effect = find(name, case.custom)
-        if not shows_on(case, effect):
+        effect = find(name, problem.custom)
+        if not is_observable(problem, effect):
             continue
         if (
             effect.friction_state is not None
@@ -60,29 +60,29 @@ def candidates_of(case: Case, present: Sequence[str], all_effects: bool = False)
             continue
         if effect.friction_state is None and not has_core and (effect.factor is not None or effect.level is not None):
             continue
-        found.extend(_on_channels(case, effect, present))
+        found.extend(_on_channels(problem, effect, present))
         for variant in effect.variants:
-            if variant.name.endswith(REFINEMENTS) or not shows_on(case, variant):
+            if variant.name.endswith(REFINEMENTS) or not is_observable(problem, variant):
                 continue
-            found.extend(_on_channels(case, find(variant.name, case.custom), present))
-    driven = [r for r in case.fit_records if isinstance(r, FrictionDriveRecord)]
+            found.extend(_on_channels(problem, find(variant.name, problem.custom), present))
+    driven = [r for r in problem.fit_records if isinstance(r, FrictionDriveRecord)]
     return [*found, *contact_candidates(driven, present)] if driven else found
 
 
-def _another_channel(case: Case, name: str, present: Sequence[str]) -> bool:
+def _another_channel(problem: Problem, name: str, present: Sequence[str]) -> bool:
     return name.startswith("sensor_") and any(p.startswith(f"{name}@") for p in present) and name not in present
 
 
-def shows_on(case: Case, effect: Effect) -> bool:
+def is_observable(problem: Problem, effect: Effect) -> bool:
     """Whether the rig's records could show the effect at all."""
-    kind, records = case.kind, case.fit_records
-    channels = set().union(*(r.channels for r in case.records))
+    kind, records = problem.kind, problem.fit_records
+    channels = set().union(*(r.channels for r in problem.records))
     acts = effect.acts_on
     if "load" in effect.needs and not _varies(records, "load"):
         return False
     if "temperature" in effect.needs and not _varies(records, "temperature"):
         return False
-    if "rotary" in effect.needs and not case.experiment.rig.rotary:
+    if "rotary" in effect.needs and not problem.experiment.rig.rotary:
         return False
     if kind == "actuator-tip":
         return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
@@ -108,21 +108,21 @@ def shows_on(case: Case, effect: Effect) -> bool:
 
 def _varies(records: Sequence[object], name: str) -> bool:
     for record in records:
-        if isinstance(record, Balance):
+        if isinstance(record, ForceBalanceRecord):
             values = getattr(record.axis, name)
             if np.ptp(values) > 1e-9 * max(1.0, float(np.max(np.abs(values)))):
                 return True
     return False
 
 
-def _on_channels(case: Case, effect: Effect, present: Sequence[str]) -> list[Effect]:
+def _on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
     """A sensor effect on each measured channel and, on an actuator's tip, on all alike; other effects as they are."""
     if effect.acts_on != "sensor":
         return [effect]
-    channels = list(case.fit_records[0].measured)
+    channels = list(problem.fit_records[0].measured)
     # How a command runs from row to row is the same for the whole log.
-    if case.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(OF_A_COMMAND):
+    if problem.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(OF_A_COMMAND):
         return [effect]
-    each = [find(f"{effect.name}@{channel}", case.custom) for channel in channels]
+    each = [find(f"{effect.name}@{channel}", problem.custom) for channel in channels]
     each = [e for e in each if e.name not in present]
-    return [effect, *each] if case.kind == "actuator-tip" else each
+    return [effect, *each] if problem.kind == "actuator-tip" else each

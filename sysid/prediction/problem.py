@@ -17,10 +17,10 @@ from sysid.noise.channel_noise import noise_by_channel, with_quantisation
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import TipRecord, tip_record
 from sysid.prediction.force_balance.prepare import driven_mass, velocity_drive
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import friction_drive_record
-from sysid.prediction.model import Model, Prepared, Scales, scales_of, with_effect
-from sysid.prediction.rig_parameters import rig_numbers
+from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
+from sysid.prediction.rig_parameters import rig_parameters
 
 FORMS = {
     "velocity-drive": "output",
@@ -33,7 +33,7 @@ FORMS = {
 
 
 @dataclass(frozen=True)
-class Case:
+class Problem:
     """An experiment with everything the loop needs.
 
     Args:
@@ -50,8 +50,8 @@ class Case:
     experiment: Experiment
     records: tuple[Record, ...]
     noise: Mapping[str, Noise]
-    fit_records: tuple[Prepared, ...]
-    validate_records: tuple[Prepared, ...]
+    fit_records: tuple[PreparedRecord, ...]
+    validate_records: tuple[PreparedRecord, ...]
     scales: Scales
     custom: tuple[Effect, ...]
     start: Model
@@ -68,7 +68,7 @@ class Case:
         return FORMS[self.kind]
 
 
-def load_case(path: str | Path, design: DesignValues | None = None) -> Case:
+def load_problem(path: str | Path, design: DesignValues | None = None) -> Problem:
     """Read an experiment and prepare it.
 
     Raises:
@@ -79,10 +79,10 @@ def load_case(path: str | Path, design: DesignValues | None = None) -> Case:
         raise InputError(
             f"{experiment.path}: rig.kind = '{experiment.rig.kind}' cannot be compared yet; allowed: {', '.join(FORMS)}"
         )
-    return make_case(experiment, load_records(experiment))
+    return build_problem(experiment, load_records(experiment))
 
 
-def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequence[str] | None = None) -> Case:
+def build_problem(experiment: Experiment, records: Sequence[Record], effects: Sequence[str] | None = None) -> Problem:
     """Prepare an experiment already read; `effects` stand in place of the model's where given."""
     _need_tip(experiment)
     names = tuple(experiment.effects if effects is None else effects)
@@ -91,7 +91,7 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
     quantised = [n for n in names if n.partition("@")[0] == "sensor_quantisation"]
     if quantised:
         noise = with_quantisation(noise, quantised)
-    rig, rig_unknowns = rig_numbers(experiment, records, noise)
+    rig, rig_unknowns = rig_parameters(experiment, records, noise)
     prepared = _prepare(experiment, records, noise, rig)
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
@@ -117,11 +117,15 @@ def make_case(experiment: Experiment, records: Sequence[Record], effects: Sequen
             "rig.known.pull_stiffness as exact; write its deviation if it has one, as in "
             f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
-    return Case(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
+    return Problem(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
 
 
-def _rests_on_the_spring(record: Prepared) -> bool:
-    return isinstance(record, Balance) and record.rests is not None and record.rests.compliance > 0.0
+def _rests_on_the_spring(record: PreparedRecord) -> bool:
+    return (
+        isinstance(record, ForceBalanceRecord)
+        and record.stick_phases is not None
+        and record.stick_phases.compliance > 0.0
+    )
 
 
 def _need_tip(experiment: Experiment) -> None:
@@ -136,7 +140,7 @@ def _need_tip(experiment: Experiment) -> None:
             )
 
 
-def _need_motion(records: Sequence[Record], fits: Sequence[Prepared], scales: Scales) -> None:
+def _need_motion(records: Sequence[Record], fits: Sequence[PreparedRecord], scales: Scales) -> None:
     """Something must have moved, or been driven, in the records of the fit."""
     files = ", ".join(record.file for record in records if record.role == "fit")
     if all(isinstance(fit, TipRecord) for fit in fits):
@@ -148,9 +152,9 @@ def _need_motion(records: Sequence[Record], fits: Sequence[Prepared], scales: Sc
 
 def _prepare(
     experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise], rig: Mapping[str, float]
-) -> list[Prepared]:
+) -> list[PreparedRecord]:
     kind = experiment.rig.kind
-    prepared: list[Prepared] = []
+    prepared: list[PreparedRecord] = []
     width = None
     longest_step = max(record.step for record in records)
     for record in records:
@@ -166,16 +170,16 @@ def _prepare(
                 record, kind, noise, rig["rig.mass"], rig.get("rig.pull_stiffness"), experiment.rig.input_hold, width,
                 longest_step,
             )  # fmt: skip
-            width = balance.whole.width if balance.whole is not None else None
+            width = balance.full_filter.width if balance.full_filter is not None else None
             prepared.append(balance)
     return prepared
 
 
-def _with_stretch(model: Model, records: Sequence[Prepared]) -> Model:
+def _with_stretch(model: Model, records: Sequence[PreparedRecord]) -> Model:
     """On a driven mass the Coulomb bristle's stretch is fitted too, below the position's noise: it sets how sharply
     friction turns round, which the balance feels though the position cannot show it."""
     key = "coulomb.stretch"
-    noises = [r.position_noise for r in records if isinstance(r, Balance) and r.turns is not None]
+    noises = [r.position_noise for r in records if isinstance(r, ForceBalanceRecord) and r.reversals is not None]
     if key not in model.values or not noises:
         return model
     highest = max(noises)

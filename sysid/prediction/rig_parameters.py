@@ -14,14 +14,14 @@ from sysid.experiment.unknowns import Prior, Unknown
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.prepare import driven_mass
 from sysid.prediction.force_balance.record import filled
-from sysid.prediction.friction_drive.parameters import driven_stage_numbers
+from sysid.prediction.friction_drive.parameters import friction_drive_parameters
 from sysid.signals.gaussian_filter import GaussianFilter
 
 LEAST_ROWS = 200
 """Scored rows below which a mass is not read off a record."""
 
 
-def rig_numbers(
+def rig_parameters(
     experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise]
 ) -> tuple[dict[str, float], list[Unknown]]:
     """Numbers of the rig, those the user knows held, those unknown or uncertain moved by the fit."""
@@ -46,7 +46,7 @@ def rig_numbers(
         put("mass", lambda: _guess_mass(records, kind, values.get("rig.pull_stiffness"), noise))
     if kind == "friction-drive":
         fits = [r for r in records if r.role == "fit"]
-        drive, free = driven_stage_numbers(known, fits)
+        drive, free = friction_drive_parameters(known, fits)
         values.update(drive)
         unknowns.extend(free)
     if kind == "actuator-tip":
@@ -96,8 +96,15 @@ def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, n
                 # A filter as wide as this guess asks for leaves nothing between the gaps.
                 mass *= 0.1
                 continue
-            assert balance.acceleration is not None and balance.whole is not None and balance.direction is not None
-            columns = [balance.acceleration, balance.whole(balance.direction), balance.axis.velocity, np.ones(y.size)]
+            assert (
+                balance.acceleration is not None and balance.full_filter is not None and balance.direction is not None
+            )
+            columns = [
+                balance.acceleration,
+                balance.full_filter(balance.direction),
+                balance.axis.velocity,
+                np.ones(y.size),
+            ]
             solution, *_ = np.linalg.lstsq(np.column_stack([c[ok] for c in columns]), y[ok], rcond=None)
             best = float(solution[0]) if solution[0] > 0 else mass
             if abs(best - mass) < 0.01 * best:
@@ -118,9 +125,9 @@ def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Map
     position, force, sigma, correlation = found
     width = step
     while width < position.size * step / 40.0:
-        smooth = GaussianFilter(width, step, position.size)
-        acceleration = float(np.std(smooth(position, 2)))
-        if sigma * smooth.noise_gain(2, correlation) < 0.2 * acceleration:
+        complementary_filter = GaussianFilter(width, step, position.size)
+        acceleration = float(np.std(complementary_filter(position, 2)))
+        if sigma * complementary_filter.noise_gain(2, correlation) < 0.2 * acceleration:
             return float(np.std(force)) / acceleration
         width *= 2.0
     return 1.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.library.effect import Effect
 from sysid.prediction.effect_terms import Values, split_channel, values_of
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 
 def sensed(
@@ -34,7 +34,7 @@ def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
     return np.interp(index + ahead / step, index, signal)
 
 
-def makes_motion_late(balance: Balance, effect: Effect) -> bool:
+def makes_motion_late(balance: ForceBalanceRecord, effect: Effect) -> bool:
     """Whether an effect sets the logged motion behind the logged force: the drive's lag, or the motion sensor's."""
     base, channel = split_channel(effect.name)
     if balance.kind == "velocity-drive":
@@ -46,7 +46,7 @@ def makes_motion_late(balance: Balance, effect: Effect) -> bool:
 
 
 def as_late_as_the_motion(
-    balance: Balance, effects: Sequence[Effect], values: Values, signal: np.ndarray
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, signal: np.ndarray
 ) -> np.ndarray:
     """A signal (n,) set back by as much as the logged motion is."""
     for effect in effects:

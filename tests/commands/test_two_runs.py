@@ -66,7 +66,7 @@ def test_a_run_that_is_stopped_leaves_everything_as_it_was(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sysid.ladder, "append_rung", interrupted)
+    monkeypatch.setattr(sysid.ladder, "append_revision", interrupted)
     capsys.readouterr()
     assert run(["add", str(rig), "constant_bias"]) == 130
     assert capsys.readouterr().err.strip() == "stopped"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sysid.prediction.problem import Case, load_case
+from sysid.prediction.problem import Problem, load_problem
 
 NOISE = 0.01
 STEP = 1e-3
@@ -25,7 +25,7 @@ def slide(
     held_out: bool = False,
     noise: np.ndarray | float = NOISE,
     extra: dict[str, np.ndarray] | None = None,
-) -> Case:
+) -> Problem:
     """Write the experiment into `folder` and load it.
 
     Args:
@@ -51,4 +51,4 @@ def slide(
         f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = [{effects}]\n{parameters}\n{listed}'
         f'[noise]\nfriction_force = "{NOISE} N"\n'
     )
-    return load_case(folder)
+    return load_problem(folder)

@@ -11,7 +11,7 @@ from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
     from sysid.estimation.fit import FittedModel
-    from sysid.prediction.problem import Case
+    from sysid.prediction.problem import Problem
 
 
 @click.command("add")
@@ -76,18 +76,18 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
         "schema": 1,
         "rung": step.rung.number,
         "file": str(step.rung.path),
-        "form": step.case.form,
+        "form": step.problem.form,
         "effects": list(step.rung.effects),
         "added": list(step.rung.document["added"]),
         "removed": list(step.rung.document["removed"]),
-        "before": both_json(step.case, step.before_fit, step.before_validate),
-        "after": both_json(step.case, step.after_fit, step.after_validate),
+        "before": both_json(step.problem, step.before_fit, step.before_validate),
+        "after": both_json(step.problem, step.after_fit, step.after_validate),
         "parameters": dict(step.rung.document["parameters"]),
         "seconds": step.seconds,
     }
     print_revision(run, step, document)
     if keys:
-        document.update(_written(run, step.case, step.base.fitted, keys, step.rung.number))
+        document.update(_written(run, step.problem, step.base.fitted, keys, step.rung.number))
     run.emit(document)
 
 
@@ -98,27 +98,29 @@ def _change(effects: tuple[str, ...], drop: tuple[str, ...]) -> str:
 
 def _write_back_only(run: Run, experiment: Path, keys: tuple[str, ...]) -> None:
     from sysid.estimation.reference_fit import fit_stated_model
-    from sysid.experiment.history import edited_by_hand, read_ladder
-    from sysid.prediction.problem import load_case
+    from sysid.experiment.history import edited_by_hand, read_history
+    from sysid.prediction.problem import load_problem
     from sysid.report import parameters_json
     from workbench.identification.design_values import design_values
 
     with run.busy("fitting the model as it stands"):
-        case = load_case(experiment, design_values(run))
-        fitted = fit_stated_model(case).fitted
-    rungs = read_ladder(case.experiment)
-    rung = rungs[-1].number if rungs and not edited_by_hand(case.experiment, rungs) else None
-    document = {"schema": 1, "form": case.form, "effects": [e.name for e in fitted.model.effects]}
-    document["parameters"] = parameters_json(case, fitted)
-    run.emit({**document, **_written(run, case, fitted, keys, rung)})
+        problem = load_problem(experiment, design_values(run))
+        fitted = fit_stated_model(problem).fitted
+    rungs = read_history(problem.experiment)
+    rung = rungs[-1].number if rungs and not edited_by_hand(problem.experiment, rungs) else None
+    document = {"schema": 1, "form": problem.form, "effects": [e.name for e in fitted.model.effects]}
+    document["parameters"] = parameters_json(problem, fitted)
+    run.emit({**document, **_written(run, problem, fitted, keys, rung)})
 
 
-def _written(run: Run, case: Case, fitted: FittedModel, keys: tuple[str, ...], rung: int | None) -> dict[str, Any]:
+def _written(
+    run: Run, problem: Problem, fitted: FittedModel, keys: tuple[str, ...], rung: int | None
+) -> dict[str, Any]:
     from workbench.identification.write_back import parameter_file, write_back, written_json
 
-    name = case.experiment.folder.resolve().name
+    name = problem.experiment.folder.resolve().name
     origin = f"measured: {name}" if rung is None else f"measured: {name}, rung {rung:03d}"
-    written = write_back(run, case, fitted, keys, origin)
+    written = write_back(run, problem, fitted, keys, origin)
     path = parameter_file(run)
     for one in written:
         run.say(f"{path}: {one.key} = {one.text} ({one.origin}); it was {one.before[0]} ({one.before[1]})")

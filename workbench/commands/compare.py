@@ -34,18 +34,18 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
 
     with run.busy("fitting the model as it stands"):
         found = compare(experiment, design_values(run))
-    document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
+    document = comparison_json(found.problem, found.base, found.fit, found.validate, found.maps, found.seconds)
     print_comparison(run, found, document)
     if bootstrap is not None:
         from workbench.console.tables import rich_table
         from workbench.identification.bootstrap import bootstrap_case, bootstrap_json, draw_bootstrap
         from workbench.identification.tables import bootstrap_table
 
-        drawn = bootstrap_case(run, found.case, found.base.fitted, bootstrap, seed, scheduler)
-        document["bootstrap"] = bootstrap_json(found.case, drawn, seed)
+        drawn = bootstrap_case(run, found.problem, found.base.fitted, bootstrap, seed, scheduler)
+        document["bootstrap"] = bootstrap_json(found.problem, drawn, seed)
         run.console.print(rich_table(bootstrap_table(document)))
         if figures:
-            run.say(f"figure: {draw_bootstrap(run, found.case, drawn, document)}")
+            run.say(f"figure: {draw_bootstrap(run, found.problem, drawn, document)}")
     if figures:
         from workbench.report.page import write_comparison
 

@@ -72,7 +72,7 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
     run.say(f"$ stagecad compare {folder}")
     with run.busy("fitting the model as it stands"):
         found = compare(folder)
-    document = comparison_json(found.case, found.base, found.fit, found.validate, found.maps, found.seconds)
+    document = comparison_json(found.problem, found.base, found.fit, found.validate, found.maps, found.seconds)
     run.say(f"  {comparison_statement(found)}\n")
     write_comparison(run, found, document)
     return document
@@ -112,7 +112,7 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
     return {
         "rung": step.rung.number,
         "effects": list(step.rung.effects),
-        "after": both_json(step.case, step.after_fit, step.after_validate),
+        "after": both_json(step.problem, step.after_fit, step.after_validate),
         "parameters": parameters,
     }
 
@@ -125,7 +125,7 @@ def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
     run.say(f"$ stagecad suggest {folder}")
     # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
     with run.busy("comparing motions"):
-        found = rank_motions(last, motions_for(last.case), last.effect)
+        found = rank_motions(last, motions_for(last.problem), last.effect)
     motions = write_motions(run, found)
     for line in suggestion_statements(found):
         run.say(f"  {line}")

@@ -66,9 +66,9 @@ def print_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any])
 
 
 def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:
-    for note in found.case.notes:
+    for note in found.problem.notes:
         run.note(f"note: {note}")
-    run.say(f"noise: {noise_text(found.case)}")
+    run.say(f"noise: {noise_text(found.problem)}")
 
 
 def print_revision(run: Run, step: Step, document: Mapping[str, Any]) -> None:
@@ -81,7 +81,7 @@ def print_revision(run: Run, step: Step, document: Mapping[str, Any]) -> None:
     for key, (old, new) in step.changed.items():
         unit = parameters.get(public_key(key), {}).get("unit", "")
         run.say(f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}")
-    run.say(f"wrote {step.rung.path} and {step.case.experiment.path}")
+    run.say(f"wrote {step.rung.path} and {step.problem.experiment.path}")
 
 
 def search_progress(

@@ -11,21 +11,21 @@ import numpy as np
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit
 from workbench.cluster import run_all
 from workbench.options import Run
 
 
 def bootstrap_case(
-    run: Run, case: Case, fitted: FittedModel, draws: int, seed: int, scheduler: str | None
+    run: Run, problem: Problem, fitted: FittedModel, draws: int, seed: int, scheduler: str | None
 ) -> Bootstrap:
     """Refit a case `draws` times, on the local cores or on a cluster; the same values either way.
 
     Raises:
         InputError: nothing to fit, too few refits that settled, or no cluster.
     """
-    refit = refit_of(case, fitted)
+    refit = refit_of(problem, fitted)
     with run.progress() as progress:
         task = progress.add_task("refits", total=draws)
         seeds = [(seed, k) for k in range(draws)]
@@ -33,7 +33,7 @@ def bootstrap_case(
     return bootstrap_of(refit, found)
 
 
-def bootstrap_json(case: Case, drawn: Bootstrap, seed: int) -> dict[str, Any]:
+def bootstrap_json(problem: Problem, drawn: Bootstrap, seed: int) -> dict[str, Any]:
     """Values with the deviation and the 95 % band of the refits."""
     (low, high), std = drawn.band, drawn.std
     return {
@@ -43,7 +43,7 @@ def bootstrap_json(case: Case, drawn: Bootstrap, seed: int) -> dict[str, Any]:
         "parameters": {
             public_key(key): {
                 "value": float(drawn.best[k]),
-                "unit": parameter_unit(case, key),
+                "unit": parameter_unit(problem, key),
                 "std": float(std[k]),
                 "low": float(low[k]),
                 "high": float(high[k]),
@@ -53,12 +53,12 @@ def bootstrap_json(case: Case, drawn: Bootstrap, seed: int) -> dict[str, Any]:
     }
 
 
-def draw_bootstrap(run: Run, case: Case, drawn: Bootstrap, document: Mapping[str, Any]) -> Path:
+def draw_bootstrap(run: Run, problem: Problem, drawn: Bootstrap, document: Mapping[str, Any]) -> Path:
     """A histogram of each value over the refits, with the two intervals under it."""
     from workbench.report.page import report_folder
     from workbench.simulation.figures import save_figure
 
-    folder = report_folder(run, case.experiment.folder.name)
+    folder = report_folder(run, problem.experiment.folder.name)
     folder.mkdir(parents=True, exist_ok=True)
     return save_figure(_figure(drawn, document), folder / "compare_bootstrap.png")
 

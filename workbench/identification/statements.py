@@ -12,7 +12,7 @@ from sysid.diagnosis.trials import explained_share
 from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from sysid.report import WORTH_SAYING, channel_unit, worst_channel
 from sysid.signals.gaussian_filter import BAND
 from workbench.identification.tables import over_noise_text, quantity_text
@@ -50,7 +50,7 @@ def held_out_over_noise(fit: Errors, validate: Errors) -> float:
 
 def is_adequate(found: Comparison) -> bool:
     """Whether the model leaves no more than the noise."""
-    return worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[found.case.form]
+    return worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[found.problem.form]
 
 
 def near_noise(diagnosis: Diagnosis) -> bool:
@@ -69,16 +69,16 @@ def dependence_text(maps: Sequence[ResidualMap], most: int = 2) -> str:
     return " and ".join(f"{name} ({100 * m.share:.0f} %)" for name, m in zip(names, strongest))
 
 
-def noise_text(case: Case) -> str:
+def noise_text(problem: Problem) -> str:
     """The noise by channel, the form of the residual, and the band it is compared in."""
-    measured = {*case.fit_records[0].measured, "position"}
+    measured = {*problem.fit_records[0].measured, "position"}
     parts = [
         f"{channel} {format_quantity(noise.value, noise.unit)} ({noise.source})"
-        for channel, noise in case.noise.items()
+        for channel, noise in problem.noise.items()
         if channel in measured
     ]
-    band = getattr(case.fit_records[0], "whole", None)
-    text = f"{', '.join(parts)}; residual as {case.form.replace('_', ' ')}"
+    band = getattr(problem.fit_records[0], "whole", None)
+    text = f"{', '.join(parts)}; residual as {problem.form.replace('_', ' ')}"
     if band is not None and band.width > 0:
         text += f", below {BAND / band.width:.3g} Hz: the band that the position's noise allows"
     return text
@@ -107,9 +107,9 @@ def diagnosis_statement(found: Diagnosis) -> str:
             f"No effect of the library explains the residual: {found.reason}. It depends on "
             f"{depends or 'no recorded coordinate'}."
         )
-    channel = worst_channel(found.case, found.before_validate)
+    channel = worst_channel(found.problem, found.before_validate)
     before, after = found.before_validate[channel], found.best.after_validate[channel]
-    unit = channel_unit(found.case, channel)
+    unit = channel_unit(found.problem, channel)
     rms = f"{quantity_text(before.rms, unit)} to {quantity_text(after.rms, unit)}"
     ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
     error = f"the error of {channel.replace('_', ' ')} on the held-out records"

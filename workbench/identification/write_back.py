@@ -20,8 +20,8 @@ from sysid.estimation.covariance import intervals
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key
 from sysid.experiment.file_lock import file_lock
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.problem import Case
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit
 from workbench.options import Run
 
@@ -53,7 +53,7 @@ class Written:
     origin: str
 
 
-def stands_for(run: Run, case: Case) -> dict[str, list[Terms]]:
+def stands_for(run: Run, problem: Problem) -> dict[str, list[Terms]]:
     """What each key of the parameter file is in terms of fitted values; the first that the model has serves."""
     found: dict[str, list[Terms]] = {
         "friction.coulomb": [{"coulomb.force": 1.0}, {"presliding.force": 1.0}],
@@ -68,8 +68,8 @@ def stands_for(run: Run, case: Case) -> dict[str, list[Terms]]:
         "friction.mass": [{"rig.mass": 1.0}],
         "piezo.stroke": [{"rig.gain": run.design.si("piezo.highest_voltage")}],
     }
-    loads = [r.axis.load for r in case.fit_records if isinstance(r, Balance)]
-    if any("normal_load" in record.channels for record in case.records) and loads:
+    loads = [r.axis.load for r in problem.fit_records if isinstance(r, ForceBalanceRecord)]
+    if any("normal_load" in record.channels for record in problem.records) and loads:
         load = float(np.mean(np.concatenate(loads)))
         found["bearing.dynamic_friction"] = [{"coulomb.force": 1.0 / load}, {"presliding.force": 1.0 / load}]
     return found
@@ -90,12 +90,12 @@ def parameter_file(run: Run) -> Path:
     return path
 
 
-def write_back(run: Run, case: Case, fitted: FittedModel, wanted: Sequence[str], origin: str) -> list[Written]:
+def write_back(run: Run, problem: Problem, fitted: FittedModel, wanted: Sequence[str], origin: str) -> list[Written]:
     """Write fitted values into the parameter file: all of `wanted`, or none.
 
     Args:
         run: of the command; its `--params` names the file.
-        case, fitted: the experiment and its fit.
+        problem, fitted: the experiment and its fit.
         wanted: keys of the parameter file, each alone, or as `KEY=FITTED` where the fit's value has another name there.
         origin: what the file is to say of where the values come from.
 
@@ -107,8 +107,8 @@ def write_back(run: Run, case: Case, fitted: FittedModel, wanted: Sequence[str],
 
     path = parameter_file(run)
     with file_lock(_lock_of(path), LOCK_SECONDS, str(path)):
-        measured = _measured(run, case, fitted)
-        written = [_value(run, item, measured, stands_for(run, case), origin) for item in wanted]
+        measured = _measured(run, problem, fitted)
+        written = [_value(run, item, measured, stands_for(run, problem), origin) for item in wanted]
         write_values(path, {one.key: (one.text, one.origin) for one in written})
     return written
 
@@ -129,8 +129,8 @@ class _Measured:
     untold: dict[str, str]
 
 
-def _measured(run: Run, case: Case, fitted: FittedModel) -> _Measured:
-    found = intervals(fitted, case.fit_records)
+def _measured(run: Run, problem: Problem, fitted: FittedModel) -> _Measured:
+    found = intervals(fitted, problem.fit_records)
     names = [public_key(key) for key in found.keys]
     by_name = {public_key(key): interval for key, interval in found.by_key.items()}
 
@@ -140,7 +140,7 @@ def _measured(run: Run, case: Case, fitted: FittedModel) -> _Measured:
 
     return _Measured(
         {name: interval.value for name, interval in by_name.items()},
-        {public_key(key): parameter_unit(case, key) for key in found.keys},
+        {public_key(key): parameter_unit(problem, key) for key in found.keys},
         covariance,
         {
             name: "ended at its bound" if interval.at_bound else "is not told by these records"

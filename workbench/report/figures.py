@@ -17,8 +17,8 @@ import numpy as np
 
 from stagecad.parameters.atomic import atomic_path
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.model import Model, Prepared, predict
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.report import LEAST_P
 from workbench.identification.tables import revision_text
 from workbench.simulation.figures import STYLE
@@ -59,7 +59,7 @@ class Curve:
     noise: float
 
 
-def curve_of(record: Prepared, channel: str, unit: str, models: Mapping[str, Model]) -> Curve:
+def curve_of(record: PreparedRecord, channel: str, unit: str, models: Mapping[str, Model]) -> Curve:
     """A record's channel with what each of `models` predicts for it."""
     valid = record.valid[channel]
 
@@ -67,16 +67,16 @@ def curve_of(record: Prepared, channel: str, unit: str, models: Mapping[str, Mod
         return np.where(valid, values, np.nan)
 
     predicted = {label: scored(predict(record, m.effects, m.values)[channel]) for label, m in models.items()}
-    time = record.axis.time if isinstance(record, Balance) else record.time
+    time = record.axis.time if isinstance(record, ForceBalanceRecord) else record.time
     return Curve(
         record.name, channel, unit, time - time[0], scored(record.measured[channel]), predicted, record.noise[channel]
     )
 
 
-def worst_record(records: Sequence[Prepared], channel: str, model: Model) -> Prepared:
+def worst_record(records: Sequence[PreparedRecord], channel: str, model: Model) -> PreparedRecord:
     """The record whose residual in `channel` is largest over its noise, by its rms."""
 
-    def error(record: Prepared) -> float:
+    def error(record: PreparedRecord) -> float:
         predicted = predict(record, model.effects, model.values)[channel]
         valid = record.valid[channel]
         return float(np.sqrt(np.mean((record.measured[channel] - predicted)[valid] ** 2))) / record.noise[channel]

@@ -33,7 +33,7 @@ SCHEMA = 3
 
 def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> Path:
     """Figures and report of a comparison below `run.out`; returns the file to open."""
-    folder = report_folder(run, comparison.case.experiment.folder.name)
+    folder = report_folder(run, comparison.problem.experiment.folder.name)
     section = comparison_section(comparison, document)
     _figures(folder, "compare", section)
     return _keep(folder, section)
@@ -41,7 +41,7 @@ def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, An
 
 def write_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> Path:
     """Figures and report of a diagnosis below `run.out`; returns the file to open."""
-    folder = report_folder(run, diagnosis.case.experiment.folder.name)
+    folder = report_folder(run, diagnosis.problem.experiment.folder.name)
     section = diagnosis_section(diagnosis, document)
     _figures(folder, "diagnose", section)
     return _keep(folder, section)
@@ -57,18 +57,18 @@ def write_ladder(run: Run, name: str, rungs: Sequence[Mapping[str, Any]]) -> Pat
 
 def write_suggestion(run: Run, found: Suggestion, motions: Sequence[Mapping[str, Any]]) -> Path:
     """Section of a suggestion below `run.out`, `motions` is its document; returns the file to open."""
-    return _keep(report_folder(run, found.case.experiment.folder.name), suggestion_section(found, motions))
+    return _keep(report_folder(run, found.problem.experiment.folder.name), suggestion_section(found, motions))
 
 
 def write_motions(run: Run, found: Suggestion) -> list[dict[str, Any]]:
     """Write every motion as a CSV file below `run.out`; returns the document of `suggest`."""
     import pandas as pd
 
-    folder = report_folder(run, found.case.experiment.folder.name) / "suggest"
+    folder = report_folder(run, found.problem.experiment.folder.name) / "suggest"
     document = []
     for value in found.motions:
         path = folder / (re.sub(r"\W+", "_", value.motion.name) + ".csv")
-        table = pd.DataFrame(columns_of(found.case, value.motion))
+        table = pd.DataFrame(columns_of(found.problem, value.motion))
         atomic_write_text(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
         pairs = [
             {"effects": list(p.effects), "deviations": p.deviations, "these_records": p.records} for p in value.pairs

@@ -17,7 +17,7 @@ from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
 from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.model import Model
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from sysid.report import channel_unit, worst_channel
 from workbench.identification.statements import (
     SEPARATED,
@@ -58,15 +58,15 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
     """What `compare` found."""
     model = found.base.fitted.model
     return {
-        **_experiment(found.case, model),
+        **_experiment(found.problem, model),
         "kind": "compare",
         "title": "The model as it stands",
         "state": "good" if is_adequate(found) else "bad",
         "number": over_noise_text(held_out_over_noise(found.fit, found.validate)),
         "headline": comparison_statement(found),
         "errors": error_table("", document["before"]).as_json(),
-        "overlays": _overlays(found.case, {"model": model}, found.validate, (MODEL,)),
-        "maps": _maps(found.case, found.maps),
+        "overlays": _overlays(found.problem, {"model": model}, found.validate, (MODEL,)),
+        "maps": _maps(found.problem, found.maps),
         "where": dependence_table(document["where"]).as_json(),
         **_parameters(document, "Parameters"),
         "seconds": document["seconds"],
@@ -75,7 +75,7 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
 
 def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     """What `diagnose` found."""
-    case, base = found.case, found.base.fitted
+    problem, base = found.problem, found.base.fitted
     best = found.best if found.best is not None else (found.trials[0] if found.trials else None)
     models, inks = {"model": base.model}, (MODEL,)
     if best is not None and found.verdict != "adequate":
@@ -85,7 +85,7 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     effect = None if found.best is None else found.best.effect
     names = ("name", "meaning", "equation", "shows", "source")
     return {
-        **_experiment(case, base.model),
+        **_experiment(problem, base.model),
         "kind": "diagnose",
         "title": f"What is missing: {found.effect}" if found.effect else "What is missing",
         "state": {"missing-effect": "found", "adequate": "good"}.get(found.verdict, "bad"),
@@ -94,10 +94,10 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
         "headline": diagnosis_statement(found),
         "equivalent": equivalence_statement(found),
         "errors": error_table("", document["before"], document["after"] if found.best is not None else None).as_json(),
-        "overlays": _overlays(case, models, found.before_validate, inks),
+        "overlays": _overlays(problem, models, found.before_validate, inks),
         "ranking": ranking_table(document["ranking"], len(found.trials), before).as_json(),
         "detectable": detectable_table(document["detectable"] if near_noise(found) else []).as_json(),
-        "maps": _maps(case, found.maps),
+        "maps": _maps(problem, found.maps),
         "where": dependence_table(document["where"]).as_json(),
         "effect": None if effect is None else {name: getattr(effect, name) for name in names},
         **_parameters(
@@ -136,8 +136,8 @@ def suggestion_section(found: Suggestion, motions: Sequence[Mapping[str, Any]]) 
     return {
         "kind": "suggest",
         "title": title,
-        "effects": [e.name for e in found.case.start.effects],
-        "records": {record.name: record.sha256 for record in found.case.records},
+        "effects": [e.name for e in found.problem.start.effects],
+        "records": {record.name: record.sha256 for record in found.problem.records},
         "state": "good" if found.diagnosis.verdict == "adequate" else "found",
         "number": f"{best.least:.3g} σ" if best.least > 0.0 else "–",
         "headline": " ".join(line[0].upper() + line[1:].rstrip(".") + "." for line in suggestion_statements(found)),
@@ -150,8 +150,8 @@ def _worst_over_noise(errors: Mapping[str, Any]) -> float:
     return max((ratio for ratio in ratios if ratio is not None), default=float("nan"))
 
 
-def _experiment(case: Case, model: Model) -> Section:
-    rig = case.experiment.rig
+def _experiment(problem: Problem, model: Model) -> Section:
+    rig = problem.experiment.rig
     known = []
     for name, quantity in rig.known.items():
         declared = rig.declaration.known[name]
@@ -159,41 +159,41 @@ def _experiment(case: Case, model: Model) -> Section:
         known.append(f"{name.replace('_', ' ')} {quantity_text(quantity.value, unit)}")
     return {
         "effects": [e.name for e in model.effects],
-        "records": {record.name: record.sha256 for record in case.records},
+        "records": {record.name: record.sha256 for record in problem.records},
         "rig": f"{rig.kind}" + (", rotary" if rig.rotary else "") + (f": {', '.join(known)}" if known else ""),
-        "record_list": [_record_text(case, k) for k in range(len(case.records))],
-        "noise": noise_text(case),
-        "notes": list(case.notes),
+        "record_list": [_record_text(problem, k) for k in range(len(problem.records))],
+        "noise": noise_text(problem),
+        "notes": list(problem.notes),
     }
 
 
-def _record_text(case: Case, index: int) -> str:
-    record = case.records[index]
+def _record_text(problem: Problem, index: int) -> str:
+    record = problem.records[index]
     length = float(record.time[-1] - record.time[0])
     role = "fit" if record.role == "fit" else "held out"
     return f"{record.name} ({role}): {record.size} rows in {length:.4g} s"
 
 
 def _overlays(
-    case: Case, models: Mapping[str, Any], by_channel: Mapping[str, Any], inks: Sequence[str]
+    problem: Problem, models: Mapping[str, Any], by_channel: Mapping[str, Any], inks: Sequence[str]
 ) -> list[dict[str, str]]:
     """The worst channel on the worst held-out record, then the other channels there."""
-    records = case.validate_records or case.fit_records
+    records = problem.validate_records or problem.fit_records
     base = next(iter(models.values()))
-    worst = worst_channel(case, by_channel)
+    worst = worst_channel(problem, by_channel)
     drawn = []
     for channel in [worst, *(c for c in records[0].measured if c != worst)][:3]:
-        curve = curve_of(worst_record(records, channel, base), channel, channel_unit(case, channel), models)
+        curve = curve_of(worst_record(records, channel, base), channel, channel_unit(problem, channel), models)
         drawn.append({"channel": channel.replace("_", " "), "figure": draw_overlay(curve, inks)})
     return drawn
 
 
-def _maps(case: Case, maps: Sequence[ResidualMap]) -> str:
+def _maps(problem: Problem, maps: Sequence[ResidualMap]) -> str:
     """Figure of the strongest residual maps, empty where there is none."""
     # An axis that never rests has one age of contact: nothing to draw it against.
     drawable = [m for m in maps if m.centres.size > 1 and np.ptp(m.centres) > 0.0]
     shown = [m for m in drawable if m.share > LEAST_SHARE][:6] or drawable[:3]
-    return draw_maps(shown, case.experiment.rig.rotary, case.kind == "actuator-tip") if shown else ""
+    return draw_maps(shown, problem.experiment.rig.rotary, problem.kind == "actuator-tip") if shown else ""
 
 
 def _parameters(document: Mapping[str, Any], title: str) -> dict[str, Any]:

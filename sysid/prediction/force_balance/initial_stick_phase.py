@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Axis, Effect
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 LEAST_ROWS = 3
 """Rows at rest from which a record is said to begin there."""
@@ -19,7 +19,7 @@ LEAST_ROWS = 3
 HALVINGS = 40
 
 
-def rest_rows(balance: Balance) -> int:
+def rest_rows(balance: ForceBalanceRecord) -> int:
     """Rows before the first motion of a velocity drive; 0 where it begins in motion, or another kind of rig."""
     if balance.kind != "velocity-drive":
         return 0
@@ -30,7 +30,7 @@ def rest_rows(balance: Balance) -> int:
 
 
 def along_from_rest(
-    balance: Balance, core: Effect, axis: Axis, level: np.ndarray, p: Any, other: np.ndarray
+    balance: ForceBalanceRecord, core: Effect, axis: Axis, level: np.ndarray, p: Any, other: np.ndarray
 ) -> np.ndarray:
     """Force of a core along a record (n,), from the stretch that its first rest shows.
 

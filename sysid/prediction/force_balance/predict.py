@@ -12,15 +12,21 @@ from sim.library.effect import Effect
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
 from sysid.prediction.force_balance.initial_stick_phase import along_from_rest
 from sysid.prediction.force_balance.presliding_oscillation import bristled_friction, parts_of_a_step
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.reversals import at_times, sharp_friction
-from sysid.prediction.force_balance.stick_phases import FULLY_AT_REST, REST, bristles_of, given_way, usual_level
+from sysid.prediction.force_balance.stick_phases import (
+    FULLY_AT_REST,
+    STICK_DISPLACEMENT,
+    bristles_of,
+    presliding_displacement,
+    usual_level,
+)
 from sysid.prediction.force_balance.sticking import departures, stop_times
 from sysid.prediction.sensors import as_late_as_the_motion, before_the_sensor, makes_motion_late, sensed
 
 
 def predict_balance(
-    balance: Balance, effects: Sequence[Effect], values: Values, at: Mapping[str, np.ndarray] | None = None
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, at: Mapping[str, np.ndarray] | None = None
 ) -> dict[str, np.ndarray]:
     """Predicted channels (n,) of a force balance, filtered as the measured ones are.
 
@@ -31,18 +37,22 @@ def predict_balance(
         at: samples wanted of each channel, (k,); every sample where left out.
     """
     if at is None or any(_needs_neighbours(e) for e in effects):
-        whole = _sensed_balance(balance, effects, values)
-        return whole if at is None else {channel: values_there[at[channel]] for channel, values_there in whole.items()}
+        full_filter = _sensed_balance(balance, effects, values)
+        return (
+            full_filter
+            if at is None
+            else {channel: values_there[at[channel]] for channel, values_there in full_filter.items()}
+        )
     terms = _terms(balance, effects, values)
     out = {balance.force_channel: _force_at(balance, effects, values, terms, at[balance.force_channel])}
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values, at["position"])
-    if balance.rests is not None:
-        out[REST] = _given_way(balance, effects, values, terms)[at[REST]]
+    if balance.stick_phases is not None:
+        out[STICK_DISPLACEMENT] = _given_way(balance, effects, values, terms)[at[STICK_DISPLACEMENT]]
     return out
 
 
-def raw_force(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+def unfiltered_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """Force (n,) against the motion of a driven mass but for its inertia, N, as sharp as the model tells it."""
     friction, sharp = _friction(balance, effects, values, _terms(balance, effects, values))
     return friction if sharp is None else friction + sharp
@@ -53,7 +63,7 @@ def _needs_neighbours(effect: Effect) -> bool:
     return effect.acts_on in ("drive", "sensor") and split_channel(effect.name)[0] != "sensor_quantisation"
 
 
-def _has_stretch(balance: Balance) -> bool:
+def _has_stretch(balance: ForceBalanceRecord) -> bool:
     return "position" in balance.measured and balance.force_channel == "spring_force"
 
 
@@ -70,21 +80,22 @@ class _Terms:
     forces: np.ndarray
 
 
-def _terms(balance: Balance, effects: Sequence[Effect], values: Values) -> _Terms:
+def _terms(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> _Terms:
     level = np.broadcast_to(friction_level(balance, effects, values), (balance.size,))
     return _Terms(level, axis_force(balance, effects, values))
 
 
 def _friction(
-    balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Force against the motion (n,) for the filter `smooth`, and the sharp part of it for the filter `whole`, N."""
+    """Force against the motion (n,) for the filter `complementary_filter`, and the sharp part of it for the filter
+    `full_filter`, N."""
     level, forces = terms.level, terms.forces
     axis, _ = friction_axis(balance, effects, values)
     core = next((e for e in effects if e.friction_state is not None), None)
     if core is None:
         return forces, None
-    if core.friction_state.name != "coulomb" or balance.stuck is None:
+    if core.friction_state.name != "coulomb" or balance.stick_fraction is None:
         p = values_of(core, values)
         usual = _usual(core, level)
         unseen = unseen_part(balance, core, usual, p)
@@ -93,17 +104,17 @@ def _friction(
         held = along_from_rest(balance, core, axis, level, p, forces)
         if (
             core.friction_state.name == "coulomb"
-            and balance.heading is not None
+            and balance.velocity_sign is not None
             and axis.position is balance.axis.position
         ):
             # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
-            held = np.where(balance.heading != 0.0, balance.heading * level, held)
+            held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * level, held)
         if unseen > LEAST_UNSEEN:
             sharp = _sharp(balance, effects, values, forces, level, usual, core)
             part = unseen
-            if balance.rests is not None and balance.stuck is not None:
+            if balance.stick_phases is not None and balance.stick_fraction is not None:
                 # How the body gives way at rest is scored as a displacement, from rest to rest.
-                part = np.where(balance.stuck > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
+                part = np.where(balance.stick_fraction > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
             return forces + (1.0 - part) * held, part * sharp
         return forces + held, None
     sharp = _sharp(balance, effects, values, forces, level, 0.0, core)
@@ -127,24 +138,24 @@ def _stretch_of(usual: float, p: Any) -> float:
     return float(p.stretch) if hasattr(p, "stretch") else usual / max(float(p.stiffness), 1e-300)
 
 
-def unseen_part(balance: Balance, core: Effect, usual: float, p: Any) -> float:
+def unseen_part(balance: ForceBalanceRecord, core: Effect, usual: float, p: Any) -> float:
     """Part of a bristle's force, 0 to 1, that a noisy position cannot show, and the balance of forces has to.
 
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
     from the balance to s_F: what is left of the difference is s_F / hypot(s_F, k s_x) of it.
     """
     assert core.friction_state is not None
-    if balance.stuck is None or core.friction_state.name == "coulomb":
+    if balance.stick_fraction is None or core.friction_state.name == "coulomb":
         return 0.0
     own = balance.noise[balance.force_channel]
     if balance.force_channel == "position":
         own *= balance.pull_stiffness
-    along = usual / max(_stretch_of(usual, p), 1e-300) * balance.light_noise
+    along = usual / max(_stretch_of(usual, p), 1e-300) * balance.prefiltered_noise
     return 1.0 - own / float(np.hypot(own, along))
 
 
 def _sharp(
-    balance: Balance,
+    balance: ForceBalanceRecord,
     effects: Sequence[Effect],
     values: Values,
     forces: np.ndarray,
@@ -154,28 +165,30 @@ def _sharp(
 ) -> np.ndarray:
     """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
     # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
-    assert balance.direction is not None and balance.stuck is not None and balance.stops is not None
+    assert balance.direction is not None and balance.stick_fraction is not None and balance.slip_phases is not None
     push, mass = _as_driven(balance, effects, values) - forces, values.get("rig.mass", 0.0)
     level = np.ascontiguousarray(level, dtype=float)
-    stops, farthest = balance.stops, FARTHEST * balance.light_samples + 2.0
+    slip_phases, farthest = balance.slip_phases, FARTHEST * balance.prefilter_samples + 2.0
     times = stop_times(
-        stops.first, stops.time, stops.heading, np.where(stops.departure > stops.time, stops.departure, np.inf),
-        balance.axis.velocity, push, level, balance.step / mass, balance.light_samples,
-        farthest,
+        slip_phases.start, slip_phases.end, slip_phases.direction, np.where(slip_phases.break_away > slip_phases.end,
+        slip_phases.break_away, np.inf), balance.axis.velocity, push, level, balance.step / mass,
+        balance.prefilter_samples, farthest,
     )  # fmt: skip
-    leaves = departures(stops.time, stops.departure, stops.next_heading, push, level, farthest)
-    direction, stuck, turns = at_times(balance.direction, balance.stuck, stops, times, leaves)
+    leaves = departures(slip_phases.end, slip_phases.break_away, slip_phases.next_direction, push, level, farthest)
+    direction, stick_fraction, reversals = at_times(
+        balance.direction, balance.stick_fraction, slip_phases, times, leaves
+    )
     p, scale = values_of(core, values), balance.step**2 / mass
-    friction = sharp_friction(direction, stuck, turns, push, level, _stretch_of(usual, p), scale)
+    friction = sharp_friction(direction, stick_fraction, reversals, push, level, _stretch_of(usual, p), scale)
     assert core.friction_state is not None
     if core.friction_state.name != "coulomb":
         stretches, weights = bristles_of(core.friction_state, p, max(usual, 1e-12), SWUNG_ON)
         parts = parts_of_a_step(usual, stretches, weights, scale)
         if parts:
-            seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.light_noise
+            seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.prefiltered_noise
             bristled_friction(
-                friction, direction, balance.axis.position, times, stops.heading, push, level, stretches, weights,
-                scale, parts, seen,
+                friction, direction, balance.axis.position, times, slip_phases.direction, push, level, stretches,
+                weights, scale, parts, seen,
             )  # fmt: skip
     return friction
 
@@ -187,48 +200,52 @@ FARTHEST = 2.5
 """Widths of the light filter by which the momentum may move a stop."""
 
 
-def _given_way(balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:
+def _given_way(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:
     """How a body moves while friction holds it (n,), from the mean of each rest, as its position sensor says, m."""
-    rests = balance.rests
+    stick_phases = balance.stick_phases
     core = next((e for e in effects if e.friction_state is not None), None)
-    assert rests is not None
+    assert stick_phases is not None
     moved = np.zeros(balance.size)
     if core is None:
         # What would hold the body is still to be found: nothing is asked of how.
-        moved = rests.shift
+        moved = stick_phases.displacement
     elif core.friction_state is not None and core.friction_state.name != "coulomb":
-        moved = given_way(rests, rests.force - terms.forces, terms.level, core.friction_state, values_of(core, values))
-    if rests.compliance:
+        moved = presliding_displacement(
+            stick_phases, stick_phases.force - terms.forces, terms.level, core.friction_state, values_of(core, values)
+        )
+    if stick_phases.compliance:
         # The position was told by the force, and the spring as it was said to be.
-        moved = moved + (1.0 / values["rig.pull_stiffness"] - rests.compliance) * rests.centred(rests.force)
+        moved = moved + (1.0 / values["rig.pull_stiffness"] - stick_phases.compliance) * stick_phases.centred(
+            stick_phases.force
+        )
     for effect in effects:
         base, channel = split_channel(effect.name)
-        seen_by = "spring_force" if rests.compliance else "position"
+        seen_by = "spring_force" if stick_phases.compliance else "position"
         if effect.acts_on != "sensor" or channel not in (None, seen_by) or base == "sensor_quantisation":
             continue
         p = values_of(effect, values)
-        if rests.compliance:
+        if stick_phases.compliance:
             if effect.signal is not None:
-                more = effect.signal(np.ascontiguousarray(rests.force), balance.step, p) - rests.force
-                moved = moved - rests.compliance * rests.centred(more)
+                more = effect.signal(np.ascontiguousarray(stick_phases.force), balance.step, p) - stick_phases.force
+                moved = moved - stick_phases.compliance * stick_phases.centred(more)
         elif base in ("sensor_lag", "sensor_delay"):
             late = p.time_constant if base == "sensor_lag" else p.delay
-            moved = moved - late * rests.centred(balance.axis.velocity)
+            moved = moved - late * stick_phases.centred(balance.axis.velocity)
         elif effect.signal is not None:
             position = np.ascontiguousarray(balance.axis.position)
-            moved = moved + rests.centred(effect.signal(position, balance.step, p) - position)
+            moved = moved + stick_phases.centred(effect.signal(position, balance.step, p) - position)
     return moved
 
 
 def _force_at(
-    balance: Balance, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
 ) -> np.ndarray:
     """The force channel (k,) at some samples, where nothing works on the filtered signal."""
     friction, sharp = _friction(balance, effects, values, terms)
-    total = balance.smooth.at(friction, index)
+    total = balance.complementary_filter.at(friction, index)
     if sharp is not None:
-        assert balance.whole is not None
-        total += balance.whole.at(sharp, index)
+        assert balance.full_filter is not None
+        total += balance.full_filter.at(sharp, index)
     if balance.acceleration is not None:
         total += values.get("rig.mass", 0.0) * balance.acceleration[index]
     if balance.force_channel == "position":
@@ -236,7 +253,7 @@ def _force_at(
     return total
 
 
-def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
+def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
     """Every channel (n,), with what the drive, the structure and the sensors do to it.
 
     Where the logged motion is late against the logged force, the two are compared at the time of the motion: the force
@@ -246,10 +263,10 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     terms = _terms(balance, effects, values)
     friction, sharp = _friction(balance, effects, values, terms)
     every = np.arange(balance.size)
-    total = balance.smooth.at(friction, every)
+    total = balance.complementary_filter.at(friction, every)
     if sharp is not None:
-        assert balance.whole is not None
-        total = total + balance.whole.at(sharp, every)
+        assert balance.full_filter is not None
+        total = total + balance.full_filter.at(sharp, every)
     if balance.acceleration is not None:
         total = total + values.get("rig.mass", 0.0) * balance.acceleration
     out: dict[str, np.ndarray] = {}
@@ -266,12 +283,12 @@ def _sensed_balance(balance: Balance, effects: Sequence[Effect], values: Values)
     if channel != "position":
         said = balance.measured[channel]
         out[channel] = out[channel] + said - as_late_as_the_motion(balance, effects, values, said)
-    if balance.rests is not None:
-        out[REST] = _given_way(balance, effects, values, terms)
+    if balance.stick_phases is not None:
+        out[STICK_DISPLACEMENT] = _given_way(balance, effects, values, terms)
     return out
 
 
-def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> np.ndarray:
+def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """The applied force (n,) at the time at which the logged motion answers it: what friction holds at rest.
 
     A pulling spring's is the force before its sensor: what that does comes later, with every other force.
@@ -290,7 +307,7 @@ def _as_driven(balance: Balance, effects: Sequence[Effect], values: Values) -> n
 
 
 def _stretch_relation(
-    balance: Balance, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, index: np.ndarray | None = None
 ) -> np.ndarray:
     """Position that the pulling spring's measured force and stiffness imply: pull - force / stiffness.
 

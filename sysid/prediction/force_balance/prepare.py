@@ -12,11 +12,11 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
-from sysid.noise.quantisation import find_quantum
+from sysid.noise.quantisation import find_quantisation_step
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
     LAW_SHARE,
-    Balance,
+    ForceBalanceRecord,
     filled,
     filter_width,
     longer_than,
@@ -24,7 +24,7 @@ from sysid.prediction.force_balance.record import (
     spread,
 )
 from sysid.prediction.force_balance.reversals import sharp_direction
-from sysid.prediction.force_balance.stick_phases import find_rests
+from sysid.prediction.force_balance.stick_phases import find_stick_phases
 from sysid.prediction.force_balance.sticking import sharpened
 from sysid.signals.gaussian_filter import GaussianFilter
 
@@ -43,7 +43,7 @@ def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | Non
     return filled(values)[0]
 
 
-def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> Balance:
+def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
     """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered."""
     time, step, channels, hole = uniform(record)
     n = time.size
@@ -76,12 +76,13 @@ def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> Balance:
     valid = ~(gap | hole | missing)
     valid[0] = False
     sigma = noise["friction_force"].value
-    heading = _heading(velocity) if "velocity" in channels else None
-    return Balance(
+    velocity_sign = _heading(velocity) if "velocity" in channels else None
+    return ForceBalanceRecord(
         name=record.name, role=record.role, kind="velocity-drive", step=step, axis=axis,
         measured={"friction_force": force}, valid={"friction_force": valid}, noise={"friction_force": sigma},
-        acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, n), force_channel="friction_force",
-        heading=heading, jitter=0.5 * step, stretch=max(1e-8 * float(np.ptp(position)), 12.0 * sigma_position),
+        acceleration=None, stick_fraction=None, complementary_filter=GaussianFilter(0.0, step, n),
+        force_channel="friction_force", velocity_sign=velocity_sign, timing_uncertainty=0.5 * step, stretch=max(1e-8 *
+        float(np.ptp(position)), 12.0 * sigma_position),
     )  # fmt: skip
 
 
@@ -89,8 +90,8 @@ def _heading(velocity: np.ndarray) -> np.ndarray:
     """Sign of a velocity (n,) that was given, zero where its own noise or rounding could have made the sign."""
     change = np.abs(np.diff(velocity, 2))
     noise = float(np.median(change)) / 0.6745 / np.sqrt(6.0)
-    quantum = find_quantum([velocity]) or 0.0
-    sure = max(SURE_SIGMAS * noise, SURE_STEPS * quantum, 1e-9 * float(np.max(np.abs(velocity))))
+    quantisation_step = find_quantisation_step([velocity]) or 0.0
+    sure = max(SURE_SIGMAS * noise, SURE_STEPS * quantisation_step, 1e-9 * float(np.max(np.abs(velocity))))
     return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)
 
 
@@ -103,7 +104,7 @@ def driven_mass(
     hold: str = "zero",
     width: float | None = None,
     least_width: float = 0.0,
-) -> Balance:
+) -> ForceBalanceRecord:
     """A spring-pull or force-drive record: the force is balanced against mass times the measured acceleration.
 
     Args:
@@ -178,7 +179,7 @@ def driven_mass(
             "position's noise and the longest step of all records set; give more, or see that time is in one unit"
         )
     law_width = LAW_SHARE * width
-    light, whole = GaussianFilter(law_width, step, n), GaussianFilter(width, step, n)
+    light, full_filter = GaussianFilter(law_width, step, n), GaussianFilter(width, step, n)
     rest_of = GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, n)
     velocity = light(position, 1)
     sigma_velocity = sigma_position * light.noise_gain(1, correlation)
@@ -187,10 +188,10 @@ def driven_mass(
     axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
     missing = gap_motion | hole | gap_force
     axis = axis._replace(acceleration=_past_gaps(axis.acceleration, missing, law_width / step))
-    acceleration = whole(position, 2)
+    acceleration = full_filter(position, 2)
     reach_event = max(6, int(np.ceil(1.5 * width / step)))
     drive = force / mass * step**2 if mass > 0 else np.zeros(n)
-    direction, stuck, turns, stops = sharp_direction(
+    direction, stick_fraction, reversals, slip_phases = sharp_direction(
         position,
         velocity,
         drive,
@@ -199,49 +200,54 @@ def driven_mass(
         min(2.5 * law_width / step + 2.0, reach_event - 2.0),
         max(3, int(np.ceil(2.0 * law_width / step))),
     )
-    kinked = sharpened(velocity * step, axis.acceleration * step**2, drive, stops, law_width / step)
+    kinked = sharpened(velocity * step, axis.acceleration * step**2, drive, slip_phases, law_width / step)
     axis = axis._replace(velocity=kinked / step)
 
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
     bad = missing | spread(longer_than(missing, width / step), reach)
     bad[: reach + 1] = True
     bad[n - reach :] = True
-    gain = whole.noise_gain(0, force_correlation)
-    acceleration_noise = sigma_position * whole.noise_gain(2, correlation)
-    measured = {channel: whole(force)}
+    gain = full_filter.noise_gain(0, force_correlation)
+    acceleration_noise = sigma_position * full_filter.noise_gain(2, correlation)
+    measured = {channel: full_filter(force)}
     valid = {channel: ~bad}
     floor = {channel: float(np.hypot(sigma_force * gain, mass * acceleration_noise))}
     inputs: dict[str, np.ndarray] = {}
     if kind == "spring-pull":
         assert pull is not None
-        inputs["pull_position"] = whole(pull)
-        inputs["spring_force"] = whole(force)
+        inputs["pull_position"] = full_filter(pull)
+        inputs["spring_force"] = full_filter(force)
         if channel == "spring_force" and "position" in channels:
             assert pull_stiffness is not None
-            measured["position"] = whole(position)
+            measured["position"] = full_filter(position)
             valid["position"] = ~bad
             floor["position"] = float(
-                np.hypot(sigma_position * whole.noise_gain(0, correlation), sigma_force * gain / pull_stiffness)
+                np.hypot(sigma_position * full_filter.noise_gain(0, correlation), sigma_force * gain / pull_stiffness)
             )
-    light_noise = sigma_position * light.noise_gain(0, correlation)
-    rests = None
+    prefiltered_noise = sigma_position * light.noise_gain(0, correlation)
+    stick_phases = None
     of_spring = kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
     told_by = noise.get("spring_force" if of_spring else "position")
     # Steps of a coarse sensor are no displacement, and a velocity added up wanders.
-    if told_by is not None and (told_by.quantum or 0.0) <= told_by.value and (of_spring or "position" in channels):
-        rests = find_rests(
-            axis.position, whole(force), stuck, axis.direction, ~bad, reach_event, light_noise,
+    if (
+        told_by is not None
+        and (told_by.quantisation_step or 0.0) <= told_by.value
+        and (of_spring or "position" in channels)
+    ):
+        stick_phases = find_stick_phases(
+            axis.position, full_filter(force), stick_fraction, axis.direction, ~bad, reach_event, prefiltered_noise,
             1.0 / pull_stiffness if of_spring and pull_stiffness else 0.0,
         )  # fmt: skip
-    return Balance(
+    return ForceBalanceRecord(
         name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
-        noise=floor, acceleration=acceleration, stuck=stuck, smooth=rest_of, whole=whole,
-        direction=direction, turns=turns, stops=stops,
-        light_samples=law_width / step, force_channel=channel, jitter=0.15 * step, inputs=inputs, applied=force,
-        acceleration_noise=acceleration_noise, position_noise=sigma_position,
-        stretch=12.0 * light_noise, light_noise=light_noise, pull_stiffness=pull_stiffness or 0.0, rests=rests,
-        logged=position, made_up=missing,
-        finer=partial(_lightly_filtered, time, position, missing, load, temperature, 0.5 * law_width, width,
+        noise=floor, acceleration=acceleration, stick_fraction=stick_fraction, complementary_filter=rest_of,
+        full_filter=full_filter, direction=direction, reversals=reversals, slip_phases=slip_phases,
+        prefilter_samples=law_width / step, force_channel=channel, timing_uncertainty=0.15 * step, inputs=inputs,
+        applied=force, acceleration_noise=acceleration_noise, position_noise=sigma_position, stretch=12.0 *
+        prefiltered_noise, prefiltered_noise=prefiltered_noise, pull_stiffness=pull_stiffness or 0.0,
+        stick_phases=stick_phases, raw_position=position, interpolated=missing,
+        half_width_variant=partial(_lightly_filtered, time, position, missing, load, temperature, 0.5 * law_width,
+        width,
                       REST_SIGMAS * sigma_position, correlation),
     )  # fmt: skip
 
@@ -254,8 +260,8 @@ def _past_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) -> n
         acceleration: by a filter of `width` samples, (n,).
         missing: samples (n,) where the motion was made up.
     """
-    made_up = spread(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
-    return filled(np.where(made_up, np.nan, acceleration))[0] if made_up.any() else acceleration
+    interpolated = spread(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
+    return filled(np.where(interpolated, np.nan, acceleration))[0] if interpolated.any() else acceleration
 
 
 def _lightly_filtered(
@@ -283,4 +289,4 @@ def _lightly_filtered(
 def _part_under_steps(noise: Mapping[str, Noise], channels: Mapping[str, np.ndarray]) -> float:
     """Part of the motion's noise that is none of a grid's steps; 1 where those are not counted as noise."""
     of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
-    return 1.0 if of is None or of.under_steps is None else of.under_steps / of.value
+    return 1.0 if of is None or of.without_quantisation is None else of.without_quantisation / of.value

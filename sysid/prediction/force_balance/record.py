@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sim.library.effect import Axis
-from sysid.prediction.force_balance.stick_phases import REST, Rests
-from sysid.prediction.force_balance.sticking import Stops
+from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
+from sysid.prediction.force_balance.sticking import SlipPhases
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.intervals import runs
 
@@ -26,20 +26,21 @@ EDGE_WIDTHS = 4.0
 
 
 @dataclass
-class Balance:
+class ForceBalanceRecord:
     """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
 
     `measured` has the force channel, filtered (spring force, drive force or friction force), and, on a spring-pull rig
     with both, the position. `noise` is the standard deviation that sensor noise leaves in each channel's residual.
 
-    `smooth` takes what a law says of the lightly filtered motion to the measured channels' filter. `whole` is that
-    filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with `direction` and at `turns`,
-    and equals `applied`, the unfiltered force, while the body rests (`stuck`, the part of each step). Each of the
-    `stops` is put where the model's own momentum ends; `light_samples` is the width of the light filter in samples.
-    `heading` is the sign of a velocity that was given, at the sample; zero where it is not sure. `finer` makes the
-    axis from a motion filtered half as much, and the rest of the filter: what differs is the price of filtering.
-    `rests` has the displacements while friction holds the body, scored beside the measured channels. `logged` is the
-    position as it was logged, gaps bridged where anything was `made_up`.
+    `complementary_filter` takes what a law says of the lightly filtered motion to the measured channels' filter.
+    `full_filter` is that filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with
+    `direction` and at `reversals`, and equals `applied`, the unfiltered force, while the body rests (`stick_fraction`,
+    the part of each step). Each of the `slip_phases` is put where the model's own momentum ends; `prefilter_samples` is
+    the width of the light filter in samples. `velocity_sign` is the sign of a velocity that was given, at the sample;
+    zero where it is not sure. `half_width_variant` makes the axis from a motion filtered half as much, and the rest of
+    the filter: what differs is the price of filtering. `stick_phases` has the displacements while friction holds the
+    body, scored beside the measured channels. `raw_position` is the position as it was logged, gaps bridged where
+    anything was `interpolated`.
     """
 
     name: str
@@ -51,27 +52,27 @@ class Balance:
     valid: dict[str, np.ndarray]
     noise: dict[str, float]
     acceleration: np.ndarray | None
-    stuck: np.ndarray | None
-    smooth: GaussianFilter
-    whole: GaussianFilter | None = None
+    stick_fraction: np.ndarray | None
+    complementary_filter: GaussianFilter
+    full_filter: GaussianFilter | None = None
     direction: np.ndarray | None = None
-    turns: np.ndarray | None = None
-    stops: Stops | None = None
-    light_samples: float = 0.0
-    heading: np.ndarray | None = None
+    reversals: np.ndarray | None = None
+    slip_phases: SlipPhases | None = None
+    prefilter_samples: float = 0.0
+    velocity_sign: np.ndarray | None = None
     force_channel: str = ""
-    jitter: float = 0.0
+    timing_uncertainty: float = 0.0
     inputs: dict[str, np.ndarray] = field(default_factory=dict)
     applied: np.ndarray | None = None
     acceleration_noise: float = 0.0
     position_noise: float = 0.0
     stretch: float = 0.0
-    light_noise: float = 0.0
+    prefiltered_noise: float = 0.0
     pull_stiffness: float = 0.0
-    finer: Callable[[], tuple[Axis, GaussianFilter]] | None = None
-    rests: Rests | None = None
-    logged: np.ndarray | None = None
-    made_up: np.ndarray | None = None
+    half_width_variant: Callable[[], tuple[Axis, GaussianFilter]] | None = None
+    stick_phases: StickPhases | None = None
+    raw_position: np.ndarray | None = None
+    interpolated: np.ndarray | None = None
     memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property
@@ -83,8 +84,12 @@ class Balance:
     def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
         """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
         out = {channel: (y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
-        if self.rests is not None:
-            out[REST] = (self.rests.shift, self.rests.scored, self.rests.noise)
+        if self.stick_phases is not None:
+            out[STICK_DISPLACEMENT] = (
+                self.stick_phases.displacement,
+                self.stick_phases.scored,
+                self.stick_phases.noise,
+            )
         return out
 
 

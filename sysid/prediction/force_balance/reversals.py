@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim.numerics.compilation import compiled
-from sysid.prediction.force_balance.sticking import Stops
+from sysid.prediction.force_balance.sticking import SlipPhases
 from sysid.signals.intervals import runs
 
 
@@ -117,7 +117,7 @@ def sharp_direction(
     reach: int,
     search: float,
     shortest: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, Stops]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, SlipPhases]:
     """Direction of motion with its flips where they happened, and how much of each step was spent at rest.
 
     Args:
@@ -144,7 +144,7 @@ def sharp_direction(
     moving = np.flatnonzero(sign)
     direction, rest = np.zeros(n), np.zeros(n)
     if moving.size == 0:
-        return direction, np.ones(n), np.empty(0), Stops(*(np.empty(0) for _ in range(5)))
+        return direction, np.ones(n), np.empty(0), SlipPhases(*(np.empty(0) for _ in range(5)))
     # Where one stretch of motion ends (sample i) and the next begins (sample j), with or without a rest between.
     last, first = moving[:-1], moving[1:]
     ends = np.flatnonzero((first - last > 1) | (sign[first] != sign[last]))
@@ -171,11 +171,11 @@ def sharp_direction(
     times, departures = np.append(times, end)[stopped], np.append(np.maximum(departures, times), n - 0.5)[stopped]
     began = np.concatenate([moving[:1] - 0.5, departures[:-1]])
     headings, nexts = np.append(sign[i], sign[moving[-1]])[stopped], np.append(sign[j], 0.0)[stopped]
-    return direction, rest, turns, Stops(began, times, headings, departures, nexts)
+    return direction, rest, turns, SlipPhases(began, times, headings, departures, nexts)
 
 
 def at_times(
-    direction: np.ndarray, rest: np.ndarray, stops: Stops, times: np.ndarray, leaves: np.ndarray
+    direction: np.ndarray, rest: np.ndarray, stops: SlipPhases, times: np.ndarray, leaves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """`direction` (n,), `rest` (n,) and `turns` (k,) of `sharp_direction` with its stops and departures moved.
 
@@ -185,12 +185,12 @@ def at_times(
         leaves: of the departures, in samples, (k,); not looked at where the body turned without a rest.
     """
     direction, rest = direction.copy(), rest.copy()
-    through = stops.departure <= stops.time
-    after = np.where(through, stops.next_heading, 0.0)
-    _move(direction, rest, stops.time, times, stops.heading, after)
+    through = stops.break_away <= stops.end
+    after = np.where(through, stops.next_direction, 0.0)
+    _move(direction, rest, stops.end, times, stops.direction, after)
     held = ~through
-    _move(direction, rest, stops.departure[held], leaves[held], np.zeros(held.sum()), stops.next_heading[held])
-    return direction, rest, times[through] * stops.next_heading[through]
+    _move(direction, rest, stops.break_away[held], leaves[held], np.zeros(held.sum()), stops.next_direction[held])
+    return direction, rest, times[through] * stops.next_direction[through]
 
 
 @compiled

@@ -18,7 +18,7 @@ from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
 from sysid.signals.intervals import runs
 
-REST = "rest"
+STICK_DISPLACEMENT = "rest"
 """Name under which displacements at rest are predicted and scored, beside the measured channels."""
 
 LEAST_SAMPLES = 10
@@ -43,22 +43,22 @@ FARTHEST = 100.0
 
 
 @dataclass(frozen=True)
-class Rests:
+class StickPhases:
     """Stretches of a record in which friction holds the body.
 
     Args:
         spans: rows (start, stop) of each, its edges and what is close to slip left out.
         side: direction in which the body came to each rest, or was last close to slip, 1 or -1.
-        shift: displacement (n,) from its mean over the scored samples of its rest, m; 0 elsewhere.
+        displacement: displacement (n,) from its mean over the scored samples of its rest, m; 0 elsewhere.
         scored: samples (n,) that are compared.
-        noise: standard deviation of `shift`, m.
+        noise: standard deviation of `displacement`, m.
         force: on the body, filtered, N, (n,).
         compliance: of the spring, m/N, where the position is told by the spring's force alone; 0 where it was measured.
     """
 
     spans: tuple[tuple[int, int], ...]
     side: tuple[float, ...]
-    shift: np.ndarray
+    displacement: np.ndarray
     scored: np.ndarray
     noise: float
     force: np.ndarray
@@ -85,7 +85,7 @@ def _centred(values: np.ndarray, scored: np.ndarray, starts: np.ndarray, stops: 
     return out
 
 
-def find_rests(
+def find_stick_phases(
     position: np.ndarray,
     force: np.ndarray,
     stuck: np.ndarray,
@@ -94,7 +94,7 @@ def find_rests(
     edge: int,
     noise: float,
     compliance: float = 0.0,
-) -> Rests | None:
+) -> StickPhases | None:
     """The rests of a record that are long enough to tell anything; none where there are none.
 
     Args:
@@ -105,7 +105,7 @@ def find_rests(
         usable: samples without gaps near, (n,).
         edge: samples left out at both ends of a rest.
         noise: standard deviation of `position`, m.
-        compliance: as in `Rests`.
+        compliance: as in `StickPhases`.
     """
     spans, side = [], []
     scored = np.zeros(position.size, dtype=bool)
@@ -130,8 +130,8 @@ def find_rests(
             side.append(float(np.sign(force[start - 1]) if start > first else direction[start]))
     if not spans:
         return None
-    rests = Rests(tuple(spans), tuple(side), np.zeros(position.size), scored, noise, force, compliance)
-    return replace(rests, shift=rests.centred(position))
+    stick_phases = StickPhases(tuple(spans), tuple(side), np.zeros(position.size), scored, noise, force, compliance)
+    return replace(stick_phases, displacement=stick_phases.centred(position))
 
 
 def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: float) -> np.ndarray:
@@ -220,23 +220,25 @@ def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = PO
     return knots[1:], shares / np.sum(shares)
 
 
-def given_way(rests: Rests, friction: np.ndarray, level: np.ndarray, core: FrictionStateModel, p: Any) -> np.ndarray:
-    """Displacement (n,) that bristles let the body make at rest, centred as `Rests.shift`, m.
+def presliding_displacement(
+    stick_phases: StickPhases, friction: np.ndarray, level: np.ndarray, core: FrictionStateModel, p: Any
+) -> np.ndarray:
+    """Displacement (n,) that bristles let the body make at rest, centred as `StickPhases.displacement`, m.
 
     Args:
-        rests: of the record.
+        stick_phases: of the record.
         friction: what has to be held, N, (n,).
         level: friction level, N, (n,).
         core: the bristles that the level acts through.
         p: their parameter values.
     """
     stretches, weights = bristles_of(core, p, max(usual_level(level), 1e-12))
-    starts, stops = np.array(rests.spans).T
+    starts, stops = np.array(stick_phases.spans).T
     moved = _given_way(
-        starts, stops, np.array(rests.side), np.ascontiguousarray(friction), np.ascontiguousarray(level), stretches,
-        weights,
+        starts, stops, np.array(stick_phases.side), np.ascontiguousarray(friction), np.ascontiguousarray(level),
+        stretches, weights,
     )  # fmt: skip
-    return rests.centred(moved)
+    return stick_phases.centred(moved)
 
 
 LEVELS = 2000

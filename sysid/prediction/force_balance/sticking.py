@@ -23,22 +23,22 @@ def _clear(light: float) -> int:
 
 
 @dataclass(frozen=True)
-class Stops:
-    """Ends of stretches of motion, each array of shape (k,), times in samples.
+class SlipPhases:
+    """Phases of sliding motion, each array of shape (k,), times in samples.
 
     Args:
-        first: where the stretch began.
-        time: where it ended, by the position alone.
-        heading: direction in it, 1 or -1.
-        departure: where the next stretch begins; the same as `time` where the body turned without a rest.
-        next_heading: direction in the next one.
+        start: start of the phase.
+        end: its end by the position alone: sticking onset, or reversal of the velocity.
+        direction: sign of the velocity in it, 1 or -1.
+        break_away: start of the next phase; equal to `end` at a reversal without sticking.
+        next_direction: sign of the velocity in the next phase; 0 after the last one.
     """
 
-    first: np.ndarray
-    time: np.ndarray
-    heading: np.ndarray
-    departure: np.ndarray
-    next_heading: np.ndarray
+    start: np.ndarray
+    end: np.ndarray
+    direction: np.ndarray
+    break_away: np.ndarray
+    next_direction: np.ndarray
 
 
 @compiled
@@ -94,7 +94,7 @@ def _followed(
 
 
 def sharpened(
-    velocity: np.ndarray, acceleration: np.ndarray, drive: np.ndarray, stops: Stops, light: float
+    velocity: np.ndarray, acceleration: np.ndarray, drive: np.ndarray, stops: SlipPhases, light: float
 ) -> np.ndarray:
     """Velocity (n,) with its kinks at stops and departures, which a filter rounds off.
 
@@ -109,16 +109,16 @@ def sharpened(
         light: width of the filter, in samples.
     """
     out, clear, n = velocity.copy(), _clear(light), velocity.size
-    begins, ends = np.floor(stops.time).astype(int), np.ceil(stops.departure).astype(int)
-    until = np.append(stops.time[1:], n - 1.0)
-    fits = (begins - clear >= np.maximum(stops.first + clear, 1.0)) & (ends + clear <= until - clear)
+    begins, ends = np.floor(stops.end).astype(int), np.ceil(stops.break_away).astype(int)
+    until = np.append(stops.end[1:], n - 1.0)
+    fits = (begins - clear >= np.maximum(stops.start + clear, 1.0)) & (ends + clear <= until - clear)
     for k in np.flatnonzero(fits & (ends + clear < n - 1)):
         past, before = begins[k] + clear, ends[k] - clear
         stop = _followed(
-            out, velocity, acceleration, drive, begins[k] - clear, past, begins[k], stops.heading[k], light
+            out, velocity, acceleration, drive, begins[k] - clear, past, begins[k], stops.direction[k], light
         )
         leave = _followed(
-            out, velocity, acceleration, drive, ends[k] + clear, before, ends[k] - 1, stops.next_heading[k], light
+            out, velocity, acceleration, drive, ends[k] + clear, before, ends[k] - 1, stops.next_direction[k], light
         )
         if stop >= 0 and leave >= 0 and past >= before:
             out[stop : leave + 1] = 0.0

@@ -50,7 +50,7 @@ def follow_exactly(
     pad_curves: Curves = NO_CURVES,
     pad_share: np.ndarray | None = None,
     seen: np.ndarray | None = None,
-    held_to: float = 0.0,
+    nudging_gain: float = 0.0,
 ) -> np.ndarray:
     """Position (n,) of the stage from its rest at the first row, m.
 
@@ -66,7 +66,7 @@ def follow_exactly(
         contact_curves, pad_curves: how either friction goes by the speed.
         contact_share, pad_share: by what the extra levels of the curves are multiplied, (n,); one where left out.
         seen: where the stage was seen, m from its rest, (n,).
-        held_to: part of the way to `seen` that the stage is brought after every row, its speed along with it as an
+        nudging_gain: part of the way to `seen` that the stage is brought after every row, its speed along with it as an
             alpha-beta filter does (Kalata, IEEE Trans. AES-20 (1984) 174); zero for a stage that is on its own.
     """
     from sysid.prediction.friction_drive.event_driven import follow_events
@@ -77,5 +77,5 @@ def follow_exactly(
         tip, push, load, level, stiffness, damping, pads, mass, step, looks(stiffness, mass, step),
         one if contact_share is None else contact_share, contact_curves.values, contact_curves.top,
         one if pad_share is None else pad_share, pad_curves.values, pad_curves.top,
-        one if seen is None else seen, held_to, held_to * held_to / (2.0 - held_to),
+        one if seen is None else seen, nudging_gain, nudging_gain * nudging_gain / (2.0 - nudging_gain),
     )  # fmt: skip

@@ -14,8 +14,8 @@ import numpy as np
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.prediction.effect_terms import Values, axis_force, friction_level, remember, values_of
-from sysid.prediction.force_balance.record import Balance, make_axis
-from sysid.prediction.friction_drive.velocity_tables import NO_CURVES, Curves, curves_of, goes_by_speed
+from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
+from sysid.prediction.friction_drive.velocity_tables import NO_CURVES, Curves, curves_of, depends_on_velocity_only
 from sysid.signals.gaussian_filter import GaussianFilter
 
 CONTACT = "contact."
@@ -28,9 +28,9 @@ Friction = tuple[np.ndarray, np.ndarray, np.ndarray, Curves]
 """Level at rest (n,), N; by what its extra levels are multiplied (n,); other forces on the stage (n,), N; curves."""
 
 
-def pads_friction(record: Balance, effects: Sequence[Effect], values: Values, top: float) -> Friction:
+def pads_friction(record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, top: float) -> Friction:
     """Friction of the pads, up to the speed `top`, m/s."""
-    swift = [] if any(e.memory is not None for e in effects) else [e for e in effects if goes_by_speed(e)]
+    swift = [] if any(e.memory is not None for e in effects) else [e for e in effects if depends_on_velocity_only(e)]
     rest = [e for e in effects if e not in swift]
     none, one = np.zeros(record.size), np.ones(record.size)
     level = none + friction_level(record, rest, values) if core_of(rest) is not None else none
@@ -42,10 +42,11 @@ def pads_friction(record: Balance, effects: Sequence[Effect], values: Values, to
 
 
 def slipping_contact(
-    record: Balance, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray, top: float
+    record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray, top:
+    float
 ) -> Friction:  # fmt: skip
     """Friction between tip and stage, up to the speed `top`, m/s."""
-    swift = [e for e in effects if goes_by_speed(e)] if core_of(effects) is not None else []
+    swift = [e for e in effects if depends_on_velocity_only(e)] if core_of(effects) is not None else []
     rest = [e for e in effects if e not in swift]
     level, push = contact_level(record, rest, values, along, load)
     if not swift:
@@ -79,7 +80,7 @@ def bristles_of(core: Effect | None, values: Values) -> tuple[np.ndarray, np.nda
 
 
 def contact_level(
-    record: Balance, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
+    record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Most that the contact holds while it touches (n,), N, infinite where it never slips, and what its other forces
     add to the push (n,), N."""
@@ -102,12 +103,12 @@ def contact_level(
     return np.maximum(total * factor, 0.0), push
 
 
-def _carried(record: Balance, load: np.ndarray) -> np.ndarray:
+def _carried(record: ForceBalanceRecord, load: np.ndarray) -> np.ndarray:
     """Load of the contact in units of the pads' recorded one, (n,)."""
     return float(np.mean(record.axis.load)) * np.maximum(load, 0.0)
 
 
-def _sliding(record: Balance, along: np.ndarray, load: np.ndarray) -> Axis:
+def _sliding(record: ForceBalanceRecord, along: np.ndarray, load: np.ndarray) -> Axis:
     """The contact's own axis: the tip's motion over the stage, under its own load, in units of the pads' recorded one.
 
     The stage's motion is the measured one, lightly filtered; the tip's is filtered as much.

@@ -9,7 +9,7 @@ import numpy as np
 from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.prediction.friction_drive.friction import CONTACT
-from sysid.prediction.friction_drive.record import ACROSS, FrictionDriveRecord
+from sysid.prediction.friction_drive.record import TRANSVERSE, FrictionDriveRecord
 
 CONTACT_EFFECTS = ("coulomb", "presliding", "stribeck", "viscous", "direction_asymmetry", "load_dependent_friction")
 
@@ -23,7 +23,7 @@ def can_show(record: FrictionDriveRecord, effect: Effect) -> bool:
         return effect.signal is not None and ":" not in effect.name
     if effect.friction_state is not None:
         bristles = effect.friction_state.name in ("maxwell_slip", "free_maxwell_slip")
-        return effect.friction_state.name == "coulomb" or (bristles and ACROSS not in record.measured)
+        return effect.friction_state.name == "coulomb" or (bristles and TRANSVERSE not in record.measured)
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
     return (effect.acts_on in ("friction", "axis") and has_law) or effect.acts_on == "memory"
 

@@ -33,7 +33,7 @@ GOES_UP = 0.02
 """Range of the tip's rise over the swing of its lean from which the rise counts."""
 
 
-def driven_stage_numbers(
+def friction_drive_parameters(
     known: Mapping[str, Known], records: Sequence[Record]
 ) -> tuple[dict[str, float], list[Unknown]]:
     """Values of the rig's numbers, SI, by key, and those among them that a fit moves.
@@ -57,7 +57,7 @@ def driven_stage_numbers(
                 Unknown(f"rig.{name}", value, value - reach, value + reach, given.std, Prior(value, given.std))
             )
 
-    gain, press = gain_and_press(known, records)
+    gain, press = gain_and_indentation(known, records)
     put("mass", MASS, 1e-3 * MASS, 1e3 * MASS)
     soft, stiff = CONTACT_STIFFNESS / STIFFNESS_DECADE, CONTACT_STIFFNESS * STIFFNESS_DECADE
     put("contact_stiffness", CONTACT_STIFFNESS, soft, stiff, free="mass" in known)
@@ -80,7 +80,7 @@ def contact_damping(stiffness: float, mass: float) -> float:
     return CONTACT_DAMPING * 2.0 * float(np.sqrt(stiffness * mass))
 
 
-def gain_and_press(known: Mapping[str, Known], records: Sequence[Record]) -> tuple[float, float | None]:
+def gain_and_indentation(known: Mapping[str, Known], records: Sequence[Record]) -> tuple[float, float | None]:
     """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and how far the tip is pressed in, m.
 
     The press is none where the tip goes neither up nor down: then it cannot be told.

@@ -15,7 +15,7 @@ stretch follows the predicted motion, and so does a level that goes by the speed
 load, distance) is read off the measured motion: it is known far better than any level changes with it, and the
 prediction stays one pass. Where a level grows at rest, a second pass reads the motion of the first.
 
-The motion tells forces and mass over the contact's stiffness k (`driven_stage_numbers`).
+The motion tells forces and mass over the contact's stiffness k (`friction_drive_parameters`).
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
-from sysid.prediction.actuator_tip import stretch_of
+from sysid.prediction.actuator_tip import piezo_stretch
 from sysid.prediction.effect_terms import Values, axis_force, friction_level, values_of
-from sysid.prediction.force_balance.record import Balance, filled, make_axis
+from sysid.prediction.force_balance.record import ForceBalanceRecord, filled, make_axis
 from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
 from sysid.prediction.friction_drive.friction import (
     CONTACT,
@@ -49,7 +49,7 @@ from sysid.prediction.friction_drive.planar import follow_plane
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
 
-ACROSS = "position_y"
+TRANSVERSE = "position_y"
 """The channel across the travel: where it is measured, the stage's motion is predicted in the plane."""
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
@@ -62,21 +62,22 @@ TOP = 1.5
 
 
 @dataclass
-class FrictionDriveRecord(Balance):
+class FrictionDriveRecord(ForceBalanceRecord):
     """One friction-drive record, prepared; the axis is the pads'.
 
     Args:
         drives: voltages from the bias, V, each (n,).
         lever: h/D.
         force_scale: size of a pad friction, N.
-        held_to: part of the way to where it was measured that the predicted stage is brought after every row; zero for
+        nudging_gain: part of the way to where it was measured that the predicted stage is brought after every row; zero
+        for
             a prediction that is one.
     """
 
     drives: list[np.ndarray] = field(default_factory=list)
     lever: float = 0.0
     force_scale: float = 1.0
-    held_to: float = 0.0
+    nudging_gain: float = 0.0
 
     @property
     def time(self) -> np.ndarray:
@@ -97,9 +98,9 @@ def friction_drive_record(
             drives.append(voltage - known.get("bias_voltage", 0.0))
     position, gap = filled(channels["position"])
     measured, valid = {"position": position}, {"position": ~(gap | missing)}
-    if ACROSS in channels:
-        measured[ACROSS], gap = filled(channels[ACROSS])
-        valid[ACROSS] = ~(gap | missing)
+    if TRANSVERSE in channels:
+        measured[TRANSVERSE], gap = filled(channels[TRANSVERSE])
+        valid[TRANSVERSE] = ~(gap | missing)
     for scored in valid.values():
         scored[0] = False
     sigma = noise["position"].value
@@ -112,8 +113,8 @@ def friction_drive_record(
         name=record.name, role=record.role, kind="friction-drive", step=step,
         axis=axis._replace(position=GaussianFilter(LIGHTEST * step, step, time.size)(position)),
         measured=measured, valid=valid, noise={name: noise[name].value for name in measured},
-        acceleration=None, stuck=None, smooth=GaussianFilter(0.0, step, time.size), force_channel="position",
-        drives=drives, lever=known["tip_height"] / known["piezo_spacing"],
+        acceleration=None, stick_fraction=None, complementary_filter=GaussianFilter(0.0, step, time.size),
+        force_channel="position", drives=drives, lever=known["tip_height"] / known["piezo_spacing"],
         force_scale=PAD_FRICTION * GRAVITY * known.get("mass", 1.0),
     )  # fmt: skip
 
@@ -123,7 +124,7 @@ def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | Non
     return None if values is None or not np.isfinite(values).any() else filled(values)[0]
 
 
-def tip_of(
+def tip_motion(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, stretches: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Motion of the tip along, across and up, m, each (n,), from the stacks' stretch over their gain, V."""
@@ -147,10 +148,10 @@ def predict_friction_drive(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values
 ) -> dict[str, np.ndarray]:
     """Predicted position of the stage (n,), m, and `position_y` where it is measured."""
-    stretches = [stretch_of(record, effects, values, k) for k in range(len(record.drives))]
-    if ACROSS in record.measured:
+    stretches = [piezo_stretch(record, effects, values, k) for k in range(len(record.drives))]
+    if TRANSVERSE in record.measured:
         return _seen(record, effects, values, _follow_plane(record, effects, values, stretches))
-    along, _, up = tip_of(record, effects, values, stretches)
+    along, _, up = tip_motion(record, effects, values, stretches)
     position = _follow(record, effects, values, along, 1.0 + up / values.get("rig.press", np.inf))
     return _seen(record, effects, values, {"position": position})
 
@@ -174,7 +175,7 @@ def _follow_plane(
     Raises:
         InputError: a core other than `coulomb`.
     """
-    along, across, up = tip_of(record, effects, values, stretches)
+    along, across, up = tip_motion(record, effects, values, stretches)
     load = 1.0 + up / values.get("rig.press", np.inf)
     pads = [e for e in effects if not e.name.startswith(CONTACT)]
     contact = [e for e in effects if e.name.startswith(CONTACT)]
@@ -196,7 +197,7 @@ def _follow_plane(
     )  # fmt: skip
     turn = values["rig.turn"]
     cosine, sine = np.cos(turn), np.sin(turn)
-    return {"position": cosine * x - sine * y, ACROSS: sine * x + cosine * y}
+    return {"position": cosine * x - sine * y, TRANSVERSE: sine * x + cosine * y}
 
 
 def _follow(
@@ -216,11 +217,11 @@ def _follow(
             return follow_exactly(
                 along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
                 contact_curves, share, pad_curves, pad_share,
-                record.measured["position"] - record.measured["position"][0], record.held_to,
+                record.measured["position"] - record.measured["position"][0], record.nudging_gain,
             )  # fmt: skip
 
         moved = followed(record)
-        if record.held_to > 0.0 or not ages_at_rest(pads):
+        if record.nudging_gain > 0.0 or not ages_at_rest(pads):
             return moved
         return followed(replace(record, axis=as_it_moved(record.axis, moved, record.step), memo={}))
     pad_level = np.zeros(record.size)
@@ -236,19 +237,19 @@ def _follow(
     )  # fmt: skip
 
 
-def beginning(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
+def leading_segment(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
     """The first rows of a record, all of a shorter one, along its axis alone."""
-    if record.size <= rows and ACROSS not in record.measured:
+    if record.size <= rows and TRANSVERSE not in record.measured:
         return record
     rows = min(rows, record.size)
     return replace(
         record, axis=Axis(*[values[:rows] for values in record.axis]), drives=[u[:rows] for u in record.drives],
         measured={"position": record.measured["position"][:rows]}, valid={"position": record.valid["position"][:rows]},
-        smooth=GaussianFilter(0.0, record.step, rows), memo={},
+        complementary_filter=GaussianFilter(0.0, record.step, rows), memo={},
     )  # fmt: skip
 
 
-def driven_by(record: FrictionDriveRecord, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
+def with_voltages(record: FrictionDriveRecord, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
     """A record as if the rig had been given other voltages, its stage following the tip; V, each (n,)."""
     n = drives[0].size
     time = np.arange(n) * step
@@ -258,15 +259,6 @@ def driven_by(record: FrictionDriveRecord, name: str, step: float, drives: list[
         np.full(n, np.mean(record.axis.temperature)), 1e-9,
     )  # fmt: skip
     return replace(
-        record, name=name, step=step, axis=axis, drives=drives, memo={}, smooth=GaussianFilter(0.0, step, n),
-        measured={"position": np.zeros(n)}, valid={"position": np.arange(n) >= 1},
+        record, name=name, step=step, axis=axis, drives=drives, memo={}, complementary_filter=GaussianFilter(0.0, step,
+        n), measured={"position": np.zeros(n)}, valid={"position": np.arange(n) >= 1},
     )  # fmt: skip
-
-
-__all__ = [
-    "FrictionDriveRecord",
-    "beginning",
-    "driven_by",
-    "friction_drive_record",
-    "predict_friction_drive",
-]

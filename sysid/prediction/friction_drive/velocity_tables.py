@@ -39,7 +39,7 @@ class Curves:
 NO_CURVES = Curves(np.empty((6, 0)), 1.0)
 
 
-def goes_by_speed(effect: Effect) -> bool:
+def depends_on_velocity_only(effect: Effect) -> bool:
     """Whether a law of friction reads the speed or its sign, and nothing else that changes."""
     has_law = effect.level is not None or effect.factor is not None or effect.force is not None
     read = set(effect.coordinates)
@@ -47,7 +47,7 @@ def goes_by_speed(effect: Effect) -> bool:
 
 
 def curves_of(effects: Sequence[Effect], values: Values, axis: Axis, top: float) -> Curves:
-    """The curves of those `effects` that go by speed (`goes_by_speed`), up to the speed `top`, m/s.
+    """The curves of those `effects` that go by speed (`depends_on_velocity_only`), up to the speed `top`, m/s.
 
     Args:
         effects: of one contact, all of which go by speed.

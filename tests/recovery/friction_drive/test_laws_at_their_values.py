@@ -17,8 +17,8 @@ from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import misfit, weighted_residual
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.model import with_effect
-from sysid.prediction.observable import candidates_of
-from sysid.prediction.problem import load_case
+from sysid.prediction.observable import candidate_effects
+from sysid.prediction.problem import load_problem
 
 ROWS = 2000
 OF_THE_RIG = {
@@ -61,12 +61,12 @@ def at_truth(model, truth, own):
 )  # fmt: skip
 def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, seed, law, own, most):
     truth = write_case(tmp_path, hidden, motion, seed, ROWS)
-    case = load_case(tmp_path)
-    records = (*case.fit_records, *case.validate_records)
-    missing = misfit(at_truth(case.start, truth, {}), records)["position"].over_noise
-    model = with_effect(case.start, find(law), case.scales)
+    problem = load_problem(tmp_path)
+    records = (*problem.fit_records, *problem.validate_records)
+    missing = misfit(at_truth(problem.start, truth, {}), records)["position"].over_noise
+    model = with_effect(problem.start, find(law), problem.scales)
     model = at_truth(model, truth, {f"{law}.{key}": value for key, value in own.items()})
-    left = misfit(model, case.validate_records)["position"].over_noise
+    left = misfit(model, problem.validate_records)["position"].over_noise
     assert left < most
     assert missing > 4.0 * left
 
@@ -74,29 +74,29 @@ def test_a_law_at_its_true_values_leaves_the_noise(tmp_path, hidden, motion, see
 def test_a_press_under_which_the_tip_stays_does_not_hide_those_under_which_it_leaves(tmp_path):
     """Slips close to lift-off: a fit that begins where the tip never leaves finds no slope that leads out."""
     write_case(tmp_path, "nothing_walking", "walk", 1, ROWS)
-    case = load_case(tmp_path)
-    base = fit_stated_model(case)
-    assert misfit(base.fitted.model, case.validate_records)["position"].over_noise < 1.1
+    problem = load_problem(tmp_path)
+    base = fit_stated_model(problem)
+    assert misfit(base.fitted.model, problem.validate_records)["position"].over_noise < 1.1
 
 
 def test_a_fit_leaves_the_valley_of_a_contact_far_too_stiff(tmp_path):
     """Forces over stiffness are right at any stiffness; inertia alone tells which."""
     truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
-    case = load_case(tmp_path)
-    model = at_truth(case.start, truth, {})
+    problem = load_problem(tmp_path)
+    model = at_truth(problem.start, truth, {})
     far = model.at({"rig.contact_stiffness": 1.9e8, "coulomb.force": 1.9e8 / truth["stiffness"] * truth["pads"]})
-    stuck = fit_model(far, case.fit_records, iterations=2)
-    found = lowest_minimum(stuck, case.fit_records)
+    stuck = fit_model(far, problem.fit_records, iterations=2)
+    found = lowest_minimum(stuck, problem.fit_records)
     assert found.model.values["rig.contact_stiffness"] == pytest.approx(truth["stiffness"], rel=0.02)
 
 
 def test_first_looks_see_the_beginning_of_a_long_record(tmp_path):
     truth = write_case(tmp_path, "nothing", "lift", 1, ROWS)
-    case = load_case(tmp_path)
-    whole = fit_model(at_truth(case.start, truth, {}), case.fit_records, iterations=1)
-    same, records = truncated(whole, case.fit_records, ROWS)
+    problem = load_problem(tmp_path)
+    whole = fit_model(at_truth(problem.start, truth, {}), problem.fit_records, iterations=1)
+    same, records = truncated(whole, problem.fit_records, ROWS)
     assert same is whole
-    cut, records = truncated(whole, case.fit_records, 700)
+    cut, records = truncated(whole, problem.fit_records, 700)
     assert [record.size for record in records] == [700]
     residual = weighted_residual(cut.model, records, cut.weights)
     assert residual.size == cut.fit.residual.size == cut.fit.jacobian.shape[0] == 699
@@ -122,19 +122,19 @@ def test_a_loop_by_bouc_and_wen_solves_its_equation(turning):
 def test_every_law_of_a_lag_is_tried(tmp_path):
     """A friction that follows the speed as a first-order lag, taken for a pure one, leaves 1.3 times the noise."""
     write_case(tmp_path, "frictional_lag", "lean", 1, 500)
-    names = {effect.name for effect in candidates_of(load_case(tmp_path), ["coulomb", "stribeck"])}
+    names = {effect.name for effect in candidate_effects(load_problem(tmp_path), ["coulomb", "stribeck"])}
     assert {"frictional_lag", "frictional_lag:relaxation"} <= names
 
 
 def test_a_level_that_grows_at_rest_is_read_off_the_predicted_motion(tmp_path):
     """The measured one rests some rows late and creeps by its noise: read off that, a fit left 1.5 times the noise."""
     truth = write_case(tmp_path, "dwell_strengthening", "rests", 1, ROWS)
-    case = load_case(tmp_path)
+    problem = load_problem(tmp_path)
     law = "dwell_strengthening:fading"
     start = at_truth(
-        with_effect(case.start, find(law), case.scales), truth,
+        with_effect(problem.start, find(law), problem.scales), truth,
         {f"{law}.force": 0.16, f"{law}.cut_off": 6e-3, f"{law}.memory_length": 1e-7},
     )  # fmt: skip
-    fitted = fit_model(start, case.fit_records, iterations=8)
-    assert misfit(fitted.model, case.validate_records)["position"].over_noise < 1.15
+    fitted = fit_model(start, problem.fit_records, iterations=8)
+    assert misfit(fitted.model, problem.validate_records)["position"].over_noise < 1.15
     assert fitted.model.values["coulomb.force"] == pytest.approx(truth["pads"], rel=0.01)

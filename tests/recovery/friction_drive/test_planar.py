@@ -12,7 +12,7 @@ from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
 from sysid.prediction.friction_drive.planar import follow_plane
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 
 STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5
 
@@ -85,9 +85,9 @@ def _records(folder: Path) -> None:
 
 def test_motion_along_and_across_is_predicted_down_to_the_noise(tmp_path):
     _records(tmp_path)
-    case = load_case(tmp_path)
-    values = (base := fit_stated_model(case)).fitted.model.values
-    left = misfit(base.fitted.model, case.validate_records)
+    problem = load_problem(tmp_path)
+    values = (base := fit_stated_model(problem)).fitted.model.values
+    left = misfit(base.fitted.model, problem.validate_records)
     assert left["position"].over_noise < 1.1
     assert left["position_y"].over_noise < 1.1
     assert values["rig.turn"] == pytest.approx(TURN, abs=2e-4)

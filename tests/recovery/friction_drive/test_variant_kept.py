@@ -13,7 +13,7 @@ from sysid.estimation.fit import fit_model
 from sysid.estimation.reference_fit import select_variants
 from sysid.estimation.variant_selection import without_effect
 from sysid.prediction.model import with_effect
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 
 ADDED = "stribeck:rational"
 
@@ -21,8 +21,10 @@ ADDED = "stribeck:rational"
 @pytest.fixture
 def grown(tmp_path):
     write_case(tmp_path, "stribeck", "lean", 1, 300)
-    case = load_case(tmp_path)
-    return case, fit_model(with_effect(case.start, find(ADDED), case.scales), case.fit_records, iterations=1)
+    problem = load_problem(tmp_path)
+    return problem, fit_model(
+        with_effect(problem.start, find(ADDED), problem.scales), problem.fit_records, iterations=1
+    )
 
 
 def _ending_at(part):
@@ -38,16 +40,16 @@ def _ending_at(part):
 
 
 def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
-    case, fitted = grown
+    problem, fitted = grown
     monkeypatch.setattr(reference_fit, "searched", _ending_at(20.0))
-    kept, laws = select_variants(case, fitted, ["stribeck"])
+    kept, laws = select_variants(problem, fitted, ["stribeck"])
     assert kept is fitted
     assert laws == (ADDED,)
 
 
 def test_it_goes_where_the_family_itself_ends_better(grown, monkeypatch):
-    case, fitted = grown
+    problem, fitted = grown
     monkeypatch.setattr(reference_fit, "searched", _ending_at(0.1))
-    other, laws = select_variants(case, fitted, ["stribeck"])
+    other, laws = select_variants(problem, fitted, ["stribeck"])
     assert "stribeck" in [effect.name for effect in other.model.effects]
     assert laws == ()

@@ -17,7 +17,7 @@ from sysid.estimation.misfit import away_from_events
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 
 
 @pytest.mark.parametrize(
@@ -41,7 +41,7 @@ def test_it_is_named_first(tmp_path: Path, rig: str, effect: str, seed: int) -> 
 def test_what_stops_leave_does_not_hide_an_effect_of_the_motion_between(tmp_path: Path) -> None:
     plan = Plan("force-drive", ("quadratic_drag",), "moderate", rows=5000)
     make_case(plan, np.random.default_rng(2)).write(tmp_path)
-    case = load_case(tmp_path)
+    case = load_problem(tmp_path)
     base = fit_stated_model(case)
     basis, target = profiled_residual(base.fitted)
     trials = {}
@@ -64,7 +64,7 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     make_case(Plan("velocity-drive", ("quadratic_drag",), "moderate", rows=6000), np.random.default_rng(3)).write(
         tmp_path
     )
-    case = load_case(tmp_path)
+    case = load_problem(tmp_path)
     base = fit_stated_model(case)
     # Without the drag another curve than the true one bends as the friction seems to.
     assert base.laws == ("stribeck:rational",)

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from generator import Plan, make_case
 
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 
 
 @pytest.mark.parametrize("columns", [(), ("position",), ("spring_force",)])
@@ -32,4 +32,4 @@ def test_a_small_inertia_on_a_spring_is_no_kilogram(tmp_path: Path, columns: tup
         '[model]\neffects = ["coulomb", "viscous"]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
         '[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
     )
-    assert load_case(tmp_path).start.values["rig.mass"] == pytest.approx(inertia, rel=0.5)
+    assert load_problem(tmp_path).start.values["rig.mass"] == pytest.approx(inertia, rel=0.5)

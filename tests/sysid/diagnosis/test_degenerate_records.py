@@ -11,8 +11,8 @@ from stagecad.parameters.errors import InputError
 from sysid.compare import compare
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.problem import load_case
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import load_problem
 from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide
 
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY
@@ -31,7 +31,7 @@ def test_a_record_in_which_nothing_moves_says_so(tmp_path: Path, column: int) ->
     slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
     _edit(tmp_path / "fit.csv", column, 0.01 if column == 1 else 0.0)
     with pytest.raises(InputError, match=r"^fit\.csv: nothing moves"):
-        load_case(tmp_path)
+        load_problem(tmp_path)
 
 
 def test_an_actuator_at_constant_voltage_says_so(tmp_path: Path) -> None:
@@ -44,7 +44,7 @@ def test_an_actuator_at_constant_voltage_says_so(tmp_path: Path) -> None:
         'bias_voltage = "50 V"\n[model]\neffects = []\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
     )
     with pytest.raises(InputError, match=r"^fit\.csv: the voltages never change"):
-        load_case(tmp_path)
+        load_problem(tmp_path)
 
 
 def test_steps_so_coarse_that_two_values_are_left_are_found_and_kept(tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_a_hole_in_time_that_no_grid_can_fill_is_named(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"^fit\.csv: no row between 0\.999 s and 10000001 s, at a usual step of 0\.001 s"
     ):
-        load_case(tmp_path)
+        load_problem(tmp_path)
 
 
 DAMPING, MASS, FIRST = 40.0, 2.0, 1.5
@@ -109,14 +109,14 @@ def test_records_of_different_rates_share_a_filter_that_suits_both(tmp_path: Pat
     _driven(tmp_path, STEP, "fit.csv", 6000)
     _driven(tmp_path, 32 * STEP, "validate.csv", 400)
     _experiment(tmp_path)
-    case = load_case(tmp_path)
+    problem = load_problem(tmp_path)
     widths = {
-        r.whole.width
-        for r in (*case.fit_records, *case.validate_records)
-        if isinstance(r, Balance) and r.whole is not None
+        r.full_filter.width
+        for r in (*problem.fit_records, *problem.validate_records)
+        if isinstance(r, ForceBalanceRecord) and r.full_filter is not None
     }
     assert len(widths) == 1 and min(widths) >= 32 * STEP
-    found = compare(case)
+    found = compare(problem)
     assert found.base.fitted.model.values["viscous.coefficient"] == pytest.approx(DAMPING, rel=0.05)
     assert found.validate["drive_force"].rms < 0.25
 
@@ -128,4 +128,4 @@ def test_a_record_with_its_time_in_another_unit_is_found_out(tmp_path: Path, wro
     _experiment(tmp_path)
     _edit(tmp_path / wrong, 0, 1e3 * STEP * np.arange(3000))
     with pytest.raises(InputError, match=r"too short for the filter of .*time is in one unit"):
-        load_case(tmp_path)
+        load_problem(tmp_path)

@@ -11,7 +11,7 @@ from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.trials import CandidateSearch, ScreeningResult, evaluate_all, explained_share
 from sysid.diagnosis.verdict_limits import SPELLS
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, slide
 
 
@@ -21,17 +21,17 @@ def _wave(pitch: float) -> np.ndarray:
 
 def test_a_texture_of_several_pitches_is_not_the_wave_that_takes_most_of_it(tmp_path: Path) -> None:
     texture = 0.08 * _wave(1.9e-3) + 0.035 * (_wave(1.13e-3) + _wave(0.67e-3))
-    case = slide(tmp_path, (1.5 + texture) * SIGN, '"coulomb"', held_out=True)
-    found = diagnose(case)
+    problem = slide(tmp_path, (1.5 + texture) * SIGN, '"coulomb"', held_out=True)
+    found = diagnose(problem)
     assert found.trials[0].public_name == "position_dependent_friction"
     assert explained_share(found.base, found.trials[0]) > 0.5
     assert found.verdict == "unexplained"
     assert found.maps[0].coordinate == "position"
 
 
-def _evidence(case: Case) -> Evidence:
-    base = fit_stated_model(case)
-    return Evidence(case, base, CandidateSearch([], ScreeningResult([], [], np.empty(0))), [], 1.0, 0.0, False)
+def _evidence(problem: Problem) -> Evidence:
+    base = fit_stated_model(problem)
+    return Evidence(problem, base, CandidateSearch([], ScreeningResult([], [], np.empty(0))), [], 1.0, 0.0, False)
 
 
 def test_stretches_above_the_noise_are_spells_and_outliers_are_none(tmp_path: Path) -> None:
@@ -45,9 +45,9 @@ def test_stretches_above_the_noise_are_spells_and_outliers_are_none(tmp_path: Pa
 
 
 def test_what_effects_do_is_kept_for_looks_on_top_of_another(tmp_path: Path) -> None:
-    case = slide(tmp_path, (1.5 + 0.08 * _wave(1.9e-3)) * SIGN, '"coulomb"', held_out=True)
-    base = fit_stated_model(case)
-    seen = evaluate_all(case, base, ["coulomb"]).first.seen
+    problem = slide(tmp_path, (1.5 + 0.08 * _wave(1.9e-3)) * SIGN, '"coulomb"', held_out=True)
+    base = fit_stated_model(problem)
+    seen = evaluate_all(problem, base, ["coulomb"]).first.seen
     assert seen is not None
     assert seen.size == base.fitted.fit.residual.size
     wave = seen.grids["position_dependent_friction"]

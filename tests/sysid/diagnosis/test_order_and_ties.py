@@ -10,17 +10,17 @@ from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.prediction.model import with_effect
-from sysid.prediction.problem import make_case
+from sysid.prediction.problem import build_problem
 from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
 
 
 def test_what_bends_a_scale_comes_before_the_drift_of_its_zero_unless_listed_behind(tmp_path: Path) -> None:
-    case = slide(tmp_path, 1.5 * SIGN, '"coulomb", "sensor_drift"')
-    grown = with_effect(case.start, find("sensor_nonlinearity"), case.scales)
+    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb", "sensor_drift"')
+    grown = with_effect(problem.start, find("sensor_nonlinearity"), problem.scales)
     assert [e.name for e in grown.effects] == ["coulomb", "sensor_nonlinearity", "sensor_drift"]
-    force = with_effect(case.start, find("constant_bias"), case.scales)
+    force = with_effect(problem.start, find("constant_bias"), problem.scales)
     assert [e.name for e in force.effects] == ["coulomb", "sensor_drift", "constant_bias"]
-    listed = make_case(case.experiment, case.records, ["coulomb", "sensor_drift", "sensor_nonlinearity"])
+    listed = build_problem(problem.experiment, problem.records, ["coulomb", "sensor_drift", "sensor_nonlinearity"])
     assert [e.name for e in listed.start.effects] == ["coulomb", "sensor_drift", "sensor_nonlinearity"]
 
 

@@ -18,11 +18,11 @@ SETTLING = 0.3 / (1.0 + TIME / 0.2) * SIGN
 
 def left(folder: Path, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Held-out residual of Coulomb friction, and the same apart from what follows the distance travelled."""
-    case = slide(folder, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
-    model = fit_model(case.start, case.fit_records).model
-    weights = residual_weights(model, case.validate_records)
-    residual = weighted_residual(model, case.validate_records, weights)
-    return residual, apart_from(residual, case.validate_records, weights, own_coordinates([find("run_in")]))
+    problem = slide(folder, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
+    model = fit_model(problem.start, problem.fit_records).model
+    weights = residual_weights(model, problem.validate_records)
+    residual = weighted_residual(model, problem.validate_records, weights)
+    return residual, apart_from(residual, problem.validate_records, weights, own_coordinates([find("run_in")]))
 
 
 def test_the_pattern_goes_whatever_its_law_and_what_is_not_its_stays(tmp_path: Path) -> None:

@@ -15,9 +15,9 @@ from sysid.diagnosis.ties import tied_beside
 from sysid.diagnosis.trials import evaluate_all, screen_all
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.experiment.history import read_ladder
+from sysid.experiment.history import read_history
 from sysid.ladder import add_effects
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
 
 NOISE = 0.02
@@ -63,10 +63,10 @@ def _dragged(x: np.ndarray, v: np.ndarray) -> np.ndarray:
 
 def test_no_pair_needs_an_amplitude_that_its_bounds_forbid(tmp_path: Path) -> None:
     """A Stribeck curve turned over does what a drag does; it once took the places of the pairs that could be."""
-    case = load_case(_write(tmp_path, _dragged, '"coulomb"'))
-    base = fit_stated_model(case)
-    looks = screen_all(case, base, ["coulomb"])
-    pairs = best_pairs(case, base, looks)
+    problem = load_problem(_write(tmp_path, _dragged, '"coulomb"'))
+    base = fit_stated_model(problem)
+    looks = screen_all(problem, base, ["coulomb"])
+    pairs = best_pairs(problem, base, looks)
     assert set(pairs[0].names) == {"viscous", "magnetic_cogging"}
     amplitudes = [(p.model.values, e) for p in pairs for e in p.model.effects if e.name.startswith("stribeck")]
     assert all(values[f"{effect.name}.force"] > 0.0 for values, effect in amplitudes)
@@ -107,21 +107,21 @@ def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
 
 
 def test_second_looks_find_the_same_from_what_the_first_ones_saw(tmp_path: Path) -> None:
-    case = load_case(_write(tmp_path, _uneven))
-    base = fit_stated_model(case)
-    search = evaluate_all(case, base, ["coulomb", "viscous"])
+    problem = load_problem(_write(tmp_path, _uneven))
+    base = fit_stated_model(problem)
+    search = evaluate_all(problem, base, ["coulomb", "viscous"])
     first = next(trial.refit for trial in search.trials if trial.name == "cable_spring")
-    kept, anew = (pairs_on_top(case, base, first, seen=seen)[0] for seen in (search.first.seen, None))
+    kept, anew = (pairs_on_top(problem, base, first, seen=seen)[0] for seen in (search.first.seen, None))
     assert set(kept.names) == set(anew.names) == {"cable_spring", "position_dependent_friction"}
     assert kept.error == pytest.approx(anew.error, rel=1e-3)
     assert kept.error == pytest.approx(1.0, abs=0.1)
 
 
 def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tmp_path: Path) -> None:
-    case = load_case(_write(tmp_path, _uneven))
-    base = fit_stated_model(case)
-    looks = screen_all(case, base, ["coulomb", "viscous"])
-    pair = best_pairs(case, base, looks)[0]
+    problem = load_problem(_write(tmp_path, _uneven))
+    base = fit_stated_model(problem)
+    looks = screen_all(problem, base, ["coulomb", "viscous"])
+    pair = best_pairs(problem, base, looks)[0]
     assert set(pair.names) == {"position_dependent_friction", "cable_spring"}
     wave = pair.effects[pair.names.index("position_dependent_friction")]
     rng = np.random.default_rng(0)
@@ -131,7 +131,7 @@ def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tm
         return Pair((wave, find(name)), pair.fitted, root_mean_huber(residual), residual)
 
     alike, worse = beside_the_wave("gravity_torque", 1e-3), beside_the_wave("magnetic_cogging", 3.0)
-    assert tied_beside(case, base, pair, [pair, alike, worse], wave.name) == ("gravity_torque",)
+    assert tied_beside(problem, base, pair, [pair, alike, worse], wave.name) == ("gravity_torque",)
 
 
 def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
@@ -147,8 +147,8 @@ def test_bounds_that_the_user_set_stay_when_an_effect_is_searched_for_anew(tmp_p
     toml = rig / "experiment.toml"
     held = '[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n[[record]]'
     toml.write_text(toml.read_text("utf-8").replace("[[record]]", held, 1), "utf-8")
-    case = load_case(rig)
-    grown = add_after_deletion(case, fit_stated_model(case), [find("cable_spring")])
+    problem = load_problem(rig)
+    grown = add_after_deletion(problem, fit_stated_model(problem), [find("cable_spring")])
     assert grown
     for fitted in grown:
         unknowns = {u.key: u for u in fitted.model.unknowns}
@@ -159,13 +159,13 @@ def test_bounds_that_the_user_set_stay_when_an_effect_is_searched_for_anew(tmp_p
 def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
     rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v, '"coulomb"')
     add_effects(rig, ["quadratic_drag"])
-    case = load_case(rig)
-    swaps = find_swaps(case, fit_stated_model(case), ["quadratic_drag"])
+    problem = load_problem(rig)
+    swaps = find_swaps(problem, fit_stated_model(problem), ["quadratic_drag"])
     assert [(swap.old, swap.new) for swap in swaps] == [("quadratic_drag", "viscous")]
     assert swaps[0].after < swaps[0].before
     step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
     assert list(step.rung.effects) == ["coulomb", "viscous"]
-    assert [list(rung.effects) for rung in read_ladder(step.case.experiment)] == [
+    assert [list(rung.effects) for rung in read_history(step.problem.experiment)] == [
         ["coulomb"],
         ["coulomb", "quadratic_drag"],
         ["coulomb", "viscous"],

@@ -12,16 +12,16 @@ from sysid.diagnosis.explained_share import coordinates_of
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, order_maps, residual_maps
 from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import residual_weights
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
 
 WARMTH = 21.0 + 3.0 * np.sin(2 * np.pi * TIME / 1.7)
 
 
-def maps(case: Case, nameless: bool = False) -> dict[str, ResidualMap]:
-    base = fit_model(case.start, case.fit_records)
-    weights = residual_weights(base.model, case.validate_records)
-    of_model = base.model, case.fit_records, base.weights, case.validate_records, weights
+def maps(problem: Problem, nameless: bool = False) -> dict[str, ResidualMap]:
+    base = fit_model(problem.start, problem.fit_records)
+    weights = residual_weights(base.model, problem.validate_records)
+    of_model = base.model, problem.fit_records, base.weights, problem.validate_records, weights
     found = residual_maps(*of_model)
     return {m.coordinate: m for m in (compared_with_time(found, *of_model) if nameless else found)}
 
@@ -141,13 +141,13 @@ def test_without_a_name_a_coordinate_of_the_motion_yields_to_time_that_explains_
 def test_what_time_and_velocity_explain_beside_each_other(tmp_path: Path) -> None:
     once = 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY)
     for name, missing, first in (("once", once, "time"), ("curve", 0.05 * np.cos(120.0 * VELOCITY), "velocity")):
-        case = slide(tmp_path / name, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
-        found = maps(case, nameless=True)
+        problem = slide(tmp_path / name, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
+        found = maps(problem, nameless=True)
         assert next(iter(found)) == first
         assert abs(found["velocity"].beside_time) > 0.3
         assert (found["velocity"].beside_time < 0.0) == (first == "time")
 
 
 def test_a_channel_that_does_not_vary_is_no_coordinate(tmp_path: Path) -> None:
-    case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
-    assert "normal_load" not in coordinates_of(case.fit_records[0])
+    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
+    assert "normal_load" not in coordinates_of(problem.fit_records[0])

@@ -13,8 +13,8 @@ from sysid.diagnosis.structural_modes import detect_structural_mode
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.experiment.experiment import load_experiment
 from sysid.ladder import add_effects
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.problem import Case, load_case
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import Problem, load_problem
 from sysid.signals.gaussian_filter import BAND
 from workbench.cli import run
 
@@ -58,18 +58,18 @@ def _write(folder: Path, part: float, vibration: float = 0.0, noise: float = 2e-
     return folder
 
 
-def _fitted(folder: Path) -> tuple[Case, ReferenceFit]:
-    case = load_case(folder)
-    return case, fit_stated_model(case)
+def _fitted(folder: Path) -> tuple[Problem, ReferenceFit]:
+    problem = load_problem(folder)
+    return problem, fit_stated_model(problem)
 
 
 def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
-    case, base = _fitted(_write(tmp_path / "rig", 0.15))
-    record = case.fit_records[0]
-    assert isinstance(record, Balance) and record.whole is not None
-    assert BAND / record.whole.width < 0.5 * FREQUENCY
-    found = detect_structural_mode(case, base.fitted)
-    assert found is not None and found.band == pytest.approx(BAND / record.whole.width)
+    problem, base = _fitted(_write(tmp_path / "rig", 0.15))
+    record = problem.fit_records[0]
+    assert isinstance(record, ForceBalanceRecord) and record.full_filter is not None
+    assert BAND / record.full_filter.width < 0.5 * FREQUENCY
+    found = detect_structural_mode(problem, base.fitted)
+    assert found is not None and found.band == pytest.approx(BAND / record.full_filter.width)
     assert min(found.fit, found.held_out) > 20.0
     assert found.values["frequency"] == pytest.approx(FREQUENCY, rel=0.01)
     assert found.values["mass_ratio"] == pytest.approx(0.15, rel=0.1)
@@ -78,8 +78,8 @@ def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("vibration", [0.0, 0.05])
 def test_without_a_mode_none_is_seen_though_the_floor_vibrates(tmp_path: Path, vibration: float) -> None:
-    case, base = _fitted(_write(tmp_path / "rig", 0.0, vibration))
-    assert detect_structural_mode(case, base.fitted) is None
+    problem, base = _fitted(_write(tmp_path / "rig", 0.0, vibration))
+    assert detect_structural_mode(problem, base.fitted) is None
 
 
 def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,12 +88,12 @@ def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixtur
     said = " ".join(capsys.readouterr().out.split())
     assert "flexible_mode is missing" in said
     assert "rings at" in said
-    case, base = _fitted(folder)
+    problem, base = _fitted(folder)
     add_effects(folder, ["flexible_mode"])
     known = load_experiment(folder).parameters["flexible_mode.frequency"]
     assert known.start == pytest.approx(FREQUENCY, rel=0.05)
     # What the ringing told, not what a fit made of it and of the balance: the balance is fitted again.
-    told = detect_structural_mode(case, base.fitted)
+    told = detect_structural_mode(problem, base.fitted)
     assert told is not None
     assert known.start == pytest.approx(told.values["frequency"], rel=1e-5)
     assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)

@@ -11,7 +11,7 @@ from scipy.signal import lfilter
 
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 DRAWS = 150
@@ -19,8 +19,8 @@ FORCE = 1.3 * SIGN + 8.0 * VELOCITY
 MEMORY = 0.8
 
 
-def drawn(case: Case, draws: int = DRAWS) -> Bootstrap:
-    refit = refit_of(case, fit_stated_model(case).fitted)
+def drawn(problem: Problem, draws: int = DRAWS) -> Bootstrap:
+    refit = refit_of(problem, fit_stated_model(problem).fitted)
     return bootstrap_of(refit, [refitted(refit, (1, k)) for k in range(draws)])
 
 
@@ -31,16 +31,16 @@ def exact(covariance: np.ndarray, samples: int) -> np.ndarray:
     return np.sqrt(np.diag(inverse @ columns.T @ covariance[:samples, :samples] @ columns @ inverse))
 
 
-def fitted_samples(case: Case) -> int:
+def fitted_samples(problem: Problem) -> int:
     """Samples of the record that is fitted: the end of the motion is held out."""
-    return max(record.size for record in case.fit_records)
+    return max(record.size for record in problem.fit_records)
 
 
 def test_white_errors_give_the_textbook_deviation(tmp_path: Path) -> None:
-    case = slide(tmp_path, FORCE, '"coulomb", "viscous"')
-    found = drawn(case)
+    problem = slide(tmp_path, FORCE, '"coulomb", "viscous"')
+    found = drawn(problem)
     assert found.keys == ("coulomb.force", "viscous.coefficient")
-    wanted = exact(NOISE**2 * np.eye(TIME.size), fitted_samples(case))
+    wanted = exact(NOISE**2 * np.eye(TIME.size), fitted_samples(problem))
     # A deviation over 150 draws of some 40 blocks is itself known to a fifth.
     assert found.std == pytest.approx(wanted, rel=0.3)
     low, high = found.band
@@ -52,12 +52,12 @@ def test_errors_with_a_memory_give_their_own_wider_deviation(tmp_path: Path) -> 
     rng = np.random.default_rng(8)
     shocks = rng.standard_normal(TIME.size + 100)
     coloured = 0.03 * np.asarray(lfilter([1.0], [1.0, -MEMORY], shocks))[100:]
-    case = slide(tmp_path, FORCE + coloured, '"coulomb", "viscous"', noise=0.0)
+    problem = slide(tmp_path, FORCE + coloured, '"coulomb", "viscous"', noise=0.0)
     covariance = 0.03**2 / (1 - MEMORY**2) * toeplitz(MEMORY ** np.arange(TIME.size))
-    samples = fitted_samples(case)
+    samples = fitted_samples(problem)
     wanted = exact(covariance, samples)
     as_white = exact(np.diag(np.diag(covariance)), samples)
-    found = drawn(case).std
+    found = drawn(problem).std
     assert np.all(wanted > 2.0 * as_white)
     assert found == pytest.approx(wanted, rel=0.4)
 
@@ -77,7 +77,7 @@ def test_what_was_known_of_a_value_is_drawn_anew(tmp_path: Path) -> None:
     """A prior far tighter than the record: the refits scatter as the prior does."""
     tight = 1e-4
     parameters = f'[model.parameters]\n"coulomb.force" = {{start = "1.3 +- {tight:g} N"}}'
-    case = slide(tmp_path, FORCE, '"coulomb", "viscous"', parameters)
-    found = drawn(case)
+    problem = slide(tmp_path, FORCE, '"coulomb", "viscous"', parameters)
+    found = drawn(problem)
     at = found.keys.index("coulomb.force")
     assert found.std[at] == pytest.approx(tight, rel=0.25)

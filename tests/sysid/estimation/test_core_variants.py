@@ -7,7 +7,7 @@ import pytest
 
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 
 N, STEP, NOISE = 6000, 1e-3, 0.004
 STRETCHES = np.array([0.4e-6, 0.9e-6, 4e-6, 30e-6])
@@ -46,18 +46,18 @@ def rig(tmp_path):
 
 
 def test_free_shares_fit_a_curve_that_a_power_does_not(rig):
-    case = load_case(rig)
-    base = fit_stated_model(case)
+    problem = load_problem(rig)
+    base = fit_stated_model(problem)
     assert base.laws == ("presliding:free_maxwell_slip",)
     values = base.fitted.model.values
     assert values["viscous.coefficient"] == pytest.approx(VISCOUS, rel=0.05)
     assert values["presliding:free_maxwell_slip.force"] == pytest.approx(LEVELS.sum(), rel=0.03)
-    over = misfit(base.fitted.model, case.validate_records)["friction_force"].over_noise
+    over = misfit(base.fitted.model, problem.validate_records)["friction_force"].over_noise
     assert over < 3.0
 
 
 def test_a_law_that_the_user_named_stays(rig):
     text = (rig / "experiment.toml").read_text()
     (rig / "experiment.toml").write_text(text.replace('"presliding"', '"presliding:maxwell_slip"'))
-    base = fit_stated_model(load_case(rig))
+    base = fit_stated_model(load_problem(rig))
     assert base.laws == ()

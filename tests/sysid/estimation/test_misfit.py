@@ -22,9 +22,9 @@ from sysid.estimation.misfit import (
     trimmed_rms,
     weighted_residual,
 )
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 
@@ -67,61 +67,63 @@ def test_the_loss_is_a_square_up_to_the_corner_and_straight_beyond() -> None:
 
 
 @pytest.fixture
-def case(tmp_path: Path) -> Case:
+def problem(tmp_path: Path) -> Problem:
     return slide(tmp_path, 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb", "viscous"')
 
 
-def right(case: Case) -> dict[str, float]:
-    return {**case.start.values, "coulomb.force": 1.5, "viscous.coefficient": 20.0}
+def right(problem: Problem) -> dict[str, float]:
+    return {**problem.start.values, "coulomb.force": 1.5, "viscous.coefficient": 20.0}
 
 
-def test_the_right_model_leaves_the_noise_and_a_wrong_one_what_it_is_wrong_by(case: Case) -> None:
-    found = misfit(case.start.at(right(case)), case.fit_records)["friction_force"]
+def test_the_right_model_leaves_the_noise_and_a_wrong_one_what_it_is_wrong_by(problem: Problem) -> None:
+    found = misfit(problem.start.at(right(problem)), problem.fit_records)["friction_force"]
     assert found.over_noise == pytest.approx(1.0, abs=0.05)
     # A constant of 5 deviations on top.
-    other = {**right(case), "coulomb.force": 1.5 + 5.0 * NOISE}
-    wrong = misfit(case.start.at(other), case.fit_records)["friction_force"]
+    other = {**right(problem), "coulomb.force": 1.5 + 5.0 * NOISE}
+    wrong = misfit(problem.start.at(other), problem.fit_records)["friction_force"]
     # The best 97 % of a constant are nearly all of it: scaled as noise is, it counts for a little more.
     assert wrong.over_noise == pytest.approx(np.hypot(1.0, 5.0) / TRIM_FACTOR, rel=0.03)
-    measured = case.fit_records[0].measured["friction_force"][case.fit_records[0].valid["friction_force"]]
+    measured = problem.fit_records[0].measured["friction_force"][problem.fit_records[0].valid["friction_force"]]
     spread = np.sqrt(np.mean((measured - measured.mean()) ** 2))
     assert wrong.fit_percent == pytest.approx(100.0 * (1.0 - wrong.rms / spread), abs=1e-6)
     assert wrong.size == measured.size
 
 
-def test_the_first_sample_and_gaps_are_not_scored(case: Case) -> None:
-    record = case.fit_records[0]
+def test_the_first_sample_and_gaps_are_not_scored(problem: Problem) -> None:
+    record = problem.fit_records[0]
     assert not record.valid["friction_force"][0]
     spoilt = record.measured["friction_force"].copy()
     spoilt[0] = 1e9
-    assert misfit(case.start, [replace(record, measured={"friction_force": spoilt})]) == misfit(case.start, [record])
+    assert misfit(problem.start, [replace(record, measured={"friction_force": spoilt})]) == misfit(
+        problem.start, [record]
+    )
 
 
-def test_a_sample_is_less_certain_where_the_prediction_is_steep(case: Case) -> None:
-    record = case.fit_records[0]
-    assert isinstance(record, Balance)
-    predicted = predict(record, case.start.effects, right(case))
+def test_a_sample_is_less_certain_where_the_prediction_is_steep(problem: Problem) -> None:
+    record = problem.fit_records[0]
+    assert isinstance(record, ForceBalanceRecord)
+    predicted = predict(record, problem.start.effects, right(problem))
     deviation = sample_std(record, predicted, "friction_force")
     turns = np.abs(np.diff(predicted["friction_force"], prepend=predicted["friction_force"][0])) > 1.0
     assert deviation[turns].min() > 20.0 * NOISE
     assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
-    assert sample_std(replace(record, jitter=0.0), predicted, "friction_force") == pytest.approx(NOISE)
+    assert sample_std(replace(record, timing_uncertainty=0.0), predicted, "friction_force") == pytest.approx(NOISE)
 
 
-def test_weighted_residuals_are_in_deviations_and_follow_values_given(case: Case) -> None:
-    model = case.start.at(right(case))
-    weights = residual_weights(model, case.fit_records)
-    residual = weighted_residual(model, case.fit_records, weights)
+def test_weighted_residuals_are_in_deviations_and_follow_values_given(problem: Problem) -> None:
+    model = problem.start.at(right(problem))
+    weights = residual_weights(model, problem.fit_records)
+    residual = weighted_residual(model, problem.fit_records, weights)
     assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.05)
-    moved = weighted_residual(model, case.fit_records, weights, {**model.values, "coulomb.force": 1.6})
+    moved = weighted_residual(model, problem.fit_records, weights, {**model.values, "coulomb.force": 1.6})
     pick = weights.samples[0]["friction_force"]
     change = (residual - moved) * weights.deviations[0]["friction_force"][pick]
     assert np.median(np.abs(change)) == pytest.approx(0.1)
 
 
-def test_blocks_are_stretches_of_time_and_never_shared_between_records(case: Case) -> None:
-    record = case.fit_records[0]
-    weights = residual_weights(case.start, [record, record])
+def test_blocks_are_stretches_of_time_and_never_shared_between_records(problem: Problem) -> None:
+    record = problem.fit_records[0]
+    weights = residual_weights(problem.start, [record, record])
     numbers = blocks([record, record], weights, 10)
     half = numbers.size // 2
     assert set(numbers[:half]) == set(range(10))

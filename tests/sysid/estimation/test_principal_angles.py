@@ -12,7 +12,7 @@ from sim.effects.catalogue import find
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.identifiability import own_directions, principal_angles, substitution_angle
 from sysid.prediction.model import with_effect
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
 ONE_GROUP = np.deg2rad(15.0)
@@ -38,34 +38,34 @@ def test_a_line_within_a_plane_is_no_angle_away() -> None:
 
 
 @pytest.fixture
-def case(tmp_path: Path) -> Case:
+def problem(tmp_path: Path) -> Problem:
     return slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, '"coulomb"')
 
 
-def added(case: Case, base: FittedModel, effect: str) -> FittedModel:
-    return fit_model(with_effect(base.model, find(effect), case.scales), case.fit_records, base.weights, 4)
+def added(problem: Problem, base: FittedModel, effect: str) -> FittedModel:
+    return fit_model(with_effect(base.model, find(effect), problem.scales), problem.fit_records, base.weights, 4)
 
 
-def angle(case: Case, one: str, other: str) -> float | None:
-    base = fit_model(case.start, case.fit_records)
-    return substitution_angle(added(case, base, one), added(case, base, other), base)
+def angle(problem: Problem, one: str, other: str) -> float | None:
+    base = fit_model(problem.start, problem.fit_records)
+    return substitution_angle(added(problem, base, one), added(problem, base, other), base)
 
 
-def test_two_names_for_one_thing_are_no_angle_apart(case: Case) -> None:
+def test_two_names_for_one_thing_are_no_angle_apart(problem: Problem) -> None:
     # Under plain Coulomb friction a bias is an asymmetry of the level: with its viscous part held they are the same.
-    base = fit_model(case.start, case.fit_records)
-    asymmetry = with_effect(base.model, find("direction_asymmetry"), case.scales)
+    base = fit_model(problem.start, problem.fit_records)
+    asymmetry = with_effect(base.model, find("direction_asymmetry"), problem.scales)
     held = type(asymmetry)(
         asymmetry.effects, asymmetry.values, tuple(u for u in asymmetry.unknowns if "asymmetry.viscous" not in u.key)
     )
-    one = fit_model(held, case.fit_records, base.weights, 4)
-    apart = substitution_angle(one, added(case, base, "constant_bias"), base)
+    one = fit_model(held, problem.fit_records, base.weights, 4)
+    apart = substitution_angle(one, added(problem, base, "constant_bias"), base)
     assert apart is not None
     assert apart < 0.2 * ONE_GROUP
 
 
-def test_two_laws_of_drag_are_near_and_a_spring_is_far(case: Case) -> None:
-    near, far = angle(case, "viscous", "quadratic_drag"), angle(case, "viscous", "cable_spring")
+def test_two_laws_of_drag_are_near_and_a_spring_is_far(problem: Problem) -> None:
+    near, far = angle(problem, "viscous", "quadratic_drag"), angle(problem, "viscous", "cable_spring")
     assert near is not None
     assert far is not None
     assert near < far
@@ -73,19 +73,19 @@ def test_two_laws_of_drag_are_near_and_a_spring_is_far(case: Case) -> None:
 
 
 def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> None:
-    case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
-    base = fit_model(case.start, case.fit_records)
-    load = added(case, base, "load_dependent_friction")
+    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    base = fit_model(problem.start, problem.fit_records)
+    load = added(problem, base, "load_dependent_friction")
     assert own_directions(load, base).shape[1] == 0
-    assert substitution_angle(load, added(case, base, "viscous"), base) is None
+    assert substitution_angle(load, added(problem, base, "viscous"), base) is None
 
 
 def test_a_law_with_more_values_may_stand_in_where_one_with_fewer_may_not(tmp_path: Path) -> None:
     level = 1.5 + 0.3 * np.exp(-((VELOCITY / 8e-3) ** 2))
-    case = slide(tmp_path, level * SIGN, '"coulomb"')
-    base = fit_model(case.start, case.fit_records)
+    problem = slide(tmp_path, level * SIGN, '"coulomb"')
+    base = fit_model(problem.start, problem.fit_records)
     curve, drag = (
-        fit_model(added(case, base, n).model, case.fit_records, base.weights) for n in ("stribeck", "viscous")
+        fit_model(added(problem, base, n).model, problem.fit_records, base.weights) for n in ("stribeck", "viscous")
     )
     # What the curve does is no straight line; drag cannot be negative, and does nothing here.
     could = substitution_angle(curve, drag, base)

@@ -12,20 +12,20 @@ from sysid.estimation.fit import FittedModel, fit_model, with_final_jacobian
 from sysid.estimation.score_test import candidate_directions, orthonormal, profiled_residual, score_test
 from sysid.estimation.screening import screen_and_refit
 from sysid.prediction.model import with_effect
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import POSITION, SIGN, STEP, VELOCITY, slide
 
 PITCH = 1.1e-3
 RNG = np.random.default_rng(0)
 
 
-def fitted(case: Case) -> FittedModel:
-    return fit_model(case.start, case.fit_records)
+def fitted(problem: Problem) -> FittedModel:
+    return fit_model(problem.start, problem.fit_records)
 
 
-def scores(case: Case, effect: str) -> list:
-    base = fitted(case)
-    grid = candidate_directions(base, find(effect), case.fit_records, case.scales)
+def scores(problem: Problem, effect: str) -> list:
+    base = fitted(problem)
+    grid = candidate_directions(base, find(effect), problem.fit_records, problem.scales)
     return score_test(find(effect), grid, *profiled_residual(base))
 
 
@@ -52,9 +52,9 @@ def test_the_target_is_what_the_base_model_cannot_take_and_no_outlier_rules_it(t
 
 
 def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) -> None:
-    case = slide(tmp_path, 1.5 * SIGN + 3.0 * VELOCITY + 0.01 * np.sin(90 * POSITION / 1e-3), '"coulomb"')
-    base = fitted(case)
-    found = scores(case, "viscous")[0]
+    problem = slide(tmp_path, 1.5 * SIGN + 3.0 * VELOCITY + 0.01 * np.sin(90 * POSITION / 1e-3), '"coulomb"')
+    base = fitted(problem)
+    found = scores(problem, "viscous")[0]
     # The same by hand: the residual regressed on the velocity and on what the base model moves.
     pick = base.weights.samples[0]["friction_force"]
     column = VELOCITY[pick] / base.weights.deviations[0]["friction_force"][pick]
@@ -67,13 +67,17 @@ def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) ->
 
 
 def test_a_pitch_and_its_phase_are_read_off_the_grid(tmp_path: Path) -> None:
-    case = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), '"coulomb"')
-    listed = scores(case, "magnetic_cogging")
+    problem = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), '"coulomb"')
+    listed = scores(problem, "magnetic_cogging")
     assert [s.predicted_reduction for s in listed] == sorted((s.predicted_reduction for s in listed), reverse=True)
     assert listed[0].start["magnetic_cogging.pitch"] == pytest.approx(PITCH, rel=0.06)
     assert listed[0].predicted_reduction > 0.5
     found = screen_and_refit(
-        fitted(case), find("magnetic_cogging"), case.fit_records, case.scales, *profiled_residual(fitted(case))
+        fitted(problem),
+        find("magnetic_cogging"),
+        problem.fit_records,
+        problem.scales,
+        *profiled_residual(fitted(problem)),
     )
     assert found is not None
     values = found.fitted.model.values
@@ -84,8 +88,8 @@ def test_a_pitch_and_its_phase_are_read_off_the_grid(tmp_path: Path) -> None:
 
 def test_a_drag_that_would_drive_starts_at_its_bound_not_beyond(tmp_path: Path) -> None:
     # Friction that falls with the speed asks for a negative drag; physics does not have it.
-    case = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), '"coulomb"')
-    found = scores(case, "quadratic_drag")[0]
+    problem = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), '"coulomb"')
+    found = scores(problem, "quadratic_drag")[0]
     # What it would take with that sign is said, and not counted.
     assert found.blocked_reduction > 0.5
     assert found.predicted_reduction < 0.01
@@ -98,32 +102,34 @@ def test_an_effect_without_amplitude_is_put_in_as_it_is(tmp_path: Path) -> None:
     lagged = np.copy(force)
     for k in range(1, force.size):
         lagged[k] += np.exp(-STEP / tau) * (lagged[k - 1] - force[k])
-    case = slide(tmp_path, lagged, '"coulomb", "viscous"')
-    assert scores(case, "sensor_lag")[0].predicted_reduction > 0.5
-    base = fitted(case)
-    found = screen_and_refit(base, find("sensor_lag"), case.fit_records, case.scales, *profiled_residual(base))
+    problem = slide(tmp_path, lagged, '"coulomb", "viscous"')
+    assert scores(problem, "sensor_lag")[0].predicted_reduction > 0.5
+    base = fitted(problem)
+    found = screen_and_refit(base, find("sensor_lag"), problem.fit_records, problem.scales, *profiled_residual(base))
     assert found is not None
     assert found.fitted.model.values["sensor_lag.time_constant"] == pytest.approx(tau, abs=0.5 * STEP)
 
 
 def test_what_the_base_model_makes_itself_scores_nothing(tmp_path: Path) -> None:
     # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
-    case = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
-    assert scores(case, "load_dependent_friction") == []
+    problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
+    assert scores(problem, "load_dependent_friction") == []
 
 
 def test_a_fit_begun_with_the_columns_of_another_ends_where_it_would_without(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 3.0 * VELOCITY + 0.8 * SIGN * np.exp(-((VELOCITY / 2e-3) ** 2))
-    case = slide(tmp_path, force, '"coulomb", "viscous"')
-    base = fitted(case)
-    start = with_effect(base.model, find("stribeck"), case.scales, {"stribeck.velocity": 4e-3, "stribeck.force": 0.5})
-    alone = fit_model(start, case.fit_records, base.weights)
-    near = fit_model(start, case.fit_records, base.weights, near=base)
+    problem = slide(tmp_path, force, '"coulomb", "viscous"')
+    base = fitted(problem)
+    start = with_effect(
+        base.model, find("stribeck"), problem.scales, {"stribeck.velocity": 4e-3, "stribeck.force": 0.5}
+    )
+    alone = fit_model(start, problem.fit_records, base.weights)
+    near = fit_model(start, problem.fit_records, base.weights, near=base)
     assert near.fit.cost == pytest.approx(alone.fit.cost, rel=1e-4)
-    short = fit_model(start, case.fit_records, base.weights, 3, near=base, final_jacobian=False)
+    short = fit_model(start, problem.fit_records, base.weights, 3, near=base, final_jacobian=False)
     assert not short.fit.measured
-    told = with_final_jacobian(short, case.fit_records)
-    assert told.fit.measured and with_final_jacobian(told, case.fit_records) is told
+    told = with_final_jacobian(short, problem.fit_records)
+    assert told.fit.measured and with_final_jacobian(told, problem.fit_records) is told
     assert told.fit.values == short.fit.values
-    measured = fit_model(short.model, case.fit_records, base.weights, 0)
+    measured = fit_model(short.model, problem.fit_records, base.weights, 0)
     assert told.fit.jacobian == pytest.approx(measured.fit.jacobian)

@@ -11,17 +11,17 @@ from sim.effects.catalogue import find
 from sysid.estimation.fit import fit_model
 from sysid.estimation.reference_fit import fits_clearly_better, select_variants, selectable_effects
 from sysid.estimation.variant_selection import fit_replacement, without_effect
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import POSITION, VELOCITY, slide
 
 
 @pytest.fixture
-def curve(tmp_path: Path) -> Case:
+def curve(tmp_path: Path) -> Problem:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     return slide(tmp_path, level * np.sign(VELOCITY) + 8.0 * VELOCITY, '"coulomb", "viscous", "stribeck"')
 
 
-def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Case) -> None:
+def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Problem) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     assert stuck.model.values["stribeck.force"] == pytest.approx(0.0, abs=0.05)  # what this is for
     found = fit_replacement(stuck, find("stribeck"), curve.fit_records, curve.scales).model.values
@@ -30,7 +30,7 @@ def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Cas
     assert found["viscous.coefficient"] == pytest.approx(8.0, rel=0.01)
 
 
-def test_the_familys_own_law_is_taken_unless_another_is_clearly_better(curve: Case) -> None:
+def test_the_familys_own_law_is_taken_unless_another_is_clearly_better(curve: Problem) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     other = fit_replacement(stuck, find("stribeck:rational"), curve.fit_records, curve.scales)
     found, chosen = select_variants(curve, other)
@@ -42,16 +42,16 @@ def test_the_familys_own_law_is_taken_unless_another_is_clearly_better(curve: Ca
 
 def test_another_law_is_taken_where_the_curve_is_another(tmp_path: Path) -> None:
     level = 1.5 + 0.6 / (1.0 + np.abs(VELOCITY / 2e-3))
-    case = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"')
-    _, chosen = select_variants(case, fit_model(case.start, case.fit_records))
+    problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"')
+    _, chosen = select_variants(problem, fit_model(problem.start, problem.fit_records))
     assert chosen == ("stribeck:rational",)
 
 
 def test_a_pitch_is_found_among_hundreds(tmp_path: Path) -> None:
     force = 1.5 * np.sign(VELOCITY) + 0.2 * np.sin(2 * np.pi * POSITION / 0.83e-3 + 0.4)
-    case = slide(tmp_path, force, '"coulomb"')
-    alone = fit_model(case.start, case.fit_records)
-    found = fit_replacement(alone, find("magnetic_cogging"), case.fit_records, case.scales).model.values
+    problem = slide(tmp_path, force, '"coulomb"')
+    alone = fit_model(problem.start, problem.fit_records)
+    found = fit_replacement(alone, find("magnetic_cogging"), problem.fit_records, problem.scales).model.values
     assert found["magnetic_cogging.pitch"] == pytest.approx(0.83e-3, rel=1e-3)
     assert found["magnetic_cogging.amplitude"] == pytest.approx(0.2, rel=0.01)
 
@@ -59,11 +59,11 @@ def test_a_pitch_is_found_among_hundreds(tmp_path: Path) -> None:
 def test_a_start_that_was_given_is_kept_to(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     settings = '[model.parameters]\n"stribeck.velocity" = {start = "9 mm/s", fixed = true}\n'
-    case = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
+    problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
     found = fit_replacement(
-        fit_model(case.start, case.fit_records), find("stribeck"), case.fit_records, case.scales
+        fit_model(problem.start, problem.fit_records), find("stribeck"), problem.fit_records, problem.scales
     ).model
-    assert selectable_effects(case) == ()
+    assert selectable_effects(problem) == ()
     assert "stribeck.velocity" not in {u.key for u in found.unknowns}
     assert found.values["stribeck.velocity"] == 9e-3
 
@@ -71,14 +71,14 @@ def test_a_start_that_was_given_is_kept_to(tmp_path: Path) -> None:
 def test_bounds_outlive_the_search(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     settings = '[model.parameters]\n"stribeck.force" = {high = "0.5 N"}\n'
-    case = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
-    fitted = fit_model(case.start, case.fit_records)
-    again = fit_replacement(fitted, find("stribeck"), case.fit_records, case.scales)
+    problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
+    fitted = fit_model(problem.start, problem.fit_records)
+    again = fit_replacement(fitted, find("stribeck"), problem.fit_records, problem.scales)
     assert again.model.values["stribeck.force"] == pytest.approx(0.5)
     assert again.fit.at_bound == ("stribeck.force",)
 
 
-def test_an_effect_taken_out_takes_its_values_with_it(curve: Case) -> None:
+def test_an_effect_taken_out_takes_its_values_with_it(curve: Problem) -> None:
     rest = without_effect(curve.start, "stribeck:rational")
     assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
     assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])

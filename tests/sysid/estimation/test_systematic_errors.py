@@ -10,8 +10,8 @@ import pytest
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.systematic_errors import CHANNEL_SKEW, systematic_errors
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.problem import Case, load_case
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import Problem, load_problem
 
 STEP = 1e-3
 TIME = np.arange(4000) * STEP
@@ -23,7 +23,7 @@ ACCELERATION = -((2 * np.pi) ** 2) * (
 )
 
 
-def driven(folder: Path, amplitude: float, effects: str, noise: float = 1e-6) -> Case:
+def driven(folder: Path, amplitude: float, effects: str, noise: float = 1e-6) -> Problem:
     """A mass without friction in a field of teeth, driven smoothly; the drive is logged as a line from row to row."""
     rng = np.random.default_rng(2)
     force = MASS * ACCELERATION + 20.0 * VELOCITY + amplitude * np.sin(2 * np.pi * POSITION / PITCH)
@@ -35,34 +35,34 @@ def driven(folder: Path, amplitude: float, effects: str, noise: float = 1e-6) ->
         f'[model]\neffects = [{effects}]\n[[record]]\nfile = "log.csv"\nrole = "fit"\n'
         f'[noise]\nposition = "{noise} m"\ndrive_force = "0.01 N"\n'
     )
-    return load_case(folder)
+    return load_problem(folder)
 
 
 def test_a_motion_filtered_half_as_much_is_closer_to_the_motion_and_noisier(tmp_path: Path) -> None:
     record = driven(tmp_path, 0.5, '"viscous"').fit_records[0]
-    assert isinstance(record, Balance)
-    assert record.finer is not None
-    finer, rest = record.finer()
+    assert isinstance(record, ForceBalanceRecord)
+    assert record.half_width_variant is not None
+    finer, rest = record.half_width_variant()
     inside = slice(200, -200)
     residues = [axis.position[inside] - POSITION[: record.size][inside] for axis in (record.axis, finer)]
     jumps = [float(np.std(np.diff(r))) for r in residues]
     assert jumps[1] > 1.2 * jumps[0]
     # What one filter does less, the other does more: the whole is the same.
-    assert record.whole is not None
-    assert rest.width > record.smooth.width
-    twice = rest.width**2 - record.smooth.width**2
-    assert twice == pytest.approx(0.75 * (0.4 * record.whole.width) ** 2, rel=1e-6)
+    assert record.full_filter is not None
+    assert rest.width > record.complementary_filter.width
+    twice = rest.width**2 - record.complementary_filter.width**2
+    assert twice == pytest.approx(0.75 * (0.4 * record.full_filter.width) ** 2, rel=1e-6)
 
 
 def test_a_short_pitch_is_blunted_by_the_filter_and_its_interval_says_so(tmp_path: Path) -> None:
     # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
-    case = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
-    found = fit_stated_model(case).fitted
-    told = intervals(found, case.fit_records).by_key
+    problem = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
+    found = fit_stated_model(problem).fitted
+    told = intervals(found, problem.fit_records).by_key
     amplitude = told["magnetic_cogging.amplitude"]
     assert amplitude.value < 0.5  # blunted
     assert amplitude.low < 0.5 < amplitude.high
-    blunted = systematic_errors(found, case.fit_records)[-1]
+    blunted = systematic_errors(found, problem.fit_records)[-1]
     assert np.linalg.norm(blunted) > 0.0
     assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
 
@@ -82,8 +82,8 @@ def test_a_lag_is_told_no_better_than_the_rows_are_simultaneous(tmp_path: Path) 
         'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous", "sensor_lag"]\n'
         '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "1 mN"\n'
     )
-    case = load_case(tmp_path)
-    told = intervals(fit_stated_model(case).fitted, case.fit_records).by_key
+    problem = load_problem(tmp_path)
+    told = intervals(fit_stated_model(problem).fitted, problem.fit_records).by_key
     lag = told["sensor_lag.time_constant"]
     assert lag.std == pytest.approx(CHANNEL_SKEW * STEP, rel=0.3)
     assert told["viscous.coefficient"].std < 1e-3 * told["viscous.coefficient"].value

@@ -15,7 +15,7 @@ import pytest
 import sysid.experiment.history as ladder
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
-from sysid.experiment.history import append_rung, edited_by_hand, ladder_lock, read_ladder, undo
+from sysid.experiment.history import append_revision, edited_by_hand, history_lock, read_history, undo
 
 TEXT = """# my rig, spring no. 3
 schema = 1
@@ -53,8 +53,8 @@ def _rig(folder: Path, text: str = TEXT) -> Experiment:
     return load_experiment(folder)
 
 
-def _add(experiment: Experiment, *new: str, starts: dict[str, tuple[float, str]] | None = None) -> ladder.Rung:
-    return append_rung(
+def _add(experiment: Experiment, *new: str, starts: dict[str, tuple[float, str]] | None = None) -> ladder.Revision:
+    return append_revision(
         experiment,
         (*experiment.effects, *new),
         starts or {"coulomb.force": (1.3, "N")},
@@ -76,7 +76,7 @@ def test_first_rung_keeps_the_model_before_and_every_comment(tmp_path):
     # Bounds that the user gave stay.
     setting = after.parameters["coulomb.force"]
     assert (setting.start, setting.low, setting.high) == (1.3, 0.1, float("inf"))
-    rungs = read_ladder(after)
+    rungs = read_history(after)
     assert [rung.effects for rung in rungs] == [("coulomb", "viscous"), ("coulomb", "viscous", "stribeck")]
     assert rungs[0].document["before"]["fit"]["rms"] == 0.5
     assert rungs[1].document["added"] == ["stribeck"] and rungs[1].document["records"] == {"fit": "abc"}
@@ -127,7 +127,7 @@ def test_undo_refuses_after_an_edit_by_hand_and_add_keeps_that_model(tmp_path):
         undo(load_experiment(tmp_path))
     assert experiment.path.read_text() == edited
     _add(load_experiment(tmp_path), "constant_bias")
-    rungs = read_ladder(load_experiment(tmp_path))
+    rungs = read_history(load_experiment(tmp_path))
     assert len(rungs) == 4 and rungs[2].document["edited_by_hand"] and "cable_spring" in rungs[2].effects
 
 
@@ -160,12 +160,12 @@ def test_add_refuses_a_file_that_changed_during_the_fit(tmp_path):
     experiment.path.write_text(TEXT + "# a thought\n")
     with pytest.raises(InputError, match="changed while the fit ran"):
         _add(experiment, "stribeck")
-    assert read_ladder(load_experiment(tmp_path)) == []
+    assert read_history(load_experiment(tmp_path)) == []
 
 
 def test_a_core_that_replaces_another_takes_its_settings_along(tmp_path):
     experiment = _rig(tmp_path)
-    append_rung(experiment, ("viscous", "presliding"), {}, {}, {}, {})
+    append_revision(experiment, ("viscous", "presliding"), {}, {}, {}, {})
     after = load_experiment(tmp_path)
     assert after.effects == ("viscous", "presliding") and not after.parameters
     undo(after)
@@ -198,12 +198,12 @@ def test_a_run_stopped_between_two_writes_leaves_one_side_or_the_other(tmp_path,
             with pytest.raises(KeyboardInterrupt):
                 _add(one, "constant_bias")
     now = load_experiment(tmp_path)
-    rungs = read_ladder(now)
+    rungs = read_history(now)
     assert not edited_by_hand(now, rungs)
     assert rungs[-1].effects == now.effects
     assert len(rungs) == (3 if writes_before_the_stop >= 3 else 2)
     _add(now, "cable_spring")
-    assert len(read_ladder(load_experiment(tmp_path))) == len(rungs) + 1
+    assert len(read_history(load_experiment(tmp_path))) == len(rungs) + 1
 
 
 def test_an_undo_stopped_after_the_experiment_was_written_counts_as_done(tmp_path, monkeypatch):
@@ -218,9 +218,9 @@ def test_an_undo_stopped_after_the_experiment_was_written_counts_as_done(tmp_pat
         with pytest.raises(KeyboardInterrupt):
             undo(load_experiment(tmp_path))
     now = load_experiment(tmp_path)
-    assert now.effects == ("coulomb", "viscous") and len(read_ladder(now)) == 1
+    assert now.effects == ("coulomb", "viscous") and len(read_history(now)) == 1
     _add(now, "constant_bias")
-    assert [rung.effects[-1] for rung in read_ladder(load_experiment(tmp_path))] == ["viscous", "constant_bias"]
+    assert [rung.effects[-1] for rung in read_history(load_experiment(tmp_path))] == ["viscous", "constant_bias"]
     assert len(list((tmp_path / "ladder" / "undone").iterdir())) == 1
 
 
@@ -228,8 +228,8 @@ def test_another_process_waits_and_is_told(tmp_path):
     experiment = _rig(tmp_path)
     code = (
         "import sys; from sysid.experiment.experiment import load_experiment\n"
-        "from sysid.experiment.history import ladder_lock\n"
-        "with ladder_lock(load_experiment(sys.argv[1])):\n    print('held', flush=True); sys.stdin.read()"
+        "from sysid.experiment.history import history_lock\n"
+        "with history_lock(load_experiment(sys.argv[1])):\n    print('held', flush=True); sys.stdin.read()"
     )
     root = Path(ladder.__file__).parents[1]
     with subprocess.Popen(
@@ -237,7 +237,7 @@ def test_another_process_waits_and_is_told(tmp_path):
     ) as other:
         assert other.stdout is not None and other.stdout.readline() == "held\n"
         with pytest.raises(InputError, match=f"another run is at work on it .process {other.pid}.; try again"):
-            append_rung(experiment, ("coulomb",), {}, {}, {}, {}, timeout=0.2)
+            append_revision(experiment, ("coulomb",), {}, {}, {}, {}, timeout=0.2)
         # A process that is killed lets go of the lock.
         other.kill()
         other.wait()
@@ -245,7 +245,7 @@ def test_another_process_waits_and_is_told(tmp_path):
 
 
 def _climb(folder: str, effect: str) -> None:
-    with ladder_lock(load_experiment(folder), timeout=60.0):
+    with history_lock(load_experiment(folder), timeout=60.0):
         _add(load_experiment(folder), effect)
 
 
@@ -260,7 +260,7 @@ def test_two_runs_at_once_lose_nothing(tmp_path):
     assert [run.exitcode for run in runs] == [0, 0]
     after = load_experiment(tmp_path)
     assert set(after.effects) == {"coulomb", "viscous", "stribeck", "constant_bias"}
-    assert len(read_ladder(after)) == 3 and not edited_by_hand(after, read_ladder(after))
+    assert len(read_history(after)) == 3 and not edited_by_hand(after, read_history(after))
 
 
 @pytest.mark.parametrize(
@@ -277,7 +277,7 @@ def test_a_damaged_ladder_says_which_rung(tmp_path, name, content, message):
     _add(experiment, "stribeck")
     (tmp_path / "ladder" / name).write_text(content)
     with pytest.raises(InputError, match=message):
-        read_ladder(load_experiment(tmp_path))
+        read_history(load_experiment(tmp_path))
 
 
 @pytest.mark.parametrize(

@@ -13,23 +13,25 @@ from sysid.diagnose import diagnose
 from sysid.diagnosis.verdict_limits import LEAST_GAIN
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects, minimum_sizes
-from sysid.prediction.problem import Case
+from sysid.prediction.problem import Problem
 from tests.sysid.slide import NOISE, SIGN, STEP, VELOCITY, slide
 
 
-def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Case:
+def bare(folder: Path, extra: np.ndarray | float = 0.0, noise: float = NOISE) -> Problem:
     """Coulomb friction and something else, the model knowing the first."""
     return slide(folder, 1.5 * SIGN + extra, '"coulomb"', held_out=True, noise=noise)
 
 
-def sizes(case: Case, *names: str) -> dict[str, MinimumDetectableEffect]:
-    found = minimum_sizes(fit_stated_model(case).fitted, [find(n) for n in names], case.fit_records, case.scales)
+def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:
+    found = minimum_sizes(
+        fit_stated_model(problem).fitted, [find(n) for n in names], problem.fit_records, problem.scales
+    )
     return {one.effect: one for one in found}
 
 
 def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
-    case = bare(tmp_path)
-    found = sizes(case, "constant_bias", "viscous")
+    problem = bare(tmp_path)
+    found = sizes(problem, "constant_bias", "viscous")
     sign = SIGN[1:]
     for effect, column in (("constant_bias", np.ones(sign.size)), ("viscous", VELOCITY[1:])):
         free = column - sign * (sign @ column) / (sign @ sign)
@@ -72,8 +74,8 @@ def test_the_loudest_noise_hides_most(tmp_path: Path) -> None:
 
 
 def test_a_relative_size_beyond_its_bound_is_no_size(tmp_path: Path) -> None:
-    case = bare(tmp_path, noise=300.0 * NOISE)
-    assert sizes(case, "position_dependent_friction")["position_dependent_friction"].value is None
+    problem = bare(tmp_path, noise=300.0 * NOISE)
+    assert sizes(problem, "position_dependent_friction")["position_dependent_friction"].value is None
 
 
 def test_a_diagnosis_tells_it_of_every_effect_but_the_one_it_found(tmp_path: Path) -> None:

@@ -13,14 +13,14 @@ from sysid.estimation.misfit import residual_weights
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.experiment_design.t_optimal_design import columns_of, discrimination_distance, motion_record, motions_for
 from sysid.prediction.model import Model, predict, with_effect
-from sysid.prediction.problem import Case, load_case
+from sysid.prediction.problem import Problem, load_problem
 
 NOISE = 0.01
 ENVELOPE = Envelope(-0.01, 0.02, 0.05, 2.0, 2e-6, load=(10.0, 30.0))
 
 
 @pytest.fixture(scope="module")
-def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
+def problem(tmp_path_factory: pytest.TempPathFactory) -> Problem:
     folder = tmp_path_factory.mktemp("rig")
     t = np.arange(4000) * 1e-3
     v = 0.02 * np.sin(2 * np.pi * t) + 0.01 * np.sin(2 * np.pi * 3.1 * t)
@@ -33,54 +33,54 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Case:
         'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
         '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "0.01 N"\n'
     )
-    return load_case(folder)
+    return load_problem(folder)
 
 
-def model(case: Case, **values: float) -> Model:
+def model(problem: Problem, **values: float) -> Model:
     """Coulomb friction of 1.5 N with one more effect at the values given (`effect__parameter`)."""
     name = next(iter(values)).partition("__")[0]
-    found = with_effect(case.start, find(name), case.scales)
+    found = with_effect(problem.start, find(name), problem.scales)
     at = {"coulomb.force": 1.5, **{key.replace("__", "."): value for key, value in values.items()}}
     return found.at({**found.values, **at})
 
 
-def motion(case: Case, name: str) -> Motion:
-    return next(m for m in motions_for(case) if m.name == name)
+def motion(problem: Problem, name: str) -> Motion:
+    return next(m for m in motions_for(problem) if m.name == name)
 
 
-def apart(case: Case, one: Model, other: Model, name: str) -> float:
-    record, count = motion_record(case, motion(case, name))
+def apart(problem: Problem, one: Model, other: Model, name: str) -> float:
+    record, count = motion_record(problem, motion(problem, name))
     return count * discrimination_distance(one, other, [record], residual_weights(one, [record], thin=False))
 
 
-def test_a_model_is_not_apart_from_itself_at_other_values(case: Case) -> None:
-    one, other = model(case, viscous__coefficient=8.0), model(case, viscous__coefficient=2.0)
-    assert apart(case, one, other, "triangle sweeps") < 0.5
+def test_a_model_is_not_apart_from_itself_at_other_values(problem: Problem) -> None:
+    one, other = model(problem, viscous__coefficient=8.0), model(problem, viscous__coefficient=2.0)
+    assert apart(problem, one, other, "triangle sweeps") < 0.5
 
 
-def test_a_bias_and_an_asymmetry_of_plain_coulomb_friction_are_one(case: Case) -> None:
-    bias, asymmetry = model(case, constant_bias__force=0.1), model(case, direction_asymmetry__coulomb=0.06)
-    for m in motions_for(case):
-        assert apart(case, bias, asymmetry, m.name) < 0.1, m.name
-    assert apart(case, bias, model(case, viscous__coefficient=1.0), "triangle sweeps") > 20.0
+def test_a_bias_and_an_asymmetry_of_plain_coulomb_friction_are_one(problem: Problem) -> None:
+    bias, asymmetry = model(problem, constant_bias__force=0.1), model(problem, direction_asymmetry__coulomb=0.06)
+    for m in motions_for(problem):
+        assert apart(problem, bias, asymmetry, m.name) < 0.1, m.name
+    assert apart(problem, bias, model(problem, viscous__coefficient=1.0), "triangle sweeps") > 20.0
 
 
-def test_drag_laws_need_more_than_one_speed(case: Case) -> None:
-    linear, square = model(case, viscous__coefficient=8.0), model(case, quadratic_drag__coefficient=200.0)
-    sweeps, one_speed = (apart(case, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
+def test_drag_laws_need_more_than_one_speed(problem: Problem) -> None:
+    linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
+    sweeps, one_speed = (apart(problem, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
     assert sweeps > 20.0
     assert one_speed < 0.2 * sweeps
 
 
-def test_separation_of_linear_models_is_the_part_a_projection_leaves(case: Case) -> None:
-    linear, square = model(case, viscous__coefficient=8.0), model(case, quadratic_drag__coefficient=200.0)
-    m = motion(case, "triangle sweeps")
-    record, _ = motion_record(case, m)
+def test_separation_of_linear_models_is_the_part_a_projection_leaves(problem: Problem) -> None:
+    linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
+    m = motion(problem, "triangle sweeps")
+    record, _ = motion_record(problem, m)
     # Deviations without the allowance for timing, so that algebra on plain columns applies.
-    record = replace(record, jitter=0.0)
+    record = replace(record, timing_uncertainty=0.0)
     ok = record.valid["friction_force"]
     v = np.gradient(m.signals["position"], m.step)
-    coulomb = predict(record, case.start.effects, {**case.start.values, "coulomb.force": 1.0})["friction_force"]
+    coulomb = predict(record, problem.start.effects, {**problem.start.values, "coulomb.force": 1.0})["friction_force"]
     truth = [1.5 * coulomb + 8.0 * v, 1.5 * coulomb + 200.0 * v * np.abs(v)]
     rivals = [np.column_stack([coulomb, v * np.abs(v)]), np.column_stack([coulomb, v])]
     left = []
@@ -91,15 +91,15 @@ def test_separation_of_linear_models_is_the_part_a_projection_leaves(case: Case)
     assert found == pytest.approx(min(left), rel=0.02)
 
 
-def test_sampling_a_motion_more_coarsely_leaves_its_evidence(case: Case) -> None:
-    one, other = model(case, viscous__coefficient=8.0), model(case, quadratic_drag__coefficient=200.0)
+def test_sampling_a_motion_more_coarsely_leaves_its_evidence(problem: Problem) -> None:
+    one, other = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     fine = next(
         m for m in axis_motions(Envelope(-0.005, 0.005, 0.03, 1.0, 1e-6), 1e-3, most=8000) if m.name == "multisine"
     )
     coarse = Motion(fine.name, fine.reason, {"position": fine.signals["position"][::3]}, 3 * fine.step)
     found = []
     for m in (fine, coarse):
-        record, count = motion_record(case, m)
+        record, count = motion_record(problem, m)
         found.append(count * discrimination_distance(one, other, [record], residual_weights(one, [record], thin=False)))
     # Counted by samples, the finer one would seem 1.7 times as telling.
     assert found[0] == pytest.approx(found[1], rel=0.15)
@@ -135,8 +135,8 @@ def test_voltages_stay_within_what_the_piezos_have_seen(pistons: int) -> None:
             assert u.min() >= 0.0 and u.max() <= 100.0
 
 
-def test_the_table_to_run_names_its_units(case: Case, tmp_path: Path) -> None:
-    table = columns_of(case, motion(case, "multisine"))
+def test_the_table_to_run_names_its_units(problem: Problem, tmp_path: Path) -> None:
+    table = columns_of(problem, motion(problem, "multisine"))
     assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
     x, v = table["position [m]"], table["velocity [m/s]"]
     assert np.allclose(np.cumsum(v)[-2] * (table["time [s]"][1]), x[-1] - x[0], atol=2e-3 * np.ptp(x))

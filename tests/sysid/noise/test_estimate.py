@@ -10,7 +10,7 @@ import pytest
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise, estimate_noise
-from sysid.noise.quantisation import find_quantum
+from sysid.noise.quantisation import find_quantisation_step
 
 SHARED = Path(__file__).parents[4] / "shared"
 N, STEP = 12000, 1e-3
@@ -135,7 +135,7 @@ def test_coloured_noise_in_quiet_stretches(correlation):
 @pytest.mark.parametrize("step", [0.05, 0.3])
 def test_a_grid_is_found_and_does_not_hide_the_noise(step):
     noise = _estimate(step * np.round((CLEAN + 0.05 * np.random.default_rng(10).standard_normal(N)) / step))
-    assert noise.quantum == pytest.approx(step, rel=1e-6)
+    assert noise.quantisation_step == pytest.approx(step, rel=1e-6)
     if step == 0.05:
         assert noise.value == pytest.approx(0.05, rel=0.15)
     else:
@@ -145,9 +145,9 @@ def test_a_grid_is_found_and_does_not_hide_the_noise(step):
 
 
 def test_values_on_no_grid_have_no_quantum():
-    assert find_quantum([CLEAN + _white(11)]) is None
-    assert find_quantum([np.arange(500) * 0.1 + 5e-3 * np.random.default_rng(0).standard_normal(500)]) is None
-    assert find_quantum([np.round(CLEAN / 1e-3) * 1e-3]) == pytest.approx(1e-3, rel=1e-6)
+    assert find_quantisation_step([CLEAN + _white(11)]) is None
+    assert find_quantisation_step([np.arange(500) * 0.1 + 5e-3 * np.random.default_rng(0).standard_normal(500)]) is None
+    assert find_quantisation_step([np.round(CLEAN / 1e-3) * 1e-3]) == pytest.approx(1e-3, rel=1e-6)
 
 
 def test_uneven_times():
@@ -206,7 +206,7 @@ def test_practice_records_whose_noise_is_given():
             if channel in (*RIGS[experiment.rig.kind].measured_channels, "drive_force"):
                 noise = estimate_noise(records, channel)
                 # Under a coarse grid the noise leaves no trace.
-                if noise.quantum is None or noise.quantum < 3.0 * given:
+                if noise.quantisation_step is None or noise.quantisation_step < 3.0 * given:
                     ratios.append(noise.value / given)
     assert len(ratios) > 30
     assert np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1

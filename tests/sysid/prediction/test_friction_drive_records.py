@@ -17,50 +17,50 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
 from sysid.prediction.friction_drive.midpoint import follow
-from sysid.prediction.observable import candidates_of
-from sysid.prediction.problem import load_case
+from sysid.prediction.observable import candidate_effects
+from sysid.prediction.problem import load_problem
 from workbench.cli import run
 
 NONE, FORCE = np.empty(0), np.ones(1)
 
 
-def over_noise(case, model) -> float:
-    return misfit(model, case.validate_records)["position"].over_noise
+def over_noise(problem, model) -> float:
+    return misfit(model, problem.validate_records)["position"].over_noise
 
 
-def tried(case, base, name: str):
+def tried(problem, base, name: str):
     """The model with one effect more, fitted, and its misfit on the record held out; that of the base if it does
     nothing."""
     basis, target = profiled_residual(base.fitted)
-    found = screen_and_refit(base.fitted, find(name), case.fit_records, case.scales, basis, target)
+    found = screen_and_refit(base.fitted, find(name), problem.fit_records, problem.scales, basis, target)
     if found is None:
-        return base.fitted.model, over_noise(case, base.fitted.model)
-    return found.fitted.model, over_noise(case, found.fitted.model)
+        return base.fitted.model, over_noise(problem, base.fitted.model)
+    return found.fitted.model, over_noise(problem, found.fitted.model)
 
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory):
     """Nothing hidden: the model has all that the rig does."""
-    case = load_case(write_experiment(tmp_path_factory.mktemp("plain"), Truth(), ["coulomb"]))
-    return case, fit_stated_model(case)
+    problem = load_problem(write_experiment(tmp_path_factory.mktemp("plain"), Truth(), ["coulomb"]))
+    return problem, fit_stated_model(problem)
 
 
 def test_a_complete_model_is_down_to_the_noise_with_the_rigs_own_values(plain):
-    case, base = plain
+    problem, base = plain
     values = base.fitted.model.values
-    assert over_noise(case, base.fitted.model) < 1.1
+    assert over_noise(problem, base.fitted.model) < 1.1
     assert values["rig.gain"] == pytest.approx(GAIN, rel=2e-3)
     assert values["coulomb.force"] == pytest.approx(1.5, rel=0.01)
 
 
 def test_contact_effects_are_tried_where_they_can_show(plain):
-    case, _ = plain
-    names = [effect.name for effect in candidates_of(case, ["coulomb"])]
+    problem, _ = plain
+    names = [effect.name for effect in candidate_effects(problem, ["coulomb"])]
     assert {"contact.coulomb", "contact.presliding", "piezo_hysteresis", "gain_mismatch", "sensor_lag"} <= set(names)
     # The tip goes neither up nor down in these records, and nothing slips yet.
     assert "contact.load_dependent_friction" not in names
     assert "flexible_mode" in names
-    slipping = [effect.name for effect in candidates_of(case, ["coulomb", "contact.coulomb"])]
+    slipping = [effect.name for effect in candidate_effects(problem, ["coulomb", "contact.coulomb"])]
     assert "contact.stribeck" in slipping
     assert "contact.coulomb" not in slipping
     assert "coulomb" not in slipping
@@ -77,27 +77,27 @@ def test_contact_effects_are_tried_where_they_can_show(plain):
 def test_a_hidden_effect_explains_and_its_rivals_do_not(tmp_path, hidden, effect, value, expected):
     # Voltages that only oppose each other cannot tell a weaker stack from a smaller gain.
     lift = 15.0 if "mismatch" in hidden else 0.0
-    case = load_case(write_experiment(tmp_path, Truth(**hidden), ["coulomb"], lift))
-    base = fit_stated_model(case)
-    before = over_noise(case, base.fitted.model)
+    problem = load_problem(write_experiment(tmp_path, Truth(**hidden), ["coulomb"], lift))
+    base = fit_stated_model(problem)
+    before = over_noise(problem, base.fitted.model)
     assert before > 5.0
-    model, after = tried(case, base, effect)
+    model, after = tried(problem, base, effect)
     assert after < 2.0
     assert model.values[value] == pytest.approx(expected, rel=0.05)
     for rival in {"piezo_creep", "sensor_lag", "viscous", "gain_mismatch"} - {effect}:
-        assert tried(case, base, rival)[1] > 3.0 * after
+        assert tried(problem, base, rival)[1] > 3.0 * after
 
 
 def test_slip_that_goes_with_the_load(tmp_path):
     folder = write_experiment(tmp_path, Truth(slip=2.2, load_exponent=1.0), ["coulomb", "contact.coulomb"], lift=15.0)
-    case = load_case(folder)
-    base = fit_stated_model(case)
-    assert over_noise(case, base.fitted.model) > 20.0
-    model, after = tried(case, base, "contact.load_dependent_friction")
+    problem = load_problem(folder)
+    base = fit_stated_model(problem)
+    assert over_noise(problem, base.fitted.model) > 20.0
+    model, after = tried(problem, base, "contact.load_dependent_friction")
     assert after < 2.0
     assert model.values["contact.load_dependent_friction.sensitivity"] == pytest.approx(1.0, abs=0.03)
     assert model.values["contact.coulomb.force"] == pytest.approx(2.2, rel=0.02)
-    assert tried(case, base, "contact.stribeck")[1] > 5.0 * after
+    assert tried(problem, base, "contact.stribeck")[1] > 5.0 * after
 
 
 def test_follow_without_friction_is_a_driven_oscillator():
@@ -143,7 +143,7 @@ def test_a_lifted_tip_carries_nothing_along():
 def test_a_core_without_bristles_of_its_own_is_refused(tmp_path):
     folder = write_experiment(tmp_path, Truth(), ["lugre"])
     with pytest.raises(InputError, match="its cores are 'coulomb' and 'presliding'"):
-        fit_stated_model(load_case(folder))
+        fit_stated_model(load_problem(folder))
 
 
 def test_a_tip_without_its_lengths_is_one_line(tmp_path, capsys):
@@ -168,8 +168,8 @@ def test_compare_as_a_user_runs_it(tmp_path, capsys):
 
 def test_forces_are_in_proportion_to_the_contacts_stiffness(plain):
     """The motion tells forces over stiffness only: with half of it known, all forces and the mass come out halved."""
-    case, base = plain
+    problem, base = plain
     half = {"rig.contact_stiffness": 0.5 * STIFFNESS, "rig.mass": 0.5 * MASS}
     values = {key: 0.5 * value for key, value in base.fitted.model.values.items() if key.endswith(("force", "damping"))}
     scaled = replace(base.fitted.model, values={**base.fitted.model.values, **half, **values})
-    assert over_noise(case, scaled) == pytest.approx(over_noise(case, base.fitted.model), rel=1e-6)
+    assert over_noise(problem, scaled) == pytest.approx(over_noise(problem, base.fitted.model), rel=1e-6)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sim.numerics.record_operators import resonance
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.problem import load_case
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.problem import load_problem
 
 STEP = 1e-3
 MASS = 1.5
@@ -17,7 +17,7 @@ TIME = STEP * np.arange(6000)
 GAP = slice(2950, 3080)
 
 
-def _balance(folder: Path, gap: slice) -> Balance:
+def _balance(folder: Path, gap: slice) -> ForceBalanceRecord:
     """A mass pushed to and fro by a sine, its position noisy by a tenth of a micrometre."""
     folder.mkdir()
     omega = 2 * np.pi * 2.0
@@ -31,8 +31,8 @@ def _balance(folder: Path, gap: slice) -> Balance:
         f'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "{MASS} kg"\n[model]\neffects = ["viscous"]\n'
         '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[noise]\nposition = "0.1 um"\ndrive_force = "1 mN"\n'
     )
-    balance = load_case(folder).fit_records[0]
-    assert isinstance(balance, Balance)
+    balance = load_problem(folder).fit_records[0]
+    assert isinstance(balance, ForceBalanceRecord)
     return balance
 
 

@@ -10,16 +10,16 @@ import pytest
 from sim.effects.catalogue import find
 from sysid.estimation.misfit import misfit
 from sysid.prediction.force_balance.initial_stick_phase import rest_rows
-from sysid.prediction.force_balance.record import Balance
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict, with_effect
-from sysid.prediction.problem import Case, load_case
+from sysid.prediction.problem import Problem, load_problem
 from tests.sysid.slide import NOISE, STEP
 
-LEVEL, STRETCH, REST = 1.5, 4e-5, 200
+LEVEL, STRETCH, STICK_DISPLACEMENT = 1.5, 4e-5, 200
 TIME = np.arange(2000) * STEP
 
 
-def moved(rest: int = REST) -> np.ndarray:
+def moved(rest: int = STICK_DISPLACEMENT) -> np.ndarray:
     t = np.maximum(TIME - rest * STEP, 0.0)
     return 3e-4 * (1.0 - np.cos(2 * np.pi * 1.5 * t)) * (rest * STEP < TIME)
 
@@ -33,7 +33,7 @@ def bristle(position: np.ndarray, begin: float) -> np.ndarray:
     return out
 
 
-def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Case:
+def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Problem:
     noisy = force + NOISE * np.random.default_rng(4).standard_normal(force.size)
     table = np.column_stack([TIME, position, noisy])
     header = "time [s],position [m],friction_force [N]"
@@ -42,7 +42,7 @@ def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Case:
         'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
         f'[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nfriction_force = "{NOISE} N"\nposition = "1e-9 m"\n'
     )
-    return load_case(folder)
+    return load_problem(folder)
 
 
 @pytest.mark.parametrize("law,stretch", [("presliding", "stretch"), ("presliding:dahl", None)])
@@ -50,20 +50,20 @@ def record(folder: Path, force: np.ndarray, position: np.ndarray) -> Case:
 def test_the_first_force_is_the_one_that_was_measured(
     tmp_path: Path, law: str, stretch: str | None, begin: float
 ) -> None:
-    case = record(tmp_path, bristle(moved(), begin), moved())
-    model = with_effect(case.start, find(law), case.scales)
+    problem = record(tmp_path, bristle(moved(), begin), moved())
+    model = with_effect(problem.start, find(law), problem.scales)
     values = {f"{law}.force": LEVEL, **({f"{law}.stretch": STRETCH} if stretch else {})}
-    predicted = predict(case.fit_records[0], model.effects, {**model.values, **values})["friction_force"]
+    predicted = predict(problem.fit_records[0], model.effects, {**model.values, **values})["friction_force"]
     # The median of two hundred noisy rows is known to a thousandth of a newton; a record is read off at one place.
-    assert predicted[:REST] == pytest.approx(begin * LEVEL, abs=5e-3)
+    assert predicted[:STICK_DISPLACEMENT] == pytest.approx(begin * LEVEL, abs=5e-3)
 
 
 @pytest.mark.parametrize("begin", [-1.0, 0.5])
 def test_with_the_right_stretch_at_the_start_only_noise_is_left(tmp_path: Path, begin: float) -> None:
-    case = record(tmp_path, bristle(moved(), begin), moved())
-    model = with_effect(case.start, find("presliding"), case.scales)
+    problem = record(tmp_path, bristle(moved(), begin), moved())
+    model = with_effect(problem.start, find("presliding"), problem.scales)
     values = {"presliding.force": LEVEL, "presliding.stretch": STRETCH, "presliding.curvature": 1.0}
-    found = misfit(model.at({**model.values, **values}), case.fit_records)["friction_force"]
+    found = misfit(model.at({**model.values, **values}), problem.fit_records)["friction_force"]
     assert found.rms == pytest.approx(NOISE, rel=0.1)
 
 
@@ -71,11 +71,13 @@ def test_a_record_that_begins_in_motion_begins_in_slip(tmp_path: Path) -> None:
     position = moved(0)[250:]
     position = np.concatenate([position, np.full(TIME.size - position.size, position[-1])])
     record_in_motion = record(tmp_path, bristle(position, 1.0), position).fit_records[0]
-    assert isinstance(record_in_motion, Balance)
+    assert isinstance(record_in_motion, ForceBalanceRecord)
     assert rest_rows(record_in_motion) == 0
 
 
 def test_plain_friction_holds_its_first_force_too(tmp_path: Path) -> None:
-    case = record(tmp_path, LEVEL * np.where(TIME <= REST * STEP, -1.0, np.sign(np.gradient(moved()))), moved())
-    predicted = predict(case.fit_records[0], case.start.effects, {**case.start.values, "coulomb.force": LEVEL})
-    assert predicted["friction_force"][:REST] == pytest.approx(-LEVEL)
+    problem = record(
+        tmp_path, LEVEL * np.where(TIME <= STICK_DISPLACEMENT * STEP, -1.0, np.sign(np.gradient(moved()))), moved()
+    )
+    predicted = predict(problem.fit_records[0], problem.start.effects, {**problem.start.values, "coulomb.force": LEVEL})
+    assert predicted["friction_force"][:STICK_DISPLACEMENT] == pytest.approx(-LEVEL)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sysid.prediction.force_balance.record import EDGE_WIDTHS, Balance, longer_than
-from sysid.prediction.problem import load_case
+from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord, longer_than
+from sysid.prediction.problem import load_problem
 
 STEP, MASS, STIFFNESS = 1e-3, 1.2, 3000.0
 TIME = np.arange(6000) * STEP
@@ -15,7 +15,7 @@ POSITION = 5e-3 * np.sin(2 * np.pi * 0.8 * TIME)
 FORCE = -MASS * 5e-3 * (2 * np.pi * 0.8) ** 2 * np.sin(2 * np.pi * 0.8 * TIME) + 40.0 * np.gradient(POSITION, STEP)
 
 
-def pulled(folder: Path, keep: np.ndarray) -> Balance:
+def pulled(folder: Path, keep: np.ndarray) -> ForceBalanceRecord:
     """A mass on a spring without dry friction; the rows of `keep` (n,) are logged."""
     rng = np.random.default_rng(1)
     table = np.column_stack([
@@ -29,8 +29,8 @@ def pulled(folder: Path, keep: np.ndarray) -> Balance:
         f'pull_stiffness = "{STIFFNESS} N/m"\n[model]\neffects = ["viscous"]\n'
         '[[record]]\nfile = "log.csv"\nrole = "fit"\n[noise]\nposition = "2e-7 m"\nspring_force = "2 mN"\n'
     )
-    record = load_case(folder).fit_records[0]
-    assert isinstance(record, Balance)
+    record = load_problem(folder).fit_records[0]
+    assert isinstance(record, ForceBalanceRecord)
     return record
 
 
@@ -39,8 +39,8 @@ def test_a_row_lost_here_and_there_costs_itself_only(tmp_path: Path) -> None:
     keep[:2] = True
     record = pulled(tmp_path, keep)
     scored = record.valid["spring_force"]
-    assert record.whole is not None
-    edges = EDGE_WIDTHS * record.whole.width / STEP
+    assert record.full_filter is not None
+    edges = EDGE_WIDTHS * record.full_filter.width / STEP
     assert scored.sum() > 0.9 * scored.size - 2.0 * edges
     assert not scored[~keep[: scored.size]].any()
     # What is scored is as good as it was: the balance closes to the noise.
@@ -53,8 +53,8 @@ def test_a_long_hole_takes_its_neighbourhood_with_it(tmp_path: Path) -> None:
     keep = np.ones(TIME.size, dtype=bool)
     keep[3000:3100] = False
     record = pulled(tmp_path, keep)
-    assert record.whole is not None
-    reach = int(EDGE_WIDTHS * record.whole.width / STEP)
+    assert record.full_filter is not None
+    reach = int(EDGE_WIDTHS * record.full_filter.width / STEP)
     scored = record.valid["spring_force"]
     assert not scored[3000 - reach + 2 : 3100 + reach - 2].any()
     assert scored[3100 + reach + 5 :].any()

@@ -73,5 +73,5 @@ def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
     resting[95:97] = True
     direction, rest, turns, stops = sharp_direction(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
     assert turns.size == 0
-    assert stops.time == pytest.approx([n - 0.5]) and stops.first == pytest.approx([-0.5])
+    assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
     assert np.all(direction + rest == pytest.approx(1.0))

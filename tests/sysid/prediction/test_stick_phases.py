@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim.effects.catalogue import find
-from sysid.prediction.force_balance.stick_phases import find_rests, given_way
+from sysid.prediction.force_balance.stick_phases import find_stick_phases, presliding_displacement
 
 STEP = 1e-3
 NOISE = 1e-7
@@ -42,11 +42,11 @@ def test_a_core_gives_way_under_a_force_as_the_force_follows_the_motion(name, gi
     level = np.full(n, LEVEL)
     force = effect.friction_state.along_record(x, np.gradient(x, STEP), STEP * np.arange(n), level, p)
     stuck = np.where(np.arange(n) >= 200, 1.0, 0.0)
-    rests = find_rests(x, force, stuck, np.ones(n), np.ones(n, dtype=bool), 3, NOISE)
+    rests = find_stick_phases(x, force, stuck, np.ones(n), np.ones(n, dtype=bool), 3, NOISE)
     assert rests is not None and len(rests.spans) == 1
-    moved = given_way(rests, force, level, effect.friction_state, p)
-    assert np.ptp(rests.shift[rests.scored]) > 20.0 * NOISE
-    assert np.max(np.abs(moved - rests.shift)[rests.scored]) < tolerance
+    moved = presliding_displacement(rests, force, level, effect.friction_state, p)
+    assert np.ptp(rests.displacement[rests.scored]) > 20.0 * NOISE
+    assert np.max(np.abs(moved - rests.displacement)[rests.scored]) < tolerance
 
 
 def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
@@ -56,7 +56,7 @@ def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
     force[:300] = np.linspace(-2.0, 1.2, 300)
     position = NOISE * rng.standard_normal(n)
     position[400:] += 60.0 * NOISE * np.arange(600) / 600.0
-    rests = find_rests(position, force, np.ones(n), np.ones(n), np.ones(n, dtype=bool), 3, NOISE)
+    rests = find_stick_phases(position, force, np.ones(n), np.ones(n), np.ones(n, dtype=bool), 3, NOISE)
     assert rests is not None
     ends = [stop for _, stop in rests.spans]
     assert max(ends) <= 420
@@ -66,4 +66,6 @@ def test_a_slip_too_slow_to_see_by_its_speed_is_no_rest():
 def test_no_rest_is_found_where_the_body_always_moves():
     n = 500
     moving = np.zeros(n)
-    assert find_rests(np.arange(n) * 1e-6, np.ones(n), moving, np.ones(n), np.ones(n, dtype=bool), 3, NOISE) is None
+    assert (
+        find_stick_phases(np.arange(n) * 1e-6, np.ones(n), moving, np.ones(n), np.ones(n, dtype=bool), 3, NOISE) is None
+    )

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.record import Balance
-from sysid.prediction.force_balance.stick_phases import REST
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import predict
-from sysid.prediction.problem import Case, load_case
+from sysid.prediction.problem import Problem, load_problem
 
 STEP = 1e-3
 MASS, STIFFNESS, LEVEL = 1.5, 3000.0, 0.8
@@ -40,7 +40,7 @@ def _pulled(bristles: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return time, pull, force
 
 
-def _written(folder: Path, stiffness: str, effects: str, bristles: float = BRISTLES, bent: float = 0.0) -> Case:
+def _written(folder: Path, stiffness: str, effects: str, bristles: float = BRISTLES, bent: float = 0.0) -> Problem:
     """An experiment on that body, in which its own position is not logged."""
     folder.mkdir()
     time, pull, force = _pulled(bristles)
@@ -52,53 +52,57 @@ def _written(folder: Path, stiffness: str, effects: str, bristles: float = BRIST
         f'[model]\neffects = [{effects}]\n[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
         f'[noise]\nspring_force = "{NOISE} N"\n'
     )
-    return load_case(folder)
+    return load_problem(folder)
 
 
-def _at_rest(case: Case, **values: float) -> tuple[Balance, np.ndarray, np.ndarray]:
-    balance = case.fit_records[0]
-    assert isinstance(balance, Balance)
-    assert balance.rests is not None
-    predicted = predict(balance, case.start.effects, {**case.start.values, **values})[REST]
-    return balance, balance.rests.shift[balance.rests.scored], predicted[balance.rests.scored]
+def _at_rest(problem: Problem, **values: float) -> tuple[ForceBalanceRecord, np.ndarray, np.ndarray]:
+    balance = problem.fit_records[0]
+    assert isinstance(balance, ForceBalanceRecord)
+    assert balance.stick_phases is not None
+    predicted = predict(balance, problem.start.effects, {**problem.start.values, **values})[STICK_DISPLACEMENT]
+    return (
+        balance,
+        balance.stick_phases.displacement[balance.stick_phases.scored],
+        predicted[balance.stick_phases.scored],
+    )
 
 
 def test_rigid_friction_leaves_what_bristles_explain(tmp_path: Path) -> None:
     told = f"{STIFFNESS:g} N/m"
     rigid, shift, held = _at_rest(_written(tmp_path / "rigid", told, '"coulomb", "viscous"'))
-    assert rigid.rests is not None
-    assert rigid.rests.compliance == pytest.approx(1.0 / STIFFNESS)
-    assert np.std(shift) > 5.0 * rigid.rests.noise
+    assert rigid.stick_phases is not None
+    assert rigid.stick_phases.compliance == pytest.approx(1.0 / STIFFNESS)
+    assert np.std(shift) > 5.0 * rigid.stick_phases.noise
     assert not held.any()
     core = {"presliding.force": LEVEL, "presliding.stretch": LEVEL / BRISTLES, "presliding.curvature": 1.0}
-    case = _written(tmp_path / "bristles", told, '"presliding", "viscous"')
-    assert set(core) <= set(case.start.values)
-    _, shift, moved = _at_rest(case, **core)
+    problem = _written(tmp_path / "bristles", told, '"presliding", "viscous"')
+    assert set(core) <= set(problem.start.values)
+    _, shift, moved = _at_rest(problem, **core)
     assert np.std(shift - moved) < 0.3 * np.std(shift)
 
 
 def test_a_spring_softer_than_said_is_told_apart_once_its_deviation_is_given(tmp_path: Path) -> None:
     exact = _written(tmp_path / "exact", f"{1.005 * STIFFNESS:g} N/m", '"coulomb", "viscous"', 4e6)
     assert any("pull_stiffness as exact" in note for note in exact.notes)
-    case = _written(tmp_path / "unsure", f"{1.005 * STIFFNESS:g} +- {0.01 * STIFFNESS:g} N/m", '"coulomb"', 4e6)
-    assert not any("pull_stiffness" in note for note in case.notes)
-    _, shift, _ = _at_rest(case)
-    _, _, of_spring = _at_rest(case, **{"rig.pull_stiffness": STIFFNESS})
+    problem = _written(tmp_path / "unsure", f"{1.005 * STIFFNESS:g} +- {0.01 * STIFFNESS:g} N/m", '"coulomb"', 4e6)
+    assert not any("pull_stiffness" in note for note in problem.notes)
+    _, shift, _ = _at_rest(problem)
+    _, _, of_spring = _at_rest(problem, **{"rig.pull_stiffness": STIFFNESS})
     # A spring half a hundredth too stiff makes of a body that holds: the force times the compliance that is missing.
     assert np.std(of_spring) == pytest.approx(np.std(shift), rel=0.3)
     assert np.corrcoef(shift, of_spring)[0, 1] > 0.9
 
 
 def test_a_bent_sensor_of_the_force_bends_the_position_it_tells(tmp_path: Path) -> None:
-    case = _written(
+    problem = _written(
         tmp_path / "bent",
         f"{STIFFNESS:g} N/m",
         '"presliding", "viscous", "sensor_nonlinearity@spring_force"',
         bent=0.05,
     )
-    scale = case.start.values["sensor_nonlinearity@spring_force.full_scale"]
+    scale = problem.start.values["sensor_nonlinearity@spring_force.full_scale"]
     core = {"presliding.force": LEVEL, "presliding.stretch": LEVEL / BRISTLES, "presliding.curvature": 1.0}
     bend = {"sensor_nonlinearity@spring_force.second_order": 0.05 * scale / 3.0}
-    _, shift, straight = _at_rest(case, **core)
-    _, _, moved = _at_rest(case, **core, **bend)
+    _, shift, straight = _at_rest(problem, **core)
+    _, _, moved = _at_rest(problem, **core, **bend)
     assert np.std(shift - moved) < 0.5 * np.std(shift - straight)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.sticking import Stops, departures, sharpened, stop_times
+from sysid.prediction.force_balance.sticking import SlipPhases, departures, sharpened, stop_times
 from sysid.signals.gaussian_filter import GaussianFilter
 
 MASS, LEVEL, STEP = 0.5, 1.2, 1e-3
@@ -31,31 +31,31 @@ def _smooth(signal: np.ndarray, order: int = 0) -> np.ndarray:
     return GaussianFilter(LIGHT * STEP, STEP, N)(signal, order)
 
 
-STOPS = Stops(
+STOPS = SlipPhases(
     np.array([-0.5]), np.array([STOP + 2.5]), np.array([1.0]), np.array([LEAVE - 6.0]), np.array([1.0])
 )  # fmt: skip
 
 
 def test_the_momentum_tells_the_stop_that_the_position_put_late() -> None:
     found = stop_times(
-        STOPS.first, STOPS.time, STOPS.heading, STOPS.departure, _smooth(_velocity()), _force(), np.full(N, LEVEL),
+        STOPS.start, STOPS.end, STOPS.direction, STOPS.break_away, _smooth(_velocity()), _force(), np.full(N, LEVEL),
         STEP / MASS, LIGHT, 10.0,
     )  # fmt: skip
     # What the filter tails still bring of the kink from over three widths away.
     assert found == pytest.approx([STOP], abs=0.01)
     # No farther than asked.
     near = stop_times(
-        STOPS.first, STOPS.time, STOPS.heading, STOPS.departure, _smooth(_velocity()), _force(), np.full(N, LEVEL),
+        STOPS.start, STOPS.end, STOPS.direction, STOPS.break_away, _smooth(_velocity()), _force(), np.full(N, LEVEL),
         STEP / MASS, LIGHT, 1.0,
     )  # fmt: skip
     assert near == pytest.approx([STOP + 1.5])
 
 
 def test_a_rest_lasts_until_the_push_reaches_the_level() -> None:
-    found = departures(STOPS.time, STOPS.departure, STOPS.next_heading, _force(), np.full(N, LEVEL), 20.0)
+    found = departures(STOPS.end, STOPS.break_away, STOPS.next_direction, _force(), np.full(N, LEVEL), 20.0)
     assert found == pytest.approx([LEAVE], abs=1e-9)
     assert departures(
-        STOPS.time, STOPS.departure, STOPS.next_heading, _force(), np.full(N, LEVEL), 2.0
+        STOPS.end, STOPS.break_away, STOPS.next_direction, _force(), np.full(N, LEVEL), 2.0
     ) == pytest.approx([LEAVE - 4.0], abs=1.0)
 
 

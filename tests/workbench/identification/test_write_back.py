@@ -14,7 +14,7 @@ import workbench.identification.design_values
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue
-from sysid.prediction.problem import load_case
+from sysid.prediction.problem import load_problem
 from workbench.cli import run
 from workbench.identification.design_values import design_values
 from workbench.options import Run
@@ -90,8 +90,8 @@ def test_a_sum_of_fitted_values_has_the_deviation_of_the_sum(rig: Path, capsys: 
     assert run(["add", str(rig), "--write-back", "friction.breakaway", "--json"]) == 0
     written = json.loads(capsys.readouterr().out)["written_back"]["friction.breakaway"]
 
-    case = load_case(rig)
-    found = intervals(fit_stated_model(case).fitted, case.fit_records)
+    problem = load_problem(rig)
+    found = intervals(fit_stated_model(problem).fitted, problem.fit_records)
     one, two = found.by_key["coulomb.force"], found.by_key["stribeck.force"]
     together = found.correlation[found.keys.index("coulomb.force"), found.keys.index("stribeck.force")]
     assert written["value"] == pytest.approx(one.value + two.value)
