@@ -1,4 +1,4 @@
-"""Where a face is seen as a line, so that a datum letter, a tolerance or a surface texture can stand on it."""
+"""Edge views of faces: the line as which a face is seen, for datum letters, tolerances and surface textures."""
 
 from __future__ import annotations
 
@@ -9,20 +9,20 @@ from stagecad.parameters.dimension import DatumFeature, FaceRequirement, Geometr
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 SQUARE = 1e-6
-"""Sine of the angle under which two directions still count as square or parallel."""
+"""Sine of the greatest angle by which perpendicular or parallel directions may differ."""
 
 LONGEST = 40.0
-"""How far to either side of its point a face is followed, mm on paper."""
+"""Greatest length of the line on either side of the declared point, mm on the paper."""
+
+EdgeOfFace = tuple[Point2, Point2, float]
+"""Both ends of the line in view coordinates, and the direction out of the material, degrees."""
 
 
-def face_line(
-    view: View, requirement: FaceRequirement, gauge: DimensionVerifier
-) -> tuple[Point2, Point2, float] | None:
-    """Ends of the line as which a face is seen, and the direction out of it, degrees; none where it is seen otherwise.
+def edge_of_face(view: View, requirement: FaceRequirement, gauge: DimensionVerifier) -> EdgeOfFace | None:
+    """The line as which a face is seen in a view; None where it is not seen as a line.
 
     Args:
-        view: what it is to be seen in.
-        requirement: says where the face is.
+        requirement: declares points of the face.
         gauge: of the part's solid.
     """
     eye = view.projection.towards_eye
@@ -44,10 +44,8 @@ def face_line(
     return None
 
 
-def _outline(
-    view: View, requirement: DatumFeature | GeometricTolerance, gauge: DimensionVerifier
-) -> tuple[Point2, Point2, float] | None:
-    """The outline, to the right or above, of a round face seen from the side."""
+def _outline(view: View, requirement: DatumFeature | GeometricTolerance, gauge: DimensionVerifier) -> EdgeOfFace | None:
+    """The outline, at the right or above, of a round face seen from the side."""
     axis = requirement.normal
     if abs(dot(axis, view.projection.towards_eye)) > SQUARE:
         return None
@@ -61,7 +59,7 @@ def _outline(
             middle = view.projection.to_view(requirement.points[0])
             corners = [view.projection.to_view(corner) for corner in _corners(surface.low, surface.high)]
             for square in ((v, -u), (-v, u)):
-                # A flat may have taken the outline away on one side.
+                # On one side a flat may have removed the outline.
                 if max(_along(corner, middle, square) for corner in corners) > surface.radius - 1e-6:
                     break
             rim = (middle[0] + surface.radius * square[0], middle[1] + surface.radius * square[1])

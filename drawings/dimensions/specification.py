@@ -1,7 +1,7 @@
-"""What a view is asked to show: a declaration turned to the view's plane, with its text, but without a place yet.
+"""Dimension specifications: a declared dimension, datum or tolerance in the plane of a view, with its text.
 
-View coordinates at 1:1, mm; `drawings.placement.views` finds the places on the paper and makes
-`drawings.annotations.annotation` of them.
+View coordinates at 1:1, mm. `drawings.placement` finds the position of each on the paper and makes an annotation of it
+(`drawings.annotations.annotation`).
 """
 
 from __future__ import annotations
@@ -9,13 +9,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from drawings.annotations.annotation import Symbol
 from drawings.views.view import Point2
+from stagecad.parameters.dimension import Characteristic
 
 
 @dataclass(frozen=True)
 class DistanceSpec:
-    """A length between two points, seen true."""
+    """A distance between two points, in true length.
+
+    Args:
+        view: name of the view.
+        angle: direction of measurement, degrees from u.
+        text: as printed.
+        measured: value on the solid, mm.
+        names: declarations it stands for.
+    """
 
     view: str
     first: Point2
@@ -28,11 +36,11 @@ class DistanceSpec:
 
 @dataclass(frozen=True)
 class RoundSpec:
-    """A diameter or radius of what is seen as a circle or an arc.
+    """A diameter or radius of a circle or an arc.
 
     Args:
-        towards: direction from the centre to the middle of what is seen of the arc, degrees.
-        spread: how far to either side of it the arc reaches, degrees.
+        towards: direction from the centre to the middle of the visible arc, degrees.
+        spread: angle that the arc covers on either side of it, degrees.
     """
 
     view: str
@@ -65,8 +73,8 @@ class CalloutSpec:
 
     Args:
         at: middle of the feature.
-        radius: of the circle the leader ends on; 0 for a point.
-        choices: other places on the feature where the leader may end.
+        radius: of the circle on which the leader ends; 0 for a point.
+        choices: other points of the feature at which the leader may end.
     """
 
     view: str
@@ -79,13 +87,14 @@ class CalloutSpec:
 
 @dataclass(frozen=True)
 class FrameSpec:
-    """A feature control frame, or a datum letter, on a face seen as a line.
+    """A feature control frame, or a datum letter, on a face that is seen as a line.
 
     Args:
         first, second: ends of that line.
         outward: direction out of the material, degrees.
-        letter: of a datum; a characteristic is none then.
-        diameter: of the round face whose axis the datum is, mm: its mark goes on that dimension line; else 0.
+        characteristic: geometrical characteristic; None for a datum.
+        letter: of a datum; empty for a control frame.
+        diameter: of the round face whose axis is the datum, mm: its symbol is on that dimension line; else 0.
     """
 
     view: str
@@ -93,7 +102,7 @@ class FrameSpec:
     second: Point2
     outward: float
     names: tuple[str, ...]
-    characteristic: Symbol | None = None
+    characteristic: Characteristic | None = None
     tolerance: str = ""
     datums: tuple[str, ...] = ()
     letter: str = ""

@@ -1,27 +1,28 @@
-"""What is printed for a dimension: decimals by tolerance class, counts, diameter and radius signs, hole callouts."""
+"""Dimension text: decimals by tolerance class, counts, diameter and radius signs, hole callouts."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 from stagecad.parameters.dimension import Dimension
 
 DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
-"""The decimals of a dimension are its tolerance: a 12 is another promise than a 12.0."""
+"""Number of decimals of each tolerance class: a 12 has a wider tolerance than a 12.0."""
 
 MOST_DECIMALS = 3
-"""Of any number on a sheet: what is left out, half a micrometre, is small in the tightest class."""
+"""Most decimals of a number on a sheet: the rounding, 0.5 um, is small against the tightest class."""
 
 DIAMETER, TIMES, PLUS_MINUS, DEGREE = "⌀", "x", "±", "°"
 
 
 def number(value: float, tolerance: str | None, plus_minus: float) -> str:
-    """A value with the decimals of its class; where those would round it, with more and the tolerance spelled out.
+    """A value with the decimals of its class; where these would round it, with more decimals and the tolerance.
 
     Args:
         value: mm or degrees.
-        tolerance: class `X`, `X.X` or `X.XX`; none gives as many decimals as needed.
-        plus_minus: of the class, in the value's unit.
+        tolerance: class `X`, `X.X` or `X.XX`; None for as many decimals as needed.
+        plus_minus: tolerance of the class, in the unit of the value.
     """
     needed = next((n for n in range(MOST_DECIMALS) if abs(round(value, n) - value) < 1e-6), MOST_DECIMALS)
     if tolerance is None:
@@ -33,12 +34,12 @@ def number(value: float, tolerance: str | None, plus_minus: float) -> str:
 
 
 def times(count: int) -> str:
-    """`3x ` before what stands for three."""
+    """Prefix of a dimension of several equal features: `3x `."""
     return f"{count}{TIMES} " if count > 1 else ""
 
 
-def plain(dimension: Dimension, plus_minus: float) -> str:
-    """Text of a dimension that stands by itself, note left out."""
+def dimension_text(dimension: Dimension, plus_minus: float) -> str:
+    """Text of a single dimension, without its note."""
     value = number(dimension.value, dimension.tolerance, plus_minus)
     match dimension.kind:
         case "diameter":
@@ -61,11 +62,11 @@ def plain(dimension: Dimension, plus_minus: float) -> str:
 
 
 def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tuple[str, ...]:
-    """Lines that tell a feature by all its declarations: count, thread or diameter, depth, counterbore, notes.
+    """Lines of the callout of a feature: count, thread or diameter, depth, counterbore, notes.
 
     Args:
         dimensions: of one feature, as declared.
-        plus_minus: of the class of each.
+        plus_minus: tolerance of the class of each.
     """
     value = {d.name: number(d.value, d.tolerance, p) for d, p in zip(dimensions, plus_minus, strict=True)}
     count = max(d.count for d in dimensions)
@@ -99,13 +100,13 @@ def callout(dimensions: Sequence[Dimension], plus_minus: Sequence[float]) -> tup
             case "chamfer":
                 lines.append(f"{value[d.name]}{TIMES}45{DEGREE}")
             case _:
-                lines.append(plain(d, plus_minus[list(dimensions).index(d)]).removeprefix(times(d.count)))
+                lines.append(dimension_text(d, plus_minus[list(dimensions).index(d)]).removeprefix(times(d.count)))
         if d.note and lines:
             lines[-1] += f"{',' if d.kind == 'count' else ''} {d.note}"
     if not lines:
         lines = [dimensions[0].name]
     lines[0] = times(count) + lines[0]
-    return tuple(_joined(lines))
+    return tuple(_wrapped(lines))
 
 
 def _whole(value: float) -> bool:
@@ -125,23 +126,15 @@ def _thread(dimensions: Sequence[Dimension], value: dict[str, str], thread: str)
 
 
 def _names(depth: Dimension, dimensions: Sequence[Dimension], value: dict[str, str], line: str) -> bool:
-    """Whether a line tells the diameter whose name the depth's begins with (`clamp counterbore depth`)."""
+    """Whether a line has the diameter with whose name that of the depth begins (`clamp counterbore depth`)."""
     return any(
         d.kind == "diameter" and depth.name.startswith(d.name) and f"{DIAMETER}{value[d.name]}" in line
         for d in dimensions
     )
 
 
-def _joined(lines: Sequence[str], longest: int = 34) -> list[str]:
-    """Long lines broken at spaces, so that a callout stays a block."""
-    found: list[str] = []
-    for line in lines:
-        now = ""
-        for word in line.split(" "):
-            if now and len(now) + 1 + len(word) > longest:
-                found.append(now)
-                now = word
-            else:
-                now = f"{now} {word}" if now else word
-        found.append(now)
-    return found
+def _wrapped(lines: Sequence[str], longest: int = 34) -> list[str]:
+    """Long lines broken at spaces."""
+    return [
+        part for line in lines for part in textwrap.wrap(line, longest, break_long_words=False, break_on_hyphens=False)
+    ]

@@ -59,7 +59,7 @@ def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tu
 
     Args:
         views: with curves and scale; `View.beside` names the view with which one is aligned, the first is the main one.
-        specs: of all views (`drawings.dimensions.dimensioning.dimension_specs`).
+        specs: of all views (`drawings.dimensions.dimensioning.sheet_dimensions`).
     """
     return tuple(
         place_annotations(view, [spec for spec in specs if spec.view == view.name], _marks(view, views))

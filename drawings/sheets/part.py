@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from drawings.annotations.annotation import Note
 from drawings.annotations.font import LINE_PITCH, TEXT_HEIGHT
 from drawings.annotations.symbols import symbol_text_width
-from drawings.dimensions.dimensioning import request
+from drawings.dimensions.dimensioning import sheet_dimensions
 from drawings.dimensions.specification import DimensionSpec
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper
@@ -143,11 +143,11 @@ def _sheet(
     plan = plans[number - 1]
     dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
     requirements = [r for r in part.requirements if sheet_of_requirement(plans, r) is plan]
-    asked = request(dimensions, requirements, design, gauge, views)
-    if asked.missing:
-        raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(asked.missing)}")
-    lines = _note_lines(part, asked.notes)
-    paper, arranged, note = _arranged(plan, views, asked.asked, lines)
+    shown = sheet_dimensions(dimensions, requirements, design, gauge, views)
+    if shown.missing:
+        raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
+    lines = _note_lines(part, shown.notes)
+    paper, arranged, note = _arranged(plan, views, shown.specs, lines)
     title = _title(part, design, plan, number, len(plans))
     return Sheet(plan.name, part.name, paper, plan.scale, title, arranged.views, arranged.annotations, (note,))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from drawings.dimensions.text import callout, number, plain
+from drawings.dimensions.text import callout, dimension_text, number
 from stagecad.parameters.dimension import Dimension
 
 ENDS = ((0.0, 0.0, 0.0), (0.0, 0.0, -1.0))
@@ -36,13 +36,13 @@ def declared(kind: str, name: str, value: float, **more: object) -> Dimension:
 
 
 def test_what_stands_alone() -> None:
-    assert plain(declared("diameter", "bore", 16.02, tolerance="X.XX", count=3), 0.01) == "3x ⌀16.02"
-    assert plain(declared("radius", "nose", 20.0, note="spherical; coated"), 0.1) == "SR20.0"
-    assert plain(declared("radius", "corner", 5.0, tolerance="X", count=4), 0.1) == "4x R5"
-    assert plain(declared("chamfer", "edge", 0.5), 0.1) == "0.5x45°"
-    assert plain(declared("slope", "wedge", 0.05, tolerance=None), 0.0) == "slope 1:20"
-    assert plain(declared("slope", "wedge", 0.053, tolerance=None), 0.0) == "slope 0.053"
-    assert plain(declared("angle", "neck", 85.0, tolerance="X", count=2), 0.1) == "2x 85°"
+    assert dimension_text(declared("diameter", "bore", 16.02, tolerance="X.XX", count=3), 0.01) == "3x ⌀16.02"
+    assert dimension_text(declared("radius", "nose", 20.0, note="spherical; coated"), 0.1) == "SR20.0"
+    assert dimension_text(declared("radius", "corner", 5.0, tolerance="X", count=4), 0.1) == "4x R5"
+    assert dimension_text(declared("chamfer", "edge", 0.5), 0.1) == "0.5x45°"
+    assert dimension_text(declared("slope", "wedge", 0.05, tolerance=None), 0.0) == "slope 1:20"
+    assert dimension_text(declared("slope", "wedge", 0.053, tolerance=None), 0.0) == "slope 0.053"
+    assert dimension_text(declared("angle", "neck", 85.0, tolerance="X", count=2), 0.1) == "2x 85°"
 
 
 def test_a_tapped_hole_tells_thread_drill_and_both_depths() -> None:

@@ -15,7 +15,7 @@ import pytest
 from ap242_file import Ap242File, ReadDimension, decimals, read_ap242
 from ap242_measures import measured, off_axis
 
-from drawings.dimensions.dimensioning import request
+from drawings.dimensions.dimensioning import sheet_dimensions
 from drawings.dimensions.specification import CalloutSpec, FrameSpec
 from drawings.pmi.ap242 import ap242_bytes, information_of, write_ap242
 from drawings.pmi.step_text import with_properties
@@ -279,9 +279,9 @@ def asked_of(name: str):
     for plan in plans:
         dimensions = [d for d in declared(name) if sheet_of(plans, d.name) is plan]
         requirements = [r for r in required(name) if sheet_of_requirement(plans, r) is plan]
-        made = request(dimensions, requirements, thesis(), gauge, views.of(plan))
+        made = sheet_dimensions(dimensions, requirements, thesis(), gauge, views.of(plan))
         assert not made.missing
-        yield from made.asked
+        yield from made.specs
 
 
 def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
