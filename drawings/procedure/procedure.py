@@ -1,8 +1,6 @@
-"""The assembly procedure: what goes where in which order, with which tool and torque, and what is set on the way.
+"""The assembly procedure: order of assembly, parts, tools, torques and adjustments, for the sheet and the report.
 
-Plain data, for a sheet and for the report. Every number in it is read from the parameter file or from the list of
-parts, or handed in by whoever has calculators (`ProcedureValues`); the sentences themselves hold none, but name their
-figures in braces, and each figure knows its origin.
+All numbers are parameters, entries of the parts list or calculated values (`ProcedureValues`).
 """
 
 from __future__ import annotations
@@ -13,18 +11,18 @@ from dataclasses import dataclass
 from typing import Any
 
 from drawings.procedure.figures import Figure, ProcedureValues, figures_of
-from drawings.procedure.steps import drafts
+from drawings.procedure.steps import step_templates
 from stagecad.solids.assembly.bill_of_materials import Row
 
 
 @dataclass(frozen=True)
 class PartUse:
-    """Parts that a step puts in.
+    """A row of the parts list that is put in by a step.
 
     Args:
-        item: number in the list of parts, as in the balloons.
+        item: number in the parts list and of the balloon.
         part, part_number: name, and number in the catalogue or of the drawing.
-        quantity: that this step takes.
+        quantity: number of parts.
     """
 
     item: int
@@ -39,12 +37,10 @@ class Step:
 
     Args:
         number: from 1, in the order of assembly.
-        title: what is done.
-        sentences: how; each an order or what is seen when it is right.
-        parts: from the list of parts.
-        tools: and what else is needed that is not in the list.
+        sentences: instructions.
+        tools: and materials that are not in the parts list.
         torque: of the screws of this step.
-        figures: all numbers in it, by name.
+        figures: all numbers of the step, by name.
     """
 
     number: int
@@ -64,31 +60,30 @@ class Procedure:
 
 
 def procedure(design: Any, rows: Sequence[Row], values: ProcedureValues) -> Procedure:
-    """The assembly of one design.
+    """The assembly procedure of a design.
 
     Args:
-        design: the design.
-        rows: its list of parts; every part in it is put in by exactly one step.
-        values: what has to be calculated.
+        rows: of its parts list; each part is put in by exactly one step.
+        values: calculated values.
     """
     figures = figures_of(design, rows, values)
     listed = {row.part: row for row in rows}
     steps = []
-    for number, draft in enumerate(drafts(design, values), start=1):
+    for number, template in enumerate(step_templates(design, values), start=1):
         used = {
             name: figures[name]
-            for text in (*draft.tools, *draft.sentences, f"{{{draft.torque}}}")
+            for text in (*template.tools, *template.sentences, f"{{{template.torque}}}")
             for name in _names(text)
         }
         shown = {name: figure.text for name, figure in used.items()}
         steps.append(
             Step(
                 number,
-                draft.title,
-                tuple(text.format(**shown) for text in draft.sentences),
-                tuple(_use(listed[part]) for part in draft.parts),
-                tuple(text.format(**shown) for text in draft.tools),
-                figures[draft.torque] if draft.torque else None,
+                template.title,
+                tuple(text.format(**shown) for text in template.sentences),
+                tuple(_use(listed[part]) for part in template.parts),
+                tuple(text.format(**shown) for text in template.tools),
+                figures[template.torque] if template.torque else None,
                 used,
             )
         )

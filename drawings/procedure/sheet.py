@@ -1,4 +1,4 @@
-"""The sheet of the assembly procedure: a table of steps in two columns, in the frame of every other sheet."""
+"""The sheet of the assembly procedure: a table of steps in two columns, and pictures beside it."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from drawings.annotations.annotation_geometry import BALLOON
-from drawings.annotations.font import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
+from drawings.annotations.font import LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT
 from drawings.annotations.primitives import Primitive, Stroke, Text, rectangle
 from drawings.pictures.picture import Picture
 from drawings.procedure.procedure import PartUse, Procedure, Step
 from drawings.sheets.assembly import all_balloons
 from drawings.sheets.frame import CENTRING, PAPERS, Paper, drawing_space
-from drawings.sheets.sheet import Sheet, scale_text
+from drawings.sheets.sheet import Sheet, scale_text, wrapped
 from drawings.sheets.title_block import HEIGHT, TitleBlock
 from drawings.views.bounding_box import view_box
 from drawings.views.view import Box2
@@ -23,10 +23,10 @@ NAME = "procedure"
 SCALES = (0.5, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1, 0.05)
 SIZES: tuple[Paper, ...] = ("A2", "A1")
 SIDE, MARGIN, GUTTER = CENTRING + 2.0, 6.0, 8.0
-"""From the frame's sides to the table, clear of the centring marks; from its top; between two columns, mm."""
+"""Distance of the table from the sides of the frame, beyond the centring marks, from its top; of the columns, mm."""
 PAD = 2.0
-"""From a cell's edge to its text, mm."""
-NUMBER, NEEDS = 11.0, 86.0
+"""Margin of a text in its cell, mm."""
+NUMBER, REQUIRED = 11.0, 86.0
 """Widths of the cells for a step's number, and for its parts, tools and torque, mm."""
 HEAD = 8.0
 """Height of the row of headings, mm."""
@@ -50,10 +50,9 @@ def procedure_sheet(
     """The sheet, on the smallest paper that holds the table.
 
     Args:
-        procedure: the steps.
-        title: its title block; the scale is that of the pictures.
-        pictures: of the machine taken apart, beside the table at a scale that fits, where it leaves a column for them.
-        rows: of the parts list, to be pointed at in the pictures.
+        title: title block; its scale becomes that of the pictures.
+        pictures: of the exploded machine, in the second column where the table leaves it free.
+        rows: of the parts list, for balloons in the pictures.
 
     Raises:
         ValueError: the table is too long for the largest paper.
@@ -72,7 +71,7 @@ def procedure_sheet(
                 tuple(one.view for one in placed),
                 tuple(all_balloons(placed, rows)),
                 (),
-                tuple(table.inks),
+                tuple(table.primitives),
             )
     raise ValueError(f"the procedure has {len(procedure.steps)} steps, more than a sheet of {SIZES[-1]} holds")
 
@@ -81,38 +80,38 @@ class _Table:
     """The steps in two columns, the second one above the title block.
 
     Attributes:
-        inks: lines and texts.
-        complete: whether all steps found room.
-        free: box of the second column where no step stands in it.
+        primitives: lines and texts.
+        complete: whether all steps fit.
+        free: box of the second column where no step is in it.
     """
 
     def __init__(self, steps: Sequence[Step], paper: Paper) -> None:
         x0, y0, x1, y1 = drawing_space(paper)
-        # The gutter lies under the centring mark, in the middle of the paper.
+        # The gap between the columns is at the centring mark, in the middle of the paper.
         middle, top = PAPERS[paper][0] / 2, y1 - MARGIN
         second, width = middle + GUTTER / 2, middle - GUTTER / 2 - x0 - SIDE
         left = list(steps)
-        self.inks: list[Primitive] = []
+        self.primitives: list[Primitive] = []
         self.free: Box2 | None = (second, y0 + HEIGHT + MARGIN, x1 - SIDE, y1 - SIDE)
         for start, floor in ((x0 + SIDE, y0 + MARGIN), (second, y0 + HEIGHT + MARGIN)):
             if not left:
                 break
             if start == second:
                 self.free = None
-            self.inks += _headings((start, top - HEAD, start + width, top))
+            self.primitives += _headings((start, top - HEAD, start + width, top))
             height = top - HEAD
             while left:
                 row = _Row(left[0], width)
                 if height - row.height < floor:
                     break
-                self.inks += row.ink(start, height)
+                self.primitives += row.primitives(start, height)
                 height -= row.height
                 left.pop(0)
         self.complete = not left
 
 
 def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
-    """The views one above the other in an area, the first above, all at the largest scale at which they fit."""
+    """The pictures one below the other in an area, at the largest scale at which they fit."""
     x0, y0, x1, y1 = area
     room = 8 * BALLOON
     for scale in SCALES:
@@ -135,35 +134,37 @@ def _headings(box: Box2) -> Iterator[Primitive]:
     x0, y0, x1, y1 = box
     yield rectangle(box, "FRAME")
     base = y0 + (y1 - y0 - TEXT_HEIGHT) / 2
-    for text, left in (("No.", x0), ("Step", x0 + NUMBER), ("Parts, tools, torque", x1 - NEEDS)):
+    for text, left in (("No.", x0), ("Step", x0 + NUMBER), ("Parts, tools, torque", x1 - REQUIRED)):
         yield Text(text, (left + PAD, base), TEXT_HEIGHT)
 
 
 class _Row:
-    """One step, its texts broken into lines."""
+    """A row of the table: one step, its texts in lines."""
 
     def __init__(self, step: Step, width: float) -> None:
         self._step, self._width = step, width
         self._words = [_Line(step.title, TEXT_HEIGHT)]
         for sentence in step.sentences:
-            self._words += [_Line(text) for text in broken(sentence, width - NUMBER - NEEDS - 2 * PAD, SMALL_HEIGHT)]
-        self._needs: list[_Line] = [_Line(_part(use)) for use in step.parts]
+            self._words += [
+                _Line(text) for text in wrapped(sentence, width - NUMBER - REQUIRED - 2 * PAD, SMALL_HEIGHT)
+            ]
+        self._required: list[_Line] = [_Line(_part(use)) for use in step.parts]
         for text in ("; ".join(step.tools), f"Torque {step.torque.text}" if step.torque else ""):
-            self._needs += [_Line(line) for line in broken(text, NEEDS - 2 * PAD, SMALL_HEIGHT)] if text else []
+            self._required += [_Line(line) for line in wrapped(text, REQUIRED - 2 * PAD, SMALL_HEIGHT)] if text else []
 
     @property
     def height(self) -> float:
-        """Of the row, mm."""
-        return 2 * PAD + max(sum(line.pitch for line in cell) for cell in (self._words, self._needs))
+        """Height of the row, mm."""
+        return 2 * PAD + max(sum(line.pitch for line in cell) for cell in (self._words, self._required))
 
-    def ink(self, left: float, top: float) -> Iterator[Primitive]:
-        """The row with its upper left corner there."""
+    def primitives(self, left: float, top: float) -> Iterator[Primitive]:
+        """Lines and texts of the row, with its upper left corner at a point."""
         right, bottom = left + self._width, top - self.height
         yield rectangle((left, bottom, right, top))
-        for x in (left + NUMBER, right - NEEDS):
+        for x in (left + NUMBER, right - REQUIRED):
             yield Stroke(((x, bottom), (x, top)))
         yield Text(str(self._step.number), (left + NUMBER / 2, top - PAD - TEXT_HEIGHT), TEXT_HEIGHT, "middle")
-        for cell, x in ((self._words, left + NUMBER), (self._needs, right - NEEDS)):
+        for cell, x in ((self._words, left + NUMBER), (self._required, right - REQUIRED)):
             base = top - PAD
             for line in cell:
                 yield Text(line.text, (x + PAD, base - line.height), line.height)
@@ -173,15 +174,3 @@ class _Row:
 def _part(use: PartUse) -> str:
     number = f", {use.part_number}" if use.part_number else ""
     return f"[{use.item}] {use.quantity} x {use.part.replace('_', ' ')}{number}"
-
-
-def broken(text: str, width: float, height: float) -> list[str]:
-    """A text broken at its spaces into lines no wider than a width, mm; a word wider than that stands alone."""
-    lines: list[str] = []
-    for word in text.split(" "):
-        longer = f"{lines[-1]} {word}" if lines else word
-        if lines and text_width(longer, height) <= width:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines

@@ -1,34 +1,47 @@
-"""The steps of the assembly in words, their numbers left open: each sentence names its figures in braces."""
+"""The steps of the assembly as templates: each sentence names its figures in braces."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from drawings.procedure.figures import ProcedureValues
 
+Condition = Literal["always", "teeth", "no teeth", "film lasts", "film wears out"]
+"""Designs that have a step: with or without magnetic teeth; film on the pads thick or thin for the running-in."""
+
 
 @dataclass(frozen=True)
-class Draft:
-    """A step before its figures are put in: `tools` and `sentences` name them in braces."""
+class StepTemplate:
+    """A step without its figures.
+
+    Args:
+        parts: names of the parts that are put in.
+        tools, sentences: with names of figures in braces.
+        torque: name of the figure that is the torque of the screws; empty where there is none.
+        condition: designs that have this step.
+    """
 
     title: str
     parts: tuple[str, ...]
     tools: tuple[str, ...]
     sentences: tuple[str, ...]
     torque: str = ""
+    condition: Condition = "always"
 
 
-_PULLED = (
-    "The magnets pull it down with {magnet_pull} at a gap of {teeth_gap} (asked for: {preload}); let it down by the "
-    "wedges, fingers out.",
+_LOWERED = "Tip at its lowest. Lower the stage square onto the ways, pads on the running faces."
+_SLIDES = "It slides freely over the whole travel of {travel}."
+_STROKES = (
+    "{run_in_cycles} strokes there and back over {travel} at up to {run_in_speed}: {run_in_distance}, {run_in_time}."
+)
+_AFTER_RUN_IN = (
+    "Wipe the ways. Friction is then {dynamic_low} to {dynamic_high} moving, {static_low} to {static_high} from rest; "
+    "check the height once more."
 )
 
-
-def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
-    """The steps in the order in which the parts go in."""
-    yield Draft(
+STEPS = (
+    StepTemplate(
         "Set up the base",
         ("base",),
         ("{eye_bolts} eye bolts {eye_bolt}", "{feet} feet {eye_bolt}"),
@@ -36,8 +49,8 @@ def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
             "Lift the base by its corners ({base_mass}) and set it on its feet.",
             "Wipe the lapped top; a hard stone finds burrs at the holes.",
         ),
-    )
-    yield Draft(
+    ),
+    StepTemplate(
         "Bolt the bearing ways",
         ("bearing_way", "way_screw"),
         ("{setting_pins} setting pins {setting_pin}", "key {way_key}", "torque wrench"),
@@ -49,20 +62,20 @@ def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
             "Draw the pins out. Inner edges are {way_gap} apart.",
         ),
         "way_torque",
-    )
-    if design.teeth.fitted:
-        yield Draft(
-            "Screw the tooth bars down",
-            ("tooth_bar", "bar_screw"),
-            ("key {bar_key}", "torque wrench"),
-            (
-                "Stand each bar on its feet, teeth up and along the travel, {bar_spacing} from middle to middle.",
-                "Set them parallel to the ways' inner edges by a dial on a way, then tighten {bar_thread} to "
-                "{bar_torque} ({bar_preload} a screw).",
-            ),
-            "bar_torque",
-        )
-    yield Draft(
+    ),
+    StepTemplate(
+        "Screw the tooth bars down",
+        ("tooth_bar", "bar_screw"),
+        ("key {bar_key}", "torque wrench"),
+        (
+            "Stand each bar on its feet, teeth up and along the travel, {bar_spacing} from middle to middle.",
+            "Set them parallel to the ways' inner edges by a dial on a way, then tighten {bar_thread} to "
+            "{bar_torque} ({bar_preload} a screw).",
+        ),
+        "bar_torque",
+        condition="teeth",
+    ),
+    StepTemplate(
         "Put in spring, height pins and set screw",
         ("spring", "height_pin_1", "set_screw", "height_pin_2"),
         ("key {set_key}", "grease"),
@@ -71,10 +84,10 @@ def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
             "then the set screw ({set_thread}).",
             "From above into the pocket's floor: height pin 2, greased, sloping end down; it lies flat on the wedge.",
             "At the middle of its stroke of {stroke} the spring is {spring_length} long. From there turn the set "
-            "screw out by {half_range_turns} turns: the tip will stand {adjustment} below its middle.",
+            "screw out by {half_range_turns} turns: the tip will be {adjustment} below its middle.",
         ),
-    )
-    yield Draft(
+    ),
+    StepTemplate(
         "Put the piezos into their holder",
         ("holder", "piezo"),
         ("{piezo_screws} soft-tipped set screws {piezo_screw} a holder", "gauge"),
@@ -82,20 +95,20 @@ def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
             "Stand each piezo on the floor of its bore, leads through the slot into the well and out at the top.",
             "Draw the soft-tipped screws finger tight against the piezos' feet: they hold the foot and leave the "
             "stroke free.",
-            "All ends stand {piezo_proud} proud of the holder, alike.",
+            "All ends are {piezo_proud} above the holder, to equal height.",
         ),
-    )
-    yield Draft(
+    ),
+    StepTemplate(
         "Bond the tip",
         ("tip",),
         ("stiff adhesive", "flat plate"),
         (
             "A drop of adhesive in each seat; set the tip on the piezos' domes ({piezo_spacing} apart), nose up, "
             "and let it cure with the seats touching metal to metal.",
-            "The apex stands {tip_height} above the piezos' ends.",
+            "The apex is {tip_height} above the piezos' ends.",
         ),
-    )
-    yield Draft(
+    ),
+    StepTemplate(
         "Lower the holder into its pocket",
         (),
         ("lifting screws {piezo_screw}", "gauge {index_gauge}"),
@@ -104,88 +117,97 @@ def drafts(design: Any, values: ProcedureValues) -> Iterator[Draft]:
             "Turn it until the gauge, laid in the base's lead channel, enters the index notch: piezos 1 and 2 then "
             "lie along the travel. Lay the leads in the channel.",
         ),
-    )
-    if design.teeth.fitted:
-        yield Draft(
-            "Bond irons and magnets into the stage",
-            ("tooth_iron", "magnet"),
-            ("adhesive", "non-magnetic clamps"),
-            (
-                "Two irons to a pocket, teeth down and along the travel, seated on the pocket's floor; the magnet "
-                "between them pulls them together.",
-                "Crests of all irons in one plane. Iron comes out again by a jack screw {jack_screw} from the "
-                "payload face.",
-            ),
-        )
-    yield Draft(
+    ),
+    StepTemplate(
+        "Bond irons and magnets into the stage",
+        ("tooth_iron", "magnet"),
+        ("adhesive", "non-magnetic clamps"),
+        (
+            "Two irons to a pocket, teeth down and along the travel, seated on the pocket's floor; the magnet "
+            "between them pulls them together.",
+            "Crests of all irons in one plane. Iron comes out again by a jack screw {jack_screw} from the "
+            "payload face.",
+        ),
+        condition="teeth",
+    ),
+    StepTemplate(
         "Coat the pads",
         (),
         ("PTFE film", "film gauge"),
-        ("Put the film on the crowns of the {pads} pads, {film} thick; mask the sea.",),
-    )
-    yield Draft(
+        ("Put the film on the crowns of the {pads} pads, {film} thick; mask the drive surface.",),
+    ),
+    StepTemplate(
         "Lower the stage onto the ways",
         ("stage",),
-        ("wooden wedges",) if design.teeth.fitted else (),
+        ("wooden wedges",),
         (
-            "Tip at its lowest. Lower the stage square onto the ways, pads on the running faces.",
-            *(_PULLED if design.teeth.fitted else ()),
-            "It slides freely over the whole travel of {travel}.",
+            _LOWERED,
+            "The magnets pull it down with {magnet_pull} at a gap of {teeth_gap} (specified: {preload}); let it down "
+            "by the wedges, fingers out.",
+            _SLIDES,
         ),
-    )
-    yield Draft(
+        condition="teeth",
+    ),
+    StepTemplate("Lower the stage onto the ways", ("stage",), (), (_LOWERED, _SLIDES), condition="no teeth"),
+    StepTemplate(
         "Set the height of the tip",
         (),
         ("shim {shim}", "key {set_key}"),
         (
-            "Piezos at {bias_voltage}, the middle of their stroke. Shim between nose and sea; turn the set screw "
-            "in until the shim just drags. A turn lifts the tip by {lift_per_turn}, a degree by {lift_per_degree}; "
-            "always come from below.",
+            "Piezos at {bias_voltage}, the middle of their stroke. Shim between nose and drive surface; turn the set "
+            "screw in until the shim just drags. A turn lifts the tip by {lift_per_turn}, a degree by "
+            "{lift_per_degree}; always approach from below.",
             "Draw the shim out and turn on by {shim_angle}: the nose now touches at mid-stroke.",
             "The tip's path is {ellipse_height} high, so the height has to be right to {half_ellipse}: "
             "{half_ellipse_angle} of the key; a hand sets it to {key_angle}.",
         ),
-    )
-    yield Draft(
+    ),
+    StepTemplate(
         "Close the clamps",
         ("clamp_screw_long", "clamp_screw_short"),
         ("key {clamp_key}", "torque wrench"),
         (
             "At each fitted pocket, in thirds to {clamp_torque} ({clamp_thread}, {clamp_force}); at pocket 1 both "
             "fingers in turn, so that the holder stays in the middle.",
-            "Screws of empty pockets by hand only: a finger with nothing to hold would be bent.",
+            "Screws of empty pockets by hand only: a finger without a holder would be bent.",
         ),
         "clamp_torque",
-    )
-    yield Draft(
-        "Look what has shifted",
+    ),
+    StepTemplate(
+        "Check the shift by clamping",
         (),
         ("electronics that show the piezos' contact signal",),
         (
             "As the clamp closes the tip rises by {clamp_squeeze} (the holder is squeezed), sinks by {clamp_drop} "
             "at most and goes sideways by {clamp_sideways} at most (it tilts within its play).",
             "Contact must begin within {half_ellipse} of mid-stroke. If not: open the clamps, turn the set screw "
-            "by what is missing ({lift_per_degree} a degree), close them again.",
+            "by the difference ({lift_per_degree} a degree), close them again.",
         ),
-    )
-    run_in = (
-        "{run_in_cycles} strokes there and back over {travel} at up to {run_in_speed}: "
-        "{run_in_distance}, {run_in_time}."
-    )
-    if values.film_strokes >= design.bearing.run_in_cycles:
-        left = "The film wears by {run_in_wear} of its {film}."
-    else:
-        left = (
-            "They would wear the film by {run_in_wear} of its {film}: stop after {film_strokes}, when half of it "
-            "is left, and look at the crowns."
-        )
-    yield Draft(
+    ),
+    StepTemplate(
+        "Run in",
+        (),
+        ("drive or hand",),
+        (f"{_STROKES} The film wears by {{run_in_wear}} of its {{film}}.", _AFTER_RUN_IN),
+        condition="film lasts",
+    ),
+    StepTemplate(
         "Run in",
         (),
         ("drive or hand",),
         (
-            f"{run_in} {left}",
-            "Wipe the ways. Friction is then {dynamic_low} to {dynamic_high} moving, {static_low} to {static_high} "
-            "from rest; check the height once more.",
+            f"{_STROKES} They would wear the film by {{run_in_wear}} of its {{film}}: stop after {{film_strokes}}, "
+            "when half of it is left, and inspect the crowns.",
+            _AFTER_RUN_IN,
         ),
-    )
+        condition="film wears out",
+    ),
+)
+"""All steps in the order of assembly."""
+
+
+def step_templates(design: Any, values: ProcedureValues) -> list[StepTemplate]:
+    """The steps of a design in the order of assembly."""
+    teeth: Condition = "teeth" if design.teeth.fitted else "no teeth"
+    film: Condition = "film lasts" if values.film_strokes >= design.bearing.run_in_cycles else "film wears out"
+    return [step for step in STEPS if step.condition in ("always", teeth, film)]

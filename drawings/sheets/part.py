@@ -14,7 +14,7 @@ from drawings.dimensions.specification import DimensionSpec
 from drawings.placement.views import Arrangement, annotated_views, arrange, detached
 from drawings.sheets.frame import PAPERS, Paper
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
-from drawings.sheets.sheet import Sheet, scale_text, sheet_area
+from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.centre_lines import Axis, axes_of, centre_lines
 from drawings.views.detail import clipped
@@ -181,7 +181,7 @@ def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
         (x0, y0, title[0] - x0 - 2 * TEXT_HEIGHT),
         (title[0], title[3] + 2 * TEXT_HEIGHT, title[2] - title[0]),
     ):
-        lines = [line for text in texts for line in wrapped(text, width)]
+        lines = [line for text in texts for line in wrapped(text, width, indent="  ")]
         room = (
             left,
             low,
@@ -190,17 +190,6 @@ def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
         )
         found.append((Note((left, low), tuple(lines)), room))
     return found
-
-
-def wrapped(text: str, width: float) -> list[str]:
-    """A text in lines no wider than `width`, mm; those after the first stand in by two spaces."""
-    lines: list[str] = []
-    for word in text.split(" "):
-        if lines and symbol_text_width(f"{lines[-1]} {word}") <= width:
-            lines[-1] += f" {word}"
-        else:
-            lines.append(f"  {word}" if lines else word)
-    return lines
 
 
 def _note_lines(part: Described, numbered: Sequence[str]) -> tuple[str, ...]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from drawings.annotations.annotation import Annotation, Note
+from drawings.annotations.font import TEXT_HEIGHT
 from drawings.annotations.primitives import Primitive
+from drawings.annotations.symbols import symbol_text_width
 from drawings.placement.views import SheetArea
 from drawings.sheets.frame import CENTRING, MARGIN, PAPERS, Paper, drawing_space
 from drawings.sheets.title_block import TitleBlock, title_box
@@ -64,3 +66,19 @@ def scale_text(scale: float) -> str:
         if abs(over - round(over)) < 1e-9 and abs(under - round(under)) < 1e-9:
             return f"{round(over)}:{round(under)}"
     return f"{scale:.3f}"
+
+
+def wrapped(text: str, width: float, height: float = TEXT_HEIGHT, indent: str = "") -> list[str]:
+    """A text broken at spaces into lines no wider than `width`, mm; a wider word is a line by itself.
+
+    Args:
+        height: of capitals, mm.
+        indent: spaces before all lines but the first.
+    """
+    lines: list[str] = []
+    for word in text.split(" "):
+        if lines and symbol_text_width(f"{lines[-1]} {word}", height) <= width:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(f"{indent}{word}" if lines else word)
+    return lines

@@ -10,7 +10,7 @@ import pytest
 
 from drawings.procedure.figures import CALCULATED, ProcedureValues
 from drawings.procedure.procedure import Procedure, procedure
-from drawings.procedure.steps import drafts
+from drawings.procedure.steps import step_templates
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
@@ -100,16 +100,21 @@ def test_what_stands_on_another_comes_after_it(first: str, then: str) -> None:
     assert place[first] <= place[then]
 
 
-def test_the_height_is_set_before_the_clamps_close_and_looked_at_after() -> None:
+def test_the_height_is_set_before_clamping_and_checked_afterwards() -> None:
     titles = [step.title for step in made().steps]
-    order = ["Lower the stage onto the ways", "Set the height of the tip", "Close the clamps", "Look what has shifted"]
+    order = [
+        "Lower the stage onto the ways",
+        "Set the height of the tip",
+        "Close the clamps",
+        "Check the shift by clamping",
+    ]
     assert [title for title in titles if title in order] == order
 
 
 def test_sentences_hold_no_numbers_of_their_own() -> None:
     """Digits stand only in names of things; all else is a figure in braces."""
-    for draft in drafts(thesis(), VALUES):
-        for text in (*draft.sentences, *draft.tools):
+    for step in step_templates(thesis(), VALUES):
+        for text in (*step.sentences, *step.tools):
             plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
             assert not re.search(r"\d", plain), text
 
@@ -150,7 +155,7 @@ def test_height_of_the_tip_in_degrees() -> None:
     assert "turn on by 29°" in text
     assert "shim 0.0005 in (0.0127 mm)" in text
     assert "right to 6 µm: 14° of the key" in text
-    assert "out by 3.1 turns: the tip will stand 500 µm below its middle" in text
+    assert "out by 3.1 turns: the tip will be 500 µm below its middle" in text
 
 
 def test_a_film_that_running_in_would_wear_through_stops_it() -> None:

@@ -13,9 +13,9 @@ from drawings.annotations.font import SMALL_HEIGHT, text_width
 from drawings.annotations.primitives import Stroke, Text
 from drawings.pictures.picture import Picture
 from drawings.procedure.procedure import Procedure, Step
-from drawings.procedure.sheet import broken, procedure_sheet
+from drawings.procedure.sheet import procedure_sheet
 from drawings.sheets.frame import drawing_space
-from drawings.sheets.sheet import Sheet
+from drawings.sheets.sheet import Sheet, wrapped
 from drawings.sheets.title_block import TitleBlock, title_box
 from drawings.views.bounding_box import view_box
 from drawings.views.view import PROJECTIONS, Segment, View
@@ -91,11 +91,11 @@ def test_the_document_is_sound() -> None:
 
 def test_lines_break_at_spaces_and_keep_every_word() -> None:
     text = "the quick brown fox jumps over the lazy dog " * 3
-    lines = broken(text.strip(), 40.0, SMALL_HEIGHT)
+    lines = wrapped(text.strip(), 40.0, SMALL_HEIGHT)
     assert " ".join(lines) == text.strip()
     assert all(text_width(line, SMALL_HEIGHT) <= 40.0 for line in lines)
     assert len(lines) == pytest.approx(text_width(text, SMALL_HEIGHT) / 40.0, rel=0.4)
-    assert broken("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
+    assert wrapped("Unbreakable", 1.0, SMALL_HEIGHT) == ["Unbreakable"]
 
 
 def test_a_step_without_needs_is_a_row_all_the_same() -> None:
