@@ -9,8 +9,8 @@ from fractions import Fraction
 from typing import Any
 
 from stagecad.solids.assembly.bill_of_materials import Row
-from stagecad.solids.modelling.registry import module_of
 from stagecad.solids.modelling.dimensioning import THREAD_DESIGNATION
+from stagecad.solids.modelling.registry import module_of
 
 CALCULATED = "calculated"
 
