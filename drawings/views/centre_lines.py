@@ -1,7 +1,7 @@
-"""Centre lines and centre marks of what is round, where a view shows it (ISO 128-2, line type 04.1).
+"""Centre lines and centre marks of round features, and lines of symmetry (ISO 128-2, line type 04.1).
 
-Seen along its axis, a round feature is a circle, or most of one, and gets a cross. Seen from the side it is a pair of
-lines, mirror images of each other about the axis, and gets a line between them.
+A circle, or more than half of one, gets a centre mark. A feature seen from the side, whose outlines are mirror images
+about its axis, gets a centre line.
 """
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
@@ -14,24 +14,25 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from drawings.views.bounding_box import bounding_box, extreme_points
 from drawings.views.line_cleaning import cleaned, joined
-from drawings.views.view import Arc, Box2, Curve, Layer, Point2, Polyline, Projection, Segment
+from drawings.views.view import Arc, Curve, Layer, Point2, Polyline, Projection, Segment
 from stagecad.parameters.dimension import Point
 
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
 BEYOND = 3.0
-"""How far a centre line passes the outline, mm on paper."""
+"""Length of a centre line beyond the outline, mm on the paper."""
 NEAR = 0.02
-"""How well two lines must mirror each other, mm."""
+"""Greatest deviation of two outlines from mirror symmetry, mm."""
 MOST = 180.0
-"""Arcs of one circle that together cover more than this are marked like a circle, degrees."""
+"""Sum of the angles of the arcs of a circle above which it gets a centre mark, degrees."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """What is round about one axis: its place, its greatest radius, and how far it reaches along the axis, mm."""
+    """Axis of a round feature: a point and the direction, its greatest radius, and its ends along the axis, mm."""
 
     origin: Point
     direction: Point
@@ -41,7 +42,7 @@ class Axis:
 
 
 def axes_of(shape: TopoDS_Shape) -> tuple[Axis, ...]:
-    """Axes of the cylinders and cones of a shape that go round by half a turn or more."""
+    """Axes of the cylinders and cones of a shape that cover half a turn or more."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_Cone, GeomAbs_Cylinder
     from OCP.TopAbs import TopAbs_FACE
@@ -90,9 +91,9 @@ def centre_lines(
 
     Args:
         curves: of the view, by layer.
-        axes: of the part (`axes_of`), before any cut.
+        axes: of the uncut part (`axes_of`).
         projection, scale: of the view.
-        symmetry: `u` for a line of symmetry along u through the view's origin, `v` along v.
+        symmetry: `u`, `v` for a line of symmetry through the origin of the view along u, v.
     """
     shown = [curve for layer in ("VISIBLE", "HIDDEN") for curve in curves.get(layer, ())]
     beyond = BEYOND / scale
@@ -143,7 +144,7 @@ def _ends(curve: Curve) -> tuple[Point2, ...]:
 
 
 def _mirrored(ends: list[Point2], at: Point2, along: Point2, axis: Axis) -> bool:
-    """Whether lines end on both sides of the axis at its radius, as the outlines of what is round do."""
+    """Whether lines end on both sides of the axis at its radius, as the outlines of a round feature do."""
     low, high = axis.low - NEAR, axis.high + NEAR
     sides: list[list[float]] = [[], []]
     for x, y in ends:
@@ -155,24 +156,9 @@ def _mirrored(ends: list[Point2], at: Point2, along: Point2, axis: Axis) -> bool
 
 
 def _symmetry(shown: list[Curve], symmetry: Iterable[str], beyond: float) -> Iterator[Segment]:
-    box = bounds(shown)
+    u0, v0, u1, v1 = bounding_box([point for curve in shown for point in extreme_points(curve)])
     for direction in symmetry:
         if direction == "u":
-            yield Segment((box[0] - beyond, 0.0), (box[2] + beyond, 0.0))
+            yield Segment((u0 - beyond, 0.0), (u1 + beyond, 0.0))
         else:
-            yield Segment((0.0, box[1] - beyond), (0.0, box[3] + beyond))
-
-
-def bounds(curves: Iterable[Curve]) -> Box2:
-    """Box of some curves' ends and circles, view coordinates."""
-    points: list[Point2] = []
-    for curve in curves:
-        if isinstance(curve, Arc) and curve.end_angle - curve.start_angle > 359.0:
-            (x, y), r = curve.centre, curve.radius
-            points += [(x - r, y - r), (x + r, y + r)]
-        elif isinstance(curve, Segment):
-            points += [curve.start, curve.end]
-        elif isinstance(curve, Polyline):
-            points += curve.points
-    xs, ys = zip(*points)
-    return (min(xs), min(ys), max(xs), max(ys))
+            yield Segment((0.0, v0 - beyond), (0.0, v1 + beyond))

@@ -1,4 +1,4 @@
-"""Details: the curves of a view inside a circle, cut off at it."""
+"""Details: the curves of a view clipped to a circle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from drawings.views.view import Arc, Curve, Point2, Polyline, Segment
 
 
 def clipped(curves: Iterable[Curve], centre: Point2, radius: float) -> tuple[Curve, ...]:
-    """What lies inside a circle."""
+    """The parts of curves within a circle."""
     return tuple(piece for curve in curves for piece in _inside(curve, centre, radius))
 
 
@@ -30,7 +30,7 @@ def _between(start: Point2, end: Point2, t: float) -> Point2:
 
 
 def _span(start: Point2, end: Point2, centre: Point2, radius: float) -> tuple[float, float] | None:
-    """From where to where along a segment, 0 to 1, it is inside; none where it is outside."""
+    """Ends of the part of a segment within the circle as fractions of its length; None if it is outside."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     fx, fy = start[0] - centre[0], start[1] - centre[1]
     a, b, c = dx * dx + dy * dy, fx * dx + fy * dy, fx * fx + fy * fy - radius * radius
@@ -42,7 +42,7 @@ def _span(start: Point2, end: Point2, centre: Point2, radius: float) -> tuple[fl
 
 
 def _arc_inside(arc: Arc, centre: Point2, radius: float) -> Iterator[Arc]:
-    """The stretches of an arc between where it crosses the circle."""
+    """The parts of an arc within a circle, between its intersections with it."""
     distance = math.dist(arc.centre, centre)
     angles = [arc.start_angle, arc.end_angle]
     if abs(arc.radius - radius) < distance < arc.radius + radius:

@@ -1,8 +1,7 @@
-"""Lines of a view put in order: pieces of one line become one, and nothing lies hidden under a visible line.
+"""Coincident curves of a view merged: each line is drawn once, and no hidden line lies under a visible one.
 
-Hidden-line removal gives each edge of the solid by itself: a line in pieces where faces change behind it, and the
-edges of the near and the far side one upon the other. On paper each line is drawn once, and a visible one covers a
-hidden one (ISO 128-2).
+Hidden-line removal gives the edges of the solid one by one: pieces of one line, and edges of the near and the far side
+that coincide in projection. A visible line takes precedence over a hidden one (ISO 128-2).
 """
 
 from __future__ import annotations
@@ -17,15 +16,15 @@ import numpy as np
 from drawings.views.view import Arc, Curve, Polyline, Segment
 
 NEAR = 1e-3
-"""Lines closer than this are one line, and gaps shorter than this are none, mm."""
+"""Greatest distance of coincident lines, and greatest gap that is closed, mm."""
 SHORTEST = 0.01
-"""Pieces shorter than this are dust of the kernel's tolerances, mm."""
+"""Shortest piece that is kept: shorter ones come from the tolerances of the kernel, mm."""
 SAME_DIRECTION = 1e-5
-"""Angle below which two directions are one, rad."""
+"""Greatest angle between parallel lines, rad."""
 CHORD = 0.01
-"""Greatest distance of a polyline from its curve where nothing else is said, mm."""
+"""Default of the greatest distance of a polyline from its curve, mm."""
 COVERED = 3.0
-"""A polyline runs on another where it is closer than this many chord errors: that of both, and a little."""
+"""Greatest distance of coincident polylines, in chord errors."""
 
 Span = tuple[float, float]
 Item = tuple[float, Span, bool]
@@ -35,10 +34,10 @@ Kind = TypeVar("Kind")
 def cleaned(
     visible: Iterable[Curve], hidden: Iterable[Curve] = (), chord: float = CHORD
 ) -> tuple[tuple[Curve, ...], tuple[Curve, ...]]:
-    """Visible and hidden curves, each drawn once and sorted, none hidden where one is visible.
+    """Visible and hidden curves without coincident ones, sorted by position.
 
     Args:
-        visible, hidden: curves as they come, in one coordinate system, mm.
+        visible, hidden: in one coordinate system, mm.
         chord: greatest distance of the polylines from their curves, mm.
     """
     seen, behind = list(visible), list(hidden)
@@ -56,7 +55,7 @@ def _of(kind: type[Kind], curves: list[Curve]) -> list[Kind]:
 
 
 def _order(curve: Curve) -> tuple[float, ...]:
-    """What curves are sorted by: where they are."""
+    """Key by which curves are sorted: their coordinates."""
     if isinstance(curve, Segment):
         numbers = (*curve.start, *curve.end)
     elif isinstance(curve, Arc):
@@ -90,7 +89,7 @@ def _segments(visible: list[Segment], hidden: list[Segment]) -> tuple[list[Segme
 
 
 def _by_direction(marked: Sequence[tuple[Segment, bool]]) -> list[list[tuple[Segment, bool]]]:
-    """Groups of like direction, whichever way the segments run."""
+    """Groups of parallel segments."""
 
     def angle(segment: Segment) -> float:
         (x, y), (p, q) = segment.start, segment.end
@@ -110,7 +109,7 @@ def _by_direction(marked: Sequence[tuple[Segment, bool]]) -> list[list[tuple[Seg
 
 
 def _chained(placed: list[Item]) -> list[list[Item]]:
-    """Items sorted by offset, in groups that lie on one line."""
+    """Groups of collinear items; the items are sorted by offset."""
     rows: list[list[Item]] = []
     for item in placed:
         if not rows or item[0] - rows[-1][-1][0] > NEAR:
@@ -130,7 +129,7 @@ def _placed(span: Span, offset: float, u: float, v: float) -> Segment:
 
 
 def joined(spans: Iterable[Span], gap: float = NEAR) -> list[Span]:
-    """The stretches covered by any of the spans."""
+    """Union of spans; gaps shorter than `gap` are closed."""
     found: list[Span] = []
     for low, high in sorted(spans):
         if found and low - found[-1][1] < gap:
@@ -141,7 +140,7 @@ def joined(spans: Iterable[Span], gap: float = NEAR) -> list[Span]:
 
 
 def without(spans: Iterable[Span], taken: Sequence[Span], gap: float = NEAR) -> list[Span]:
-    """What is left of the spans outside `taken` (which is sorted and joined); nothing shorter than `gap`."""
+    """Spans minus those in `taken`, which is sorted and joined; nothing shorter than `gap`."""
     left: list[Span] = []
     for low, high in spans:
         for start, end in taken:
@@ -181,113 +180,47 @@ def _arcs(visible: list[Arc], hidden: list[Arc]) -> tuple[list[Arc], list[Arc]]:
 
 
 def _turns(arc: Arc) -> list[Span]:
-    """The arc's angles as spans within 0 to 360 degrees."""
+    """The angles of an arc as spans within 0 to 360 degrees."""
     low = arc.start_angle % 360.0
     high = low + (arc.end_angle - arc.start_angle)
     return [(low, high)] if high <= 360.0 else [(low, 360.0), (0.0, high - 360.0)]
 
 
 def _closed(spans: list[Span], gap: float) -> list[Span]:
-    """Spans within one turn, the one that ends at 360 degrees joined to the one that begins at 0."""
+    """Spans within one turn, those that meet at 360 degrees joined."""
     if len(spans) > 1 and spans[0][0] < gap and spans[-1][1] > 360.0 - gap:
         return [*spans[1:-1], (spans[-1][0], spans[0][1] + 360.0)]
     return [(0.0, 360.0) if high - low > 360.0 - gap else (low, high) for low, high in spans]
 
 
 def _polylines(visible: list[Polyline], hidden: list[Polyline], near: float) -> tuple[list[Polyline], list[Polyline]]:
-    """Each polyline without the runs that lie on one before it, those that are visible first."""
-    lines = [*_in_order(visible), *_in_order(hidden)]
+    """Each polyline without the runs that lie on one before it; visible ones are before hidden ones."""
+    lines = [*sorted(visible, key=_order), *sorted(hidden, key=_order)]
+    points = [np.array(line.points) for line in lines]
+    low = np.array([corners.min(axis=0) for corners in points]).reshape(-1, 2) - near
+    high = np.array([corners.max(axis=0) for corners in points]).reshape(-1, 2) + near
     kept: list[list[Polyline]] = []
-    for line, before in zip(lines, _touching([np.array(line.points) for line in lines], near), strict=True):
-        others = [np.array(piece.points) for number in before for piece in kept[number]]
-        kept.append(_uncovered(line, np.array(line.points), others, near) if others else [line])
+    for number, line in enumerate(lines):
+        overlap = ((low[:number] < high[number]) & (high[:number] > low[number])).all(axis=1)
+        others = [np.array(piece.points) for before in np.flatnonzero(overlap) for piece in kept[before]]
+        kept.append(_uncovered(line, points[number], others, near))
     count = len(visible)
     return list(chain.from_iterable(kept[:count])), list(chain.from_iterable(kept[count:]))
 
 
-def _in_order(lines: list[Polyline]) -> list[Polyline]:
-    """Polylines sorted by where they are; those that begin at one place by all of their points, which few need."""
-
-    def begin(line: Polyline) -> tuple[float, float]:
-        (x, y), *_ = line.points
-        return (round(x, 4), round(y, 4))
-
-    return [line for _, same in groupby(sorted(lines, key=begin), key=begin) for line in _sorted_all(list(same))]
-
-
-def _sorted_all(lines: list[Polyline]) -> list[Polyline]:
-    return sorted(lines, key=_order) if len(lines) > 1 else lines
-
-
-AT_ONCE = 20000
-"""Places whose distances are worked out together: of more, the numbers leave the processor's own memory."""
-
-
-def _touching(lines: Sequence[np.ndarray], near: float) -> list[list[int]]:
-    """Of each polyline with a piece that may lie on others before it, these; of all together, since few have one."""
-    found: list[list[int]] = [[] for _ in lines]
-    if len(lines) < 2:
-        return found
-    counts = np.array([len(line) for line in lines])
-    begins = np.cumsum(counts) - counts
-    points = np.concatenate(lines)
-    low, high = np.minimum.reduceat(points, begins) - near, np.maximum.reduceat(points, begins) + near
-    meet = np.tri(len(lines), k=-1, dtype=bool)
-    for axis in (0, 1):
-        meet &= (low[:, None, axis] < high[None, :, axis]) & (high[:, None, axis] > low[None, :, axis])
-    one, other = np.nonzero(meet)
-    point, other = _ranges(begins[one], counts[one]), np.repeat(other, counts[one])
-    inside = ((points[point] > low[other]) & (points[point] < high[other])).all(axis=1)
-    point, other = point[inside], other[inside]
-    close = np.zeros(len(point), dtype=bool)
-    for start in range(0, len(point), AT_ONCE):
-        lot = slice(start, start + AT_ONCE)
-        pieces = counts[other[lot]] - 1
-        first = _ranges(begins[other[lot]], pieces)
-        away = _from_piece(np.repeat(points[point[lot]], pieces, axis=0), points[first], points[first + 1])
-        close[lot] = np.minimum.reduceat(away, np.cumsum(pieces) - pieces) < near
-    covered = np.zeros(len(points), dtype=bool)
-    covered[point[close]] = True
-    owner = np.repeat(np.arange(len(lines)), counts)
-    # A piece is covered where both of its ends are.
-    lying = np.zeros(len(lines), dtype=bool)
-    lying[owner[:-1][covered[:-1] & covered[1:] & (owner[:-1] == owner[1:])]] = True
-    pairs = zip(owner[point[close]].tolist(), other[close].tolist())
-    for number, before in sorted({pair for pair in pairs if lying[pair[0]]}):
-        found[number].append(before)
-    return found
-
-
-def _ranges(begins: np.ndarray, counts: np.ndarray) -> np.ndarray:
-    """Numbers from each beginning on, as many as its count."""
-    return np.arange(counts.sum()) + np.repeat(begins - (np.cumsum(counts) - counts), counts)
-
-
 def _uncovered(line: Polyline, points: np.ndarray, others: Sequence[np.ndarray], near: float) -> list[Polyline]:
-    """The runs of a polyline that do not lie on another."""
+    """The runs of a polyline that do not lie on another one."""
     covered = np.zeros(len(points), dtype=bool)
     for corners in others:
-        covered |= _from_piece(points[:, None, :], corners[:-1], corners[1:]).min(axis=1) < near
-    if not covered.any():
-        return [line]
-    # A piece between two covered points is covered, too; a free point keeps its pieces to both neighbours.
-    free = ~(covered[:-1] & covered[1:])
-    runs: list[Polyline] = []
-    start = 0
-    while start < len(free):
-        if not free[start]:
-            start += 1
-            continue
-        end = start
-        while end < len(free) and free[end]:
-            end += 1
-        runs.append(Polyline(line.points[start : end + 1]))
-        start = end
-    return runs
+        covered |= _distances(points[:, None, :], corners[:-1], corners[1:]).min(axis=1) < near
+    # A straight piece is covered where both of its ends are.
+    free = np.concatenate(([False], ~(covered[:-1] & covered[1:]), [False]))
+    ends = np.flatnonzero(np.diff(free)).tolist()
+    return [Polyline(line.points[start : end + 1]) for start, end in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def _from_piece(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-    """Distance of points from straight pieces."""
+def _distances(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Distances of points from line segments."""
     step = end - start
     square = np.maximum((step**2).sum(axis=-1), 1e-30)
     along = np.clip(((points - start) * step).sum(axis=-1) / square, 0.0, 1.0)

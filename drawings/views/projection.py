@@ -1,8 +1,8 @@
-"""Hidden-line removal: the lines of a solid as one direction of view shows them, at 1:1.
+"""Hidden-line removal: visible and hidden lines of a solid in one direction of view, at 1:1.
 
-The kernel's exact algorithm (`HLRBRep_Algo`) gives edges in the plane of projection. Here they become segments, arcs
-and polylines; pieces of one line that touch or overlap become one, and what lies under a visible line is not hidden.
-Edges across which the surface is smooth are left out, as a draughtsman does with a fillet's ends; silhouettes stay.
+The edges that the kernel's exact algorithm (`HLRBRep_Algo`) projects become segments, arcs and polylines; coincident
+ones are merged (`drawings.views.line_cleaning`). Smooth edges, as at the ends of a fillet, are left out; silhouettes
+are kept.
 """
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
@@ -21,11 +21,9 @@ if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
 FLAT = 1e-4
-"""A curve seen as a line is one when it is straighter than this, mm."""
-ROUND = 1e-3
-"""A spline is an arc of a circle when it leaves it by no more than this, mm."""
-FEW = 12
-"""Poles of a spline that stays as it is."""
+"""Greatest distance of a straight curve from its chord, and length below which a curve is left out, mm."""
+MOST_POLES = 12
+"""Greatest number of poles of a spline that is not simplified."""
 
 
 def project(
@@ -36,13 +34,12 @@ def project(
     Args:
         shape: solid or compound, part coordinates.
         projection: direction of view.
-        hidden: whether hidden lines are wanted.
-        exact: by the exact algorithm; else by the one on a mesh, which cannot hang and gives polylines only.
-        simple: whether the shape has been through `with_simple_curves` already.
+        hidden: whether to return hidden lines.
+        exact: by the exact algorithm; else by the one on a mesh, which always ends, and gives polylines only.
+        simple: whether the shape comes from `with_simple_curves`.
 
     Returns:
-        Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in an order that is always the
-        same for the same shape.
+        Curves in view coordinates, mm at 1:1, on the layers ``VISIBLE`` and ``HIDDEN``, in a reproducible order.
     """
     drawn = shape if simple or not exact else with_simple_curves(shape)
     result = (_exactly if exact else _by_mesh)([drawn], projection)
@@ -108,68 +105,34 @@ def _projector(projection: Projection) -> Any:
 
 
 def with_simple_curves(shape: TopoDS_Shape) -> TopoDS_Shape:
-    """The shape with simpler curves for its free-form edges: arcs where they are arcs to a micrometre (where a crowned
-    pad meets its corners), else (where bore meets bore) splines of a few poles, to some 5 um.
+    """A copy of the shape in which splines of many poles, where bores cross, are replaced by simpler ones within 5 um.
 
-    The exact algorithm's time grows steeply with the poles of a spline: of the edges where two bores cross, with
-    their 74 poles, nine made a view of the base take 7 s; and it is slow where splines coincide in a view, as those of
-    two pads do. The shape that is handed in stays as it is.
+    The time of the exact algorithm grows steeply with the number of poles: with the 74 poles of nine such edges the
+    views of the base take 9.6 s instead of 1 s.
     """
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 
-    if not any(_splines(shape)):
+    if not any(True for _ in _complex_edges(shape)):
         return shape
     copy = BRepBuilderAPI_Copy(shape).Shape()
-    for edge, poles in list(_splines(copy)):
-        if not _made_arc(edge) and poles > FEW:
-            _make_simple(edge)
+    for edge in list(_complex_edges(copy)):
+        _simplify(edge)
     return copy
 
 
-def _splines(shape: Any) -> Iterator[tuple[Any, int]]:
-    """Edges that are splines, with the number of their poles."""
+def _complex_edges(shape: Any) -> Iterator[Any]:
+    """Edges that are splines of more than `MOST_POLES` poles."""
     from OCP.BRepAdaptor import BRepAdaptor_Curve
     from OCP.GeomAbs import GeomAbs_BSplineCurve
 
     for edge in _edges(shape):
         curve = BRepAdaptor_Curve(edge)
-        if curve.GetType() == GeomAbs_BSplineCurve:
-            yield edge, curve.NbPoles()
+        if curve.GetType() == GeomAbs_BSplineCurve and curve.NbPoles() > MOST_POLES:
+            yield edge
 
 
-def _made_arc(edge: Any) -> bool:
-    """Give an edge that is an arc of a circle the arc for its curve; whether it is one."""
-    from OCP.BRep import BRep_Builder
-    from OCP.BRepAdaptor import BRepAdaptor_Curve
-    from OCP.GC import GC_MakeArcOfCircle
-    from OCP.TopLoc import TopLoc_Location
-
-    curve = BRepAdaptor_Curve(edge)
-    first, last = curve.FirstParameter(), curve.LastParameter()
-    points = [curve.Value(first + (last - first) * k / 16) for k in range(17)]
-    if points[0].Distance(points[-1]) < ROUND:
-        return False
-    maker = GC_MakeArcOfCircle(points[0], points[8], points[16])
-    if not maker.IsDone():
-        return False
-    arc = maker.Value()
-    circle = BRepAdaptor_Curve(_edge_of(arc)).Circle()
-    if max(circle.Distance(point) for point in points) > ROUND:
-        return False
-    builder = BRep_Builder()
-    builder.UpdateEdge(edge, arc, TopLoc_Location(), ROUND)
-    builder.Range(edge, arc.FirstParameter(), arc.LastParameter(), True)
-    return True
-
-
-def _edge_of(curve: Any) -> Any:
-    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
-
-    return BRepBuilderAPI_MakeEdge(curve).Edge()
-
-
-def _make_simple(edge: Any) -> None:
-    """Give an edge a spline of few poles, where one comes near enough."""
+def _simplify(edge: Any) -> None:
+    """Replace the spline of an edge by one of few poles, if it is near enough."""
     from OCP.BRep import BRep_Builder, BRep_Tool
     from OCP.GeomAbs import GeomAbs_C1
     from OCP.GeomConvert import GeomConvert_ApproxCurve
@@ -182,7 +145,7 @@ def _make_simple(edge: Any) -> None:
 
 
 def _edges(shape: Any) -> Iterator[Any]:
-    """Each edge once, in the shape's own order."""
+    """Each edge once, in the order of the kernel."""
     from OCP.TopAbs import TopAbs_EDGE
     from OCP.TopExp import TopExp
     from OCP.TopoDS import TopoDS
@@ -211,13 +174,13 @@ def _curves(compounds: Iterable[Any], chord: float = CHORD) -> Iterator[Curve]:
 
 
 def _straight(curve: Any) -> Curve | None:
-    """A line in the plane z = 0; None when it has no length there."""
+    """A straight line in the plane z = 0; None if it has no length there."""
     start, end = _at(curve, curve.FirstParameter()), _at(curve, curve.LastParameter())
     return Segment(start, end) if math.dist(start, end) >= FLAT else None
 
 
 def _round(curve: Any, chord: float) -> Curve | None:
-    """Any other curve in the plane z = 0; None when it has no length there."""
+    """Any other curve in the plane z = 0; None if it has no length there."""
     from OCP.GCPnts import GCPnts_QuasiUniformDeflection
     from OCP.GeomAbs import GeomAbs_Circle
 
@@ -235,7 +198,7 @@ def _round(curve: Any, chord: float) -> Curve | None:
     points = GCPnts_QuasiUniformDeflection(curve, chord, first, last)
     found = [points.Value(i) for i in range(1, points.NbPoints() + 1)]
     places = [(point.X(), point.Y()) for point in found]
-    return (None if _bent(places) else _segment(places)) or _polyline(places)
+    return _segment(places) or _polyline(places)
 
 
 def _at(curve: Any, parameter: float) -> Point2:
@@ -248,7 +211,7 @@ def _angle(centre: Point2, point: Point2) -> float:
 
 
 def _segment(points: list[Point2]) -> Segment | None:
-    """The straight line through the points, to its farthest ends; None when they bend or coincide."""
+    """The straight line through points, between the farthest of them; None if they are not collinear or coincide."""
     ends = max(((a, b) for a in (points[0], points[-1]) for b in points), key=lambda pair: math.dist(*pair))
     length = math.dist(*ends)
     if length < FLAT:
@@ -257,13 +220,6 @@ def _segment(points: list[Point2]) -> Segment | None:
     if max(abs((u - x) * (q - y) - (v - y) * (p - x)) / length for u, v in points) > FLAT:
         return None
     return Segment(*ends)
-
-
-def _bent(points: list[Point2]) -> bool:
-    """Whether three of some points already lie on no straight line; a quick look before all of them are compared."""
-    (x, y), (u, v), (p, q) = points[0], points[len(points) // 2], points[-1]
-    longest = max(math.hypot(u - x, v - y), math.hypot(p - u, q - v), math.hypot(p - x, q - y))
-    return abs((u - x) * (q - y) - (v - y) * (p - x)) > 2.0 * FLAT * longest
 
 
 def _polyline(points: list[Point2]) -> Polyline | None:

@@ -1,4 +1,4 @@
-"""Sections: what a cutting plane leaves of a solid, and the hatch on the faces it cut (ISO 128-3, ISO 128-50)."""
+"""Sections: a solid behind a cutting plane, and the hatch on the cut faces (ISO 128-3, ISO 128-50)."""
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
@@ -24,7 +24,7 @@ _CHORD = 0.02
 
 
 def cut_shape(shape: TopoDS_Shape, cut: Cut) -> TopoDS_Shape:
-    """What is left of a shape behind a cutting plane.
+    """The part of a shape behind a cutting plane.
 
     Raises:
         ValueError: the plane misses the shape.
@@ -53,7 +53,7 @@ def _numbers(direction: Any) -> tuple[float, float, float]:
 
 
 def cut_faces(shape: TopoDS_Shape, cut: Cut) -> Iterator[Any]:
-    """Plane faces in the cutting plane, towards the eye."""
+    """The faces of a shape in the cutting plane, with their normals towards the eye."""
     from OCP.BRepAdaptor import BRepAdaptor_Surface
     from OCP.GeomAbs import GeomAbs_Plane
     from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
@@ -82,13 +82,13 @@ def hatch(
     falling: bool = False,
     covers: Sequence[np.ndarray] = (),
 ) -> tuple[Segment, ...]:
-    """Hatch lines on cut faces, clipped to them; at the pitch that is right on paper.
+    """Hatch lines on cut faces, `HATCH_PITCH` apart on the paper.
 
     Args:
         faces: in the cutting plane (`cut_faces`).
         scale: of the view, paper over part.
-        falling: whether lines fall to the right, to tell one part from its neighbour.
-        covers: outlines in the plane of pieces that are not cut (`in_plane`): a screw in its tap drill (ISO 6410-1).
+        falling: whether lines fall to the right, for contrast with a neighbouring part.
+        covers: outlines (`in_plane`) of parts that are not cut, as of a screw in its hole (ISO 6410-1): no hatch there.
     """
     loops: list[list[Point2]] = []
     for face in faces:
@@ -102,7 +102,7 @@ def hatch_lines(
     angle: float = HATCH_ANGLE,
     covers: Sequence[np.ndarray] = (),
 ) -> tuple[Segment, ...]:
-    """Lines inside an odd number of closed loops and inside no cover; their grid runs through the origin."""
+    """Lines within an odd number of closed loops and outside all covers; their grid contains the origin."""
     turn = math.radians(angle)
     u, v = (math.cos(turn), math.sin(turn)), (-math.sin(turn), math.cos(turn))
     pieces = [(*a, *b) for loop in loops for a, b in zip(loop, [*loop[1:], loop[0]])]
@@ -128,7 +128,7 @@ def hatch_lines(
 
 
 def _inside(edges: np.ndarray, level: float) -> list[Span]:
-    """Where a level line is inside an odd number of loops, whose pieces (n, 2, 2) run from point to point."""
+    """Spans of a line at constant height within an odd number of loops, given by their edges (n, 2, 2)."""
     above = edges[..., 1] > level
     crossed = edges[above[:, 0] != above[:, 1]]
     (a, b), (c, d) = crossed[:, 0].T, crossed[:, 1].T
@@ -137,11 +137,11 @@ def _inside(edges: np.ndarray, level: float) -> list[Span]:
 
 
 def in_plane(corners: np.ndarray, triangles: np.ndarray, cut: Cut, projection: Projection) -> np.ndarray:
-    """Where triangles meet a plane: the pieces (n, 4) of closed outlines, from point to point in view coordinates.
+    """Intersection of a mesh with a plane: line segments (n, 4) of closed outlines, in view coordinates.
 
     Args:
-        corners: (n, 3), in place.
-        triangles: three corners of each.
+        corners: (n, 3) vertices, in place.
+        triangles: (m, 3) indices of vertices.
     """
     heights = (corners - cut.point) @ np.array(cut.normal)
     above = heights >= 0.0

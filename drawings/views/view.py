@@ -1,8 +1,7 @@
-"""What a view on a sheet is: curves in the plane of projection at 1:1, and where the view stands on the paper.
+"""Views: curves in the plane of projection at 1:1, and their place on the paper.
 
-Three coordinate systems meet here, all in millimetres. Part: (x, y, z), as the solid is built. View: (u, v) in the
-plane of projection, u to the right, v up, at 1:1, with the view's origin at the projection of the part's own. Paper:
-(x, y) from the lower left corner of the trimmed sheet.
+Coordinate systems, in mm. Part: (x, y, z) of the solid. View: (u, v) in the plane of projection, u to the right, v up,
+at 1:1, with the projection of the part's origin as origin. Paper: (x, y) from the lower left corner of the sheet.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ Box2 = tuple[float, float, float, float]
 Layer = Literal["VISIBLE", "HIDDEN", "CENTRE", "SECTION", "HATCH", "PHANTOM"]
 """Kinds of line of a view, by the names of their layers in the DXF file (ISO 128-2).
 
-`SECTION` is the cutting line that another view shows where a section is taken; the cut outline itself is `VISIBLE`.
-`PHANTOM` is where a part that moves may go.
+`SECTION` is the cutting line of a section in another view; the outline of the section is `VISIBLE`. `PHANTOM` is the
+range of a moving part.
 """
 
 
 def dot(a: Point, b: Point) -> float:
-    """Product of two vectors: of unit vectors, the cosine of the angle between them."""
+    """Scalar product of two vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -45,7 +44,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class Arc:
-    """A circle's arc, counter-clockwise from one angle to the other, degrees; a whole circle from 0 to 360."""
+    """A circular arc, counter-clockwise between two angles in degrees; a circle from 0 to 360."""
 
     centre: Point2
     radius: float
@@ -55,7 +54,7 @@ class Arc:
 
 @dataclass(frozen=True)
 class Polyline:
-    """Any other curve, as points closer than one sees."""
+    """Any other curve as points along it."""
 
     points: tuple[Point2, ...]
 
@@ -65,11 +64,11 @@ Curve = Segment | Arc | Polyline
 
 @dataclass(frozen=True)
 class Projection:
-    """A direction of view: what points right and what points up on the paper; one looks along -(right x up).
+    """A direction of view, by the directions to the right and up on the paper; the line of sight is -(right x up).
 
     Args:
         name: `top`, `front`, ..., as in `stagecad.parameters.dimension.View`.
-        right, up: unit vectors in part coordinates, at right angles.
+        right, up: orthogonal unit vectors, part coordinates.
     """
 
     name: str
@@ -83,7 +82,7 @@ class Projection:
         return (b * w - c * v, c * u - a * w, a * v - b * u)
 
     def to_view(self, point: Point) -> Point2:
-        """Where a point of the part is seen, mm at 1:1."""
+        """View coordinates of a point of the part, mm at 1:1."""
         return (sum(a * b for a, b in zip(self.right, point)), sum(a * b for a, b in zip(self.up, point)))
 
 
@@ -101,17 +100,17 @@ PROJECTIONS = {
         Projection("iso", (1 / _S2, 1 / _S2, 0), (-1 / _S6, 1 / _S6, 2 / _S6)),
     )
 }
-"""Third angle: the top view stands above the front view, the right view to its right, the bottom view below it."""
+"""Third angle: the top view is above the front view, the right view to its right, the bottom view below it."""
 
 
 @dataclass(frozen=True)
 class Cut:
-    """The plane a section is taken in: what is on the eye's side of it is taken away.
+    """The cutting plane of a section; the material on the side of the eye is removed.
 
     Args:
         point: of the plane, part coordinates.
         normal: unit vector towards the eye.
-        letter: the section is named `A-A` by it.
+        letter: of the name of the section, `A-A`.
     """
 
     point: Point
@@ -128,16 +127,16 @@ class View:
     """One view: curves by layer, and its place on the paper.
 
     Args:
-        name: unique on the sheet and what annotations refer to: `top`, `front`, `section A-A`, `detail X`.
+        name: unique on the sheet; annotations refer to it: `top`, `front`, `section A-A`, `detail X`.
         projection: direction of view.
         curves: by layer, view coordinates at 1:1.
         scale: paper over part, 0.5 for 1:2.
         place: paper coordinates of the view's origin.
-        label: printed below the view (`A-A`, `X (1:2)`); empty for none.
-        label_at: middle of the label's base line, paper; just below the lines of the view when left out.
-        clip: centre and radius of the circle a detail is cut to, view coordinates.
-        cut: plane of a section; none for a view from outside.
-        beside: name of the view it stands in line with; empty for one that stands alone.
+        label: text below the view (`A-A`, `X (1:2)`); empty for none.
+        label_at: middle of the base line of the label, paper; default just below the view.
+        clip: centre and radius of the circle of a detail, view coordinates.
+        cut: plane of a section; None for a view from outside.
+        beside: name of the view with which it is aligned; empty for none.
     """
 
     name: str

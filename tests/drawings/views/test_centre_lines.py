@@ -5,9 +5,14 @@ from __future__ import annotations
 import cadquery as cq
 import pytest
 
-from drawings.views.centre_lines import BEYOND, axes_of, bounds, centre_lines
+from drawings.views.bounding_box import bounding_box, extreme_points
+from drawings.views.centre_lines import BEYOND, axes_of, centre_lines
 from drawings.views.projection import project
-from drawings.views.view import PROJECTIONS, Curve, Segment
+from drawings.views.view import PROJECTIONS, Box2, Curve, Segment
+
+
+def box_of(curves: tuple[Curve, ...]) -> Box2:
+    return bounding_box([point for curve in curves for point in extreme_points(curve)])
 
 
 def drilled() -> cq.Shape:
@@ -26,12 +31,12 @@ def lines(direction: str, *, hidden: bool, scale: float = 1.0, symmetry: str = "
 def test_a_hole_gets_a_cross_and_a_rounded_corner_none() -> None:
     found = lines("top", hidden=False)
     assert len(found) == 2
-    box = bounds(found)
+    box = box_of(found)
     assert box == pytest.approx((10 - 4 - BEYOND, 5 - 4 - BEYOND, 10 + 4 + BEYOND, 5 + 4 + BEYOND))
 
 
 def test_the_ends_are_measured_on_paper() -> None:
-    assert bounds(lines("top", hidden=False, scale=0.5))[0] == pytest.approx(10 - 4 - 2 * BEYOND)
+    assert box_of(lines("top", hidden=False, scale=0.5))[0] == pytest.approx(10 - 4 - 2 * BEYOND)
 
 
 def test_from_the_side_only_where_its_edges_are_shown() -> None:
@@ -43,4 +48,4 @@ def test_from_the_side_only_where_its_edges_are_shown() -> None:
 
 def test_lines_of_symmetry_cross_the_view() -> None:
     found = lines("front", hidden=False, symmetry="uv")
-    assert bounds(found) == pytest.approx((-30 - BEYOND, -10 - BEYOND, 30 + BEYOND, 10 + BEYOND))
+    assert box_of(found) == pytest.approx((-30 - BEYOND, -10 - BEYOND, 30 + BEYOND, 10 + BEYOND))

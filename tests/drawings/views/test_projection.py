@@ -164,26 +164,6 @@ def test_simple_curves_stay_near_the_crossing_of_two_bores() -> None:
             assert math.hypot(y, z) == pytest.approx(6.0, abs=0.01)
 
 
-def test_splines_that_are_arcs_become_arcs_on_a_crowned_pad() -> None:
-    crown, corner, height = 2000.0, 4.0, 2.0
-    prism = cq.Workplane().box(24, 12, 20).edges("|Z").fillet(corner).val()
-    ball = cq.Workplane("XZ").sphere(crown).val()
-    pad = prism.intersect(ball.moved(cq.Location(cq.Vector(0, 0, crown - height))))  # type: ignore[union-attr]
-    assert isinstance(pad, cq.Shape)
-    count = sum(edge.geomType() == "BSPLINE" for edge in pad.Edges())
-    assert count == 4
-    simple = cq.Shape.cast(with_simple_curves(pad.wrapped))
-    assert not [edge for edge in simple.Edges() if edge.geomType() == "BSPLINE"]
-    feet = [edge for edge in simple.Edges() if max(vertex.Z for vertex in edge.Vertices()) < 0.0]
-    assert len(feet) == 8
-    for edge in feet:
-        for at in range(21):
-            x, y, z = edge.positionAt(at / 20).toTuple()
-            assert math.dist((x, y, z), (0.0, 0.0, crown - height)) == pytest.approx(crown, abs=1e-3)
-            across = math.hypot(max(abs(x) - 8.0, 0.0), max(abs(y) - 2.0, 0.0))
-            assert across == pytest.approx(corner, abs=1e-3)
-
-
 def test_the_mesh_algorithm_shows_the_same_outline() -> None:
     boxes = heaps(1)
     exact = project(solid_of(boxes).wrapped, PROJECTIONS["top"])["VISIBLE"]
