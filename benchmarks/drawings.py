@@ -66,7 +66,7 @@ def sheet_seconds(runs: int) -> dict[str, float]:
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
-    from workbench.machine.procedure_values import procedure_values
+    from workbench.machine.artefacts import procedure_values
 
     design = load_design()
     times: dict[str, float] = {}
@@ -111,7 +111,7 @@ def clocked(runs: int) -> dict[str, float]:
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import part_names
-    from workbench.machine.procedure_values import procedure_values
+    from workbench.machine.artefacts import procedure_values
 
     times: dict[str, float] = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -147,7 +147,7 @@ def one_of(folder: str, name: str, late: bool) -> None:
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
     from stagecad.solids.modelling.registry import part_names
-    from workbench.machine.procedure_values import procedure_values
+    from workbench.machine.artefacts import procedure_values
 
     place, _, picture = name.partition("/")
     store, design = ArtefactStore(Path(folder) / place), load_design()

@@ -1,4 +1,4 @@
-"""The suspensions the thesis masses, held against the same needs, and ranked by its own criteria."""
+"""The suspensions that the thesis considers, compared with the same requirements and ranked by its criteria."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The suspensions the thesis masses: porous air bearing, passive magnets, ball on spring."""
+"""The suspensions the thesis considers: porous air bearing, passive magnets, ball on spring."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def command(
         document = {"checks": document}
     if wanted is not None:
         from designcalc.checks.analysis.sweep import table
-        from workbench.machine.margins import sweep
+        from workbench.machine.margin_studies import sweep
 
         points = sweep(run, wanted, masses is not None, scheduler)
         document["sweep"] = table(wanted, points)
@@ -68,7 +68,7 @@ def command(
             sweep_figure(wanted, points, names, path)
             drawn[f"margins over {wanted.key}"] = path
     if tolerance:
-        from workbench.machine.margins import tolerance as tolerance_study
+        from workbench.machine.margin_studies import tolerance as tolerance_study
 
         study = tolerance_study(run, masses, samples, scheduler)
         document["tolerance"] = study.as_json()

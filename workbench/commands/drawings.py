@@ -43,7 +43,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     from drawings.artefacts.tasks import make_sheets
     from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
     from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.machine.procedure_values import procedure_values
+    from workbench.machine.artefacts import procedure_values
 
     wanted = chosen_sheets(names, run.design)
     store = ArtefactStore()

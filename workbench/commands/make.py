@@ -40,7 +40,7 @@ def command(run: Run, simulations: bool) -> None:
     from stagecad.solids.modelling.registry import chosen
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
-    from workbench.machine.procedure_values import stored_values
+    from workbench.machine.artefacts import stored_values
     from workbench.report.checks import write_check_files
     from workbench.report.machine import write_report
 
@@ -137,10 +137,10 @@ def _simulate(run: Run) -> list[Path]:
     from dataclasses import asdict
 
     from workbench.commands.simulate import simulate_into
-    from workbench.simulation.inputs import friction_of, tip_dimensions
+    from workbench.simulation.experiments import friction_of, tip_dimensions
 
     folder = run.out / "simulate"
-    inputs: list[Any] = [asdict(friction_of(run)), tip_dimensions(run), SIMULATED, _source_of("sim")]
+    inputs: list[Any] = [asdict(friction_of(run.design)), tip_dimensions(run.design), SIMULATED, _source_of("sim")]
     stamp = folder / STAMP
     known = json.loads(stamp.read_text("utf-8"))["files"] if stamp.is_file() else []
     files = [folder / name for name in known]

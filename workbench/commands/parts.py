@@ -33,17 +33,17 @@ def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
     """Make what is missing, write the files of `wanted` that differ, and return the document of the command."""
     from stagecad.solids.artefacts.outputs import DamagedError
     from stagecad.solids.artefacts.store import ArtefactStore
-    from workbench.machine.machine import made_machine
+    from workbench.machine.artefacts import built_machine
 
     store = ArtefactStore()
-    machine = made_machine(run, store)
+    machine = built_machine(run, store)
     try:
         return _write(run, machine, wanted)
     except DamagedError as damage:
         # The cache is the program's own affair: what is damaged there is made again.
         store.drop(damage.entry)
         run.note("a stored result was damaged; it is made again")
-        return _write(run, made_machine(run, store), wanted)
+        return _write(run, built_machine(run, store), wanted)
 
 
 def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any]:

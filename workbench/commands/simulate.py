@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,55 @@ import click
 from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.errors import InputError, nearest
 from workbench.options import Run, common_options
-from workbench.simulation.inputs import mass_given, moving_mass
-from workbench.simulation.jobs import Job, features_document
-from workbench.simulation.sweep import Wanted
+from workbench.simulation.experiments import (
+    EXPERIMENTS,
+    EXTRA,
+    Selection,
+    features_of,
+    friction_of,
+    moving_mass,
+    parse_mass,
+    simulate_experiment,
+)
 
-EXPERIMENTS = ("tip", "presliding", "hysteresis", "stick-slip", "stage")
-EXTRA = ("passivity",)
-"""Run only when named."""
+NAMES = (*EXPERIMENTS, *EXTRA)
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of the command besides the common ones."""
+
+    mass: str | None
+    models: tuple[str, ...]
+    studies: tuple[str, ...]
+    swept: str | None
+    draws: int | None
+    seed: int
+    scheduler: str | None
+    kinds: str
+    figures: bool
+
+    @property
+    def formats(self) -> tuple[str, ...]:
+        """Of the data files."""
+        return {"both": ("csv", "parquet"), "none": ()}.get(self.kinds, (self.kinds,))
+
+
+@dataclass
+class Output:
+    """Where the files go, in which formats, and those written so far."""
+
+    folder: Path
+    formats: tuple[str, ...]
+    figures: bool
+    written: list[Path] = field(default_factory=list)
+
+    def write(self, tables: dict[str, dict[str, Any]]) -> None:
+        """Write tables, by the name of their file, in the formats wanted."""
+        from workbench.simulation.tables import write_table
+
+        for name, columns in tables.items():
+            self.written += write_table(self.folder / name, columns, self.formats)
 
 
 @click.command("simulate")
@@ -40,7 +83,7 @@ EXTRA = ("passivity",)
     "--draws",
     type=click.IntRange(2, 1_000_000),
     default=None,
-    help="Simulate so many machines drawn from the deviations (+-) and tolerances of the parameters.",
+    help="Simulate so many machines sampled from the deviations (+-) and tolerances of the parameters.",
 )
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers of --draws.")
 @click.option(
@@ -52,94 +95,110 @@ EXTRA = ("passivity",)
     type=click.Choice(["csv", "parquet", "both", "none"]),
     default="csv",
     show_default=True,
-    help="Form of the data.",
+    help="Format of the data.",
 )
 @click.option("--figures/--no-figures", default=True, help="Draw the figures.")
 @common_options
-def command(
-    run: Run,
-    names: tuple[str, ...],
-    mass: str | None,
-    models: tuple[str, ...],
-    studies: tuple[str, ...],
-    swept: str | None,
-    draws: int | None,
-    seed: int,
-    scheduler: str | None,
-    kinds: str,
-    figures: bool,
-) -> None:
+def command(run: Run, names: tuple[str, ...], **given: Any) -> None:
     """Simulate the thesis's experiments and the driven stage; data and figures go to OUT/simulate.
 
     Without a name: tip, presliding, hysteresis, stick-slip, stage. `passivity` audits the energy of the friction
     models.
     """
-    from sim.experiments.friction_models import MODELS
-    from sim.integration.simulate import SimulationError
+    options = Options(**given)
+    selection = _selection(names, options)
+    output = Output(run.out / "simulate", options.formats, options.figures)
+    if options.swept is not None:
+        _sweep(run, options, selection, output)
+    elif options.draws is not None:
+        if not names:
+            selection = replace(selection, names=EXPERIMENTS[:-1])
+        _monte_carlo(run, options, selection, output)
+    else:
+        _simulate(run, selection, options.scheduler, output)
 
-    for name in names:
-        if name not in (*EXPERIMENTS, *EXTRA):
-            raise InputError(f"no experiment '{name}'{nearest(name, (*EXPERIMENTS, *EXTRA))}")
-    for model in models:
-        if model not in MODELS:
-            raise InputError(f"--model {model}: no such friction model{nearest(model, MODELS)}")
-    for study in studies:
-        if study not in STUDY_NAMES:
-            raise InputError(f"--study {study}: no such study of the stage{nearest(study, STUDY_NAMES)}")
-    if mass is not None and mass != "design":
-        mass_given(mass)
-    wanted = tuple(name for name in (*EXPERIMENTS, *EXTRA) if name in names) if names else EXPERIMENTS
-    if studies and "stage" not in wanted:
+
+def _selection(names: tuple[str, ...], options: Options) -> Selection:
+    """What is to be simulated.
+
+    Raises:
+        InputError: an unknown name, or options that do not go together.
+    """
+    from sim.experiments.friction_models import MODELS
+
+    for given, known, text in (
+        (names, NAMES, "no experiment '{}'"),
+        (options.models, MODELS, "--model {}: no such friction model"),
+        (options.studies, STUDY_NAMES, "--study {}: no such study of the stage"),
+    ):
+        for name in given:
+            if name not in known:
+                raise InputError(text.format(name) + nearest(name, known))
+    if options.mass is not None and options.mass != "design":
+        parse_mass(options.mass)
+    chosen = tuple(name for name in NAMES if name in names) if names else EXPERIMENTS
+    if options.studies and "stage" not in chosen:
         raise InputError("--study: only the experiment 'stage' has studies; name it")
-    if scheduler is not None and "stage" not in wanted and swept is None and draws is None:
+    if options.scheduler is not None and "stage" not in chosen and options.swept is None and options.draws is None:
         raise InputError("--scheduler: only 'stage', --sweep and --draws have many independent runs")
-    if swept is not None and draws is not None:
+    if options.swept is not None and options.draws is not None:
         raise InputError("--sweep and --draws: one or the other")
-    folder = run.out / "simulate"
-    chosen_models = tuple(m for m in MODELS if not models or m in models)
-    chosen_studies = tuple(study for study in STUDY_NAMES if not studies or study in studies)
-    forms = {"both": ("csv", "parquet"), "none": ()}.get(kinds, (kinds,))
-    if swept is not None:
-        _sweep(run, swept, Wanted(wanted, chosen_models, mass, chosen_studies), scheduler, folder, forms)
-        return
-    if draws is not None:
-        asked = Wanted(
-            names=wanted if names else EXPERIMENTS[:-1], models=chosen_models, mass=mass, studies=chosen_studies
-        )
-        _draws(run, asked, (draws, seed), scheduler, folder, forms, figures)
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    job = Job(run, folder, chosen_models, forms, figures)
-    frictional = [name for name in wanted if name not in ("tip", "stage")]
-    kilograms = moving_mass(run, mass) if frictional else 1.0
-    if frictional:
-        run.say(f"mass {kilograms:.6g} kg")
-    document: dict[str, Any] = {}
-    try:
-        with run.progress() as progress:
-            task = progress.add_task(
-                "simulations",
-                total=sum(1 if name == "tip" else len(job.models) for name in wanted if name != "stage"),
-            )
-            job.advance = lambda: progress.advance(task)
-            for name in wanted:
-                progress.update(task, description=name)
-                if name == "stage":
-                    document[name] = _stage(run, job, chosen_studies, scheduler, progress)
-                else:
-                    document[name] = job.run_one(name, kilograms)
-    except SimulationError as failure:
-        raise InputError(str(failure)) from None
+    models = tuple(model for model in MODELS if not options.models or model in options.models)
+    studies = tuple(study for study in STUDY_NAMES if not options.studies or study in options.studies)
+    return Selection(chosen, models, options.mass, studies)
+
+
+def _simulate(run: Run, selection: Selection, scheduler: str | None, output: Output) -> None:
+    """The selected experiments at the design's own values."""
+    from sim.integration.simulate import SimulationError
     from workbench.console.simulation import print_features
 
-    for name, models_found in document.items():
-        print_features(run, name, models_found)
-    run.say(f"{len(job.written)} files in {folder}")
+    mass = moving_mass(run.design, selection.mass) if selection.friction_experiments else 1.0
+    if selection.friction_experiments:
+        run.say(f"mass {mass:.6g} kg")
+    document: dict[str, Any] = {}
+    runs = sum(1 if name == "tip" else len(selection.models) for name in selection.names if name != "stage")
+    try:
+        with run.progress() as progress:
+            task = progress.add_task("simulations", total=runs)
+            for name in selection.names:
+                progress.update(task, description=name)
+                if name == "stage":
+                    document[name] = _stage(run, selection, scheduler, output, progress)
+                else:
+                    document[name] = _experiment(
+                        run, name, selection.models, mass, output, lambda: progress.advance(task)
+                    )
+    except SimulationError as failure:
+        raise InputError(str(failure)) from None
+    for name, features in document.items():
+        print_features(run, name, features)
+    run.say(f"{len(output.written)} files in {output.folder}")
     run.emit(document)
 
 
-def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, progress: Any) -> dict[str, Any]:
-    """The studies of the stage, written and drawn; their features."""
+def _experiment(
+    run: Run, name: str, models: tuple[str, ...], mass: float, output: Output, advance: Callable[[], None]
+) -> dict[str, Any]:
+    """Simulate an experiment, write its tables and figures; its features."""
+    from workbench.simulation.figures import FIGURES
+    from workbench.simulation.tables import tables_of
+
+    if name == "passivity":
+        from sim.experiments.passivity import passive_below
+
+        below = passive_below(friction_of(run.design))
+        run.say(f"lugre is passive at any stretch below 4 Fc/a1 = {below * 1e3:.2f} mm/s")
+    results = simulate_experiment(run.design, name, models, mass, advance)
+    if output.formats:
+        output.write(tables_of(name, results))
+    if output.figures:
+        output.written += FIGURES[name](output.folder, results)
+    return features_of(results)
+
+
+def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output, progress: Any) -> dict[str, Any]:
+    """Run the studies of the stage, write their tables and figures; their features."""
     from sim.experiments.stage import stage_drive
     from stagecad.solids.assembly.machine import body_masses
     from workbench.simulation.stage import run_studies
@@ -147,72 +206,54 @@ def _stage(run: Run, job: Job, studies: tuple[str, ...], scheduler: str | None, 
     drive = stage_drive(run.design, body_masses(run.design))
     task = progress.add_task("stage: cases", total=None)
     found = run_studies(
-        drive, studies, scheduler, lambda done, total: progress.update(task, completed=done, total=total)
+        drive, selection.studies, scheduler, lambda done, total: progress.update(task, completed=done, total=total)
     )
-    if job.forms:
-        from workbench.simulation.stage_tables import stage_tables
+    if output.formats:
+        from workbench.simulation.tables import stage_tables
 
-        for name, columns in stage_tables(found).items():
-            job.write(name, columns)
-    if job.figures:
+        output.write(stage_tables(found))
+    if output.figures:
         from workbench.simulation.stage_figures import draw_stage
 
-        job.written += draw_stage(job.folder, found)
-    return features_document(found)
+        output.written += draw_stage(output.folder, found)
+    return features_of(found)
 
 
-def _sweep(
-    run: Run,
-    text: str,
-    wanted: Wanted,
-    scheduler: str | None,
-    folder: Path,
-    forms: tuple[str, ...],
-) -> None:
+def _sweep(run: Run, options: Options, selection: Selection, output: Output) -> None:
     """Features at every value of a range; the table goes to OUT/simulate/sweep."""
     from designcalc.checks.analysis.sweep import read_range
-    from workbench.simulation.data import write_table
     from workbench.simulation.sweep import sweep, sweep_columns, sweep_document
 
-    swept = read_range(text, run.design)
-    points = sweep(run, swept, wanted, scheduler)
+    assert options.swept is not None
+    swept = read_range(options.swept, run.design)
+    points = sweep(run, swept, selection, options.scheduler)
     if all(isinstance(point, str) for point in points):
-        raise InputError(f"--sweep {swept.key}: no value stands: {points[0]}")
-    folder.mkdir(parents=True, exist_ok=True)
+        raise InputError(f"--sweep {swept.key}: every value is refused: {points[0]}")
     columns = sweep_columns(swept, points)
-    written = write_table(folder / "sweep", columns, forms) if forms else []
+    output.write({"sweep": columns})
     for value, point in zip(swept.values, points):
         if isinstance(point, str):
             run.note(f"{swept.key} = {value:g} {swept.unit}: {point}")
-    run.say(f"{len(points)} values of {swept.key}, {len(columns) - 1} features each; {len(written)} files in {folder}")
+    counts = f"{len(points)} values of {swept.key}, {len(columns) - 1} features each"
+    run.say(f"{counts}; {len(output.written)} files in {output.folder}")
     run.emit({"sweep": sweep_document(swept, points)})
 
 
-def _draws(
-    run: Run,
-    wanted: Wanted,
-    drawn: tuple[int, int],
-    scheduler: str | None,
-    folder: Path,
-    forms: tuple[str, ...],
-    figures: bool,
-) -> None:
-    """Simulate drawn machines; a row for each goes to OUT/simulate/draws."""
+def _monte_carlo(run: Run, options: Options, selection: Selection, output: Output) -> None:
+    """Simulate sampled machines; a row for each goes to OUT/simulate/draws."""
     from workbench.console.simulation import print_monte_carlo
-    from workbench.simulation.data import write_table
-    from workbench.simulation.monte_carlo import draw_machines
-    from workbench.simulation.monte_carlo_tables import study_columns, study_document
+    from workbench.simulation.monte_carlo import run_monte_carlo
 
-    study = draw_machines(run, wanted, *drawn, scheduler)
-    folder.mkdir(parents=True, exist_ok=True)
-    written = write_table(folder / "draws", study_columns(study), forms) if forms else []
-    if figures:
+    assert options.draws is not None
+    study = run_monte_carlo(run, selection, options.draws, options.seed, options.scheduler)
+    output.write({"draws": study.columns()})
+    if output.figures:
         from workbench.simulation.monte_carlo_figures import draw_study
 
-        written += draw_study(folder, study)
+        output.written += draw_study(output.folder, study)
     print_monte_carlo(run, study)
-    run.say(f"{len(written)} files in {folder}")
-    run.emit(study_document(study, *drawn))
+    run.say(f"{len(output.written)} files in {output.folder}")
+    run.emit(study.as_json(options.seed))
 
 
 def simulate_into(
@@ -224,10 +265,9 @@ def simulate_into(
     """
     from sim.experiments.friction_models import MODELS
 
-    folder.mkdir(parents=True, exist_ok=True)
-    job = Job(run, folder, tuple(MODELS), ("csv",), figures=True)
-    mass = moving_mass(run, None)
+    output = Output(folder, ("csv",), figures=True)
+    mass = moving_mass(run.design, None)
     for name in names:
-        job.run_one(name, mass)
+        _experiment(run, name, tuple(MODELS), mass, output, lambda: None)
         advance(name)
-    return job.written
+    return output.written

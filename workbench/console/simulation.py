@@ -8,7 +8,7 @@ import numpy as np
 
 from workbench.console.tables import feature_text, plain_table
 from workbench.options import Run
-from workbench.simulation.monte_carlo import Study, followed
+from workbench.simulation.monte_carlo import Study
 
 MOST_LISTED = 8
 """Sampled parameters that are listed."""
@@ -40,27 +40,29 @@ def print_features(run: Run, experiment: str, found: dict[str, Any]) -> None:
 
 def print_monte_carlo(run: Run, study: Study) -> None:
     """The sampled parameters, and each feature's value at the design, its deviation and 95 % band."""
-    listed = "; ".join(one.words for one in study.opened[:MOST_LISTED])
-    more = len(study.opened) - MOST_LISTED
+    listed = "; ".join(one.text for one in study.parameters[:MOST_LISTED])
+    more = len(study.parameters) - MOST_LISTED
     run.say(f"sampled: {listed}" + (f"; and {more} more" if more > 0 else ""))
-    for experiment in dict.fromkeys(way[0] for way in study.spreads):
-        spreads = {way[1:]: spread for way, spread in study.spreads.items() if way[0] == experiment}
-        changing = {way: spread for way, spread in spreads.items() if spread.moves}
+    for experiment in dict.fromkeys(path[0] for path in study.distributions):
+        distributions = {
+            path[1:]: distribution for path, distribution in study.distributions.items() if path[0] == experiment
+        }
+        changing = {path: distribution for path, distribution in distributions.items() if distribution.varies}
         titles = ("", "design", "deviation", "2.5 %", "97.5 %", "depends most on")
         table = plain_table(experiment, *titles, left=("", "depends most on"))
-        for way, spread in changing.items():
-            found = spread.found
-            cells = [spread.nominal, found.std(ddof=1), *np.quantile(found, [0.025, 0.975])]
+        for path, distribution in changing.items():
+            found = distribution.finite
+            cells = [distribution.nominal, found.std(ddof=1), *np.quantile(found, [0.025, 0.975])]
             table.add_row(
-                "  ".join(name.replace("_", " ") for name in way),
-                *[feature_text(None if x is None else {"value": float(x), "unit": spread.unit}) for x in cells],
-                followed(spread) or "-",
+                "  ".join(name.replace("_", " ") for name in path),
+                *[feature_text(None if x is None else {"value": float(x), "unit": distribution.unit}) for x in cells],
+                distribution.strongest_text or "-",
             )
         if table.row_count:
             run.console.print(table)
-        if len(changing) < len(spreads):
-            run.say(f"{experiment}: {len(spreads) - len(changing)} features do not change")
+        if len(changing) < len(distributions):
+            run.say(f"{experiment}: {len(distributions) - len(changing)} features do not change")
     if study.refused:
         run.note(
-            f"{len(study.refused)} of {len(study.draws)} samples are invalid designs, first: {study.refused[0][1]}"
+            f"{len(study.refused)} of {len(study.samples)} samples are invalid designs, first: {study.refused[0][1]}"
         )

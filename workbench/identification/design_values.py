@@ -9,7 +9,6 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue
 from workbench.options import Run
-from workbench.simulation.inputs import design_mass
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
@@ -44,14 +43,14 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
 
     def value(name: str) -> DesignValue:
         if name == "mass":
-            mass = design_mass(run)
+            mass = _design_mass(run)
             return DesignValue(mass, MASS_DEVIATION * mass)
         if name == "contact_stiffness":
             # Its elliptic integrals come from a library that takes a third of a second to load.
             from designcalc.machine.inputs import DesignInputs
             from designcalc.machine.tip_contact import contact_without_payload
 
-            contact = contact_without_payload(DesignInputs(run.design), design_mass(run))
+            contact = contact_without_payload(DesignInputs(run.design), _design_mass(run))
             run.note(
                 f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "
                 f"{format_quantity(contact.normal, 'N/m')} across it (Hertz), under the {contact.load:.3g} N of weight "
@@ -72,6 +71,13 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
         raise InputError(f"{place} = 'design': the design has no such number{nearest(name, known)}")
 
     return value
+
+
+def _design_mass(run: Run) -> float:
+    """Mass of the design's moving body (stage, irons, magnets), kg."""
+    from stagecad.solids.assembly.machine import body_masses
+
+    return body_masses(run.design).moving.mass
 
 
 def _entry(run: Run, key: str) -> DesignValue:

@@ -162,3 +162,13 @@ def draw_passivity(folder: Path, results: Mapping[str, Mapping[str, Audit]]) -> 
     axes[1, 0].set(ylabel="friction force (N)", xlabel="time (ms)")
     axes[2, 0].set(ylabel="friction force (N)", xlabel="time (ms)", title="A tip's motion, 0.2 m/s at 5 kHz")
     return [save_figure(figure, folder / "passivity.png")]
+
+
+FIGURES: dict[str, Callable[..., list[Path]]] = {
+    "tip": draw_tip,
+    "presliding": draw_presliding,
+    "hysteresis": draw_hysteresis,
+    "stick-slip": draw_stick_slip,
+    "passivity": draw_passivity,
+}
+"""By experiment."""

@@ -27,8 +27,8 @@ LAW_TEXT = {"stopping": "X f: stops each turn", "coasting": "2 X f: coasts", "ap
 def draw_stage(folder: Path, studies: Mapping[str, Any]) -> list[Path]:
     """One figure for each study; returns the files."""
     written: list[Path] = []
-    for study in studies.values():
-        written += _DRAWN[type(study)](folder, study)
+    for name, study in studies.items():
+        written += _STUDIES[name](folder, study)
     return written
 
 
@@ -235,13 +235,13 @@ def _cross() -> Any:
     return Line2D([], [], linestyle="", marker="x", markersize=7, color=GREY, label="still changing, or uneven")
 
 
-_DRAWN = {
-    StepStudy: draw_steps,
-    SpeedStudy: draw_speed,
-    TravelMap: draw_travel_map,
-    EllipseSearch: draw_ellipse,
-    CouplingStudy: draw_coupling,
-    PlanarStudy: draw_planar,
-    PositioningStudy: draw_positioning,
-    HuntingStudy: draw_hunting,
+_STUDIES = {
+    "steps": draw_steps,
+    "speed": draw_speed,
+    "travel_map": draw_travel_map,
+    "ellipse": draw_ellipse,
+    "coupling": draw_coupling,
+    "planar": draw_planar,
+    "positioning": draw_positioning,
+    "hunting": draw_hunting,
 }

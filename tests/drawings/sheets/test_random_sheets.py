@@ -20,7 +20,7 @@ from stagecad.parameters.tracking import TrackedDesign, value_at
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import MADE, module_of
 from tests.drawings.drawn import described, document_of, thesis
-from workbench.machine.procedure_values import procedure_values
+from workbench.machine.artefacts import procedure_values
 
 DESIGNS, AT_ONCE = 200, 10
 

@@ -17,7 +17,7 @@ MASS = 1.8
 
 
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch: pytest.MonkeyPatch, capsys):
-    monkeypatch.setattr(workbench.identification.design_values, "design_mass", lambda run: MASS)
+    monkeypatch.setattr(workbench.identification.design_values, "_design_mass", lambda run: MASS)
     run = Run(None, (), Path("build"), None)
     expected = contact_without_payload(DesignInputs(run.design), MASS)
     value = design_values(run)("contact_stiffness")

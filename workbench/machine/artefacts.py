@@ -1,4 +1,4 @@
-"""The calculated values of the assembly procedure, kept in the store of artefacts."""
+"""The machine's solids and the calculated values of its assembly procedure, from the cache or made now."""
 
 from __future__ import annotations
 
@@ -6,13 +6,34 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from workbench.options import Run
+
 if TYPE_CHECKING:
     from drawings.procedure.figures import ProcedureValues
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
     from stagecad.solids.artefacts.store import ArtefactStore
+    from stagecad.solids.assembly.machine import Machine
 
 VALUES = "procedure_values.json"
+
+
+def built_machine(run: Run, store: Any = None) -> Machine:
+    """The machine of the run's design, from the cache or built now; `store` is the cache, by default the user's own.
+
+    The CAD kernel cannot be interrupted within a step: a note on a terminal states so before the kernel begins.
+    """
+    from stagecad.solids.assembly.machine import build_machine, find_machine
+    from stagecad.solids.modelling.registry import part_names
+
+    machine = find_machine(run.design, store)
+    if machine is not None:
+        return machine
+    with run.progress() as progress:
+        if not progress.disable:
+            run.note("making the parts; Ctrl-C ends it after the CAD kernel's step, which may take some seconds")
+        task = progress.add_task("parts", total=len(part_names(run.design)) + 1)
+        return build_machine(run.design, store, lambda name: progress.update(task, advance=1, description=name))
 
 
 def procedure_values(store: ArtefactStore, design: Design) -> ProcedureValues:

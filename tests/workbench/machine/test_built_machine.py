@@ -12,7 +12,7 @@ from rich.progress import Progress
 
 import stagecad.solids.assembly.machine
 import stagecad.solids.modelling.registry
-from workbench.machine.machine import made_machine
+from workbench.machine.artefacts import built_machine
 
 
 @pytest.mark.parametrize(("cached", "terminal", "told"), [(False, True, 1), (False, False, 0), (True, True, 0)])
@@ -28,5 +28,5 @@ def test_the_wait_is_told_on_a_terminal_before_the_kernel_begins(monkeypatch, ca
         note=notes.append,
         progress=lambda: Progress(console=Console(file=io.StringIO()), disable=not terminal),
     )
-    assert made_machine(run) is (found if cached else made)
+    assert built_machine(run) is (found if cached else made)
     assert ["Ctrl-C" in note for note in notes] == [True] * told

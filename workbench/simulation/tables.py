@@ -1,34 +1,105 @@
-"""Data of the stage's studies as columns, `name [unit]`."""
+"""Results of simulations as tables in the records' own form: columns `name [unit]`, as CSV or Parquet."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sim.stage.run import StageRun
-from sim.stage.studies.coupling import CouplingStudy
-from sim.stage.studies.ellipse import EllipseSearch
-from sim.stage.studies.hunting import HOLDS, HuntingStudy
-from sim.stage.studies.planar import PlanarStudy
-from sim.stage.studies.positioning import PositioningStudy
-from sim.stage.studies.speed import SpeedStudy
-from sim.stage.studies.steps import StepStudy
-from sim.stage.studies.travel_map import TravelMap
+from sim.integration.simulate import Simulation
+from stagecad.parameters.atomic import atomic_path
 
 Columns = dict[str, np.ndarray]
+
+ROWS = 20_001
+"""At most so many rows a table: 1 kHz over the 20 s of a stick-slip run."""
+
+
+def simulation_columns(run: Simulation, force: str, end: float | None = None, rows: int = ROWS) -> Columns:
+    """Columns of one simulation, at most `rows` rows up to `end`, s; `force` names the drive's column."""
+    last = run.time[-1] if end is None else end
+    # Evenly spaced in time, whatever instants the run was read at besides; the share keeps an ulp from shifting a row.
+    wanted = np.linspace(run.time[0], last, rows) - 1e-9 * last / rows
+    taken = np.unique(np.minimum(np.searchsorted(run.time, wanted), run.time.size - 1))
+    columns = {
+        "time [s]": run.time,
+        "position [m]": run.position,
+        "velocity [m/s]": run.velocity,
+        "friction_force [N]": run.friction,
+        f"{force} [N]": run.drive,
+        "level [N]": run.level,
+        "bristle [m]": run.bristle[:, 0] if run.bristle.shape[1] else np.zeros(run.time.size),
+        "core_work [J]": run.core_work,
+        "other_work [J]": run.other_work,
+        "stored [J]": run.stored,
+        "kinetic [J]": run.kinetic,
+    }
+    return {name: values[taken] for name, values in columns.items()}
+
+
+def write_table(path: Path, columns: Mapping[str, np.ndarray], kinds: tuple[str, ...]) -> list[Path]:
+    """Write the columns beside `path` as each of `kinds` (csv, parquet); return the files."""
+    import pyarrow
+
+    table = pyarrow.table(dict(columns))
+    written = []
+    for kind in kinds:
+        target = path.with_name(f"{path.name}.{kind}")
+        with atomic_path(target) as temporary:
+            if kind == "csv":
+                from pyarrow import csv
+
+                csv.write_csv(table, temporary, csv.WriteOptions(quoting_style="none"))
+            else:
+                from pyarrow import parquet
+
+                parquet.write_table(table, temporary)
+        written.append(target)
+    return written
+
+
+def tables_of(name: str, results: Mapping[str, Any]) -> dict[str, Columns]:
+    """The tables of an experiment, by the name of their file."""
+    tables: dict[str, Columns] = {}
+    if name == "tip":
+        for stroke, phases in results.items():
+            for phase, path in phases.items():
+                columns = {"time [s]": path.time, "tip_x [m]": path.x, "tip_y [m]": path.y}
+                tables[f"tip_{stroke}_{phase.replace('/', '_over_')}"] = columns
+    elif name == "presliding":
+        for model, result in results.items():
+            tables[f"presliding_{model}"] = simulation_columns(result.simulation, "drive_force")
+    elif name == "stick-slip":
+        from sim.experiments.stick_slip import PULL, SHOWN
+
+        for model, result in results.items():
+            columns = simulation_columns(result.simulation, "spring_force", SHOWN)
+            columns["pull_position [m]"] = PULL * columns["time [s]"]
+            tables[f"stick-slip_{model}"] = columns
+    else:
+        for model, cases in results.items():
+            for case, result in cases.items():
+                # The motion is imposed: what drives it is an acceleration, and no mass has a kinetic energy.
+                columns = simulation_columns(result.simulation, "acceleration", rows=2001)
+                columns["acceleration [m/s^2]"] = columns.pop("acceleration [N]")
+                del columns["kinetic [J]"]
+                if name == "passivity":
+                    del columns["acceleration [m/s^2]"]
+                tables[f"{name}_{model}_{case}"] = columns
+    return tables
 
 
 def stage_tables(studies: Mapping[str, Any]) -> dict[str, Columns]:
     """Every table of every study, by the name of its file."""
     found: dict[str, Columns] = {}
-    for study in studies.values():
-        found |= _TABLES[type(study)](study)
+    for name, study in studies.items():
+        found |= _STUDIES[name](study)
     return found
 
 
-def motion_columns(run: StageRun, rows: int = 5000) -> Columns:
+def motion_columns(run: Any, rows: int = 5000) -> Columns:
     """Motion, forces and voltages of a run with one actuator, at most `rows` evenly spaced rows."""
     taken = np.unique(np.linspace(0, run.time.size - 1, min(rows, run.time.size)).astype(int))
     position, apex, force, volts = run.position, run.apex(0), run.tip_force(0), run.voltage(0)
@@ -49,11 +120,11 @@ def motion_columns(run: StageRun, rows: int = 5000) -> Columns:
     return {name: values[taken] for name, values in columns.items()}
 
 
-def _steps(study: StepStudy) -> dict[str, Columns]:
+def _steps(study: Any) -> dict[str, Columns]:
     return {f"stage_steps_{name}": motion_columns(stairs.run) for name, stairs in study.staircases.items()}
 
 
-def _speed(study: SpeedStudy) -> dict[str, Columns]:
+def _speed(study: Any) -> dict[str, Columns]:
     columns: Columns = {"frequency [Hz]": study.frequencies}
     for height, points in study.points.items():
         columns[f"speed_{height} [m/s]"] = study.speed(height)
@@ -66,7 +137,7 @@ def _speed(study: SpeedStudy) -> dict[str, Columns]:
     return {"stage_speed": columns}
 
 
-def _travel_map(study: TravelMap) -> dict[str, Columns]:
+def _travel_map(study: Any) -> dict[str, Columns]:
     heights, positions = np.meshgrid(study.heights, study.positions, indexing="ij")
     return {
         "stage_travel_map": {
@@ -85,7 +156,7 @@ def _travel_map(study: TravelMap) -> dict[str, Columns]:
     }
 
 
-def _ellipse(study: EllipseSearch) -> dict[str, Columns]:
+def _ellipse(study: Any) -> dict[str, Columns]:
     heights, phases = np.meshgrid(study.heights, study.phases, indexing="ij")
     flat = [point for row in study.points for point in row]
     return {
@@ -101,11 +172,11 @@ def _ellipse(study: EllipseSearch) -> dict[str, Columns]:
     }
 
 
-def _coupling(study: CouplingStudy) -> dict[str, Columns]:
+def _coupling(study: Any) -> dict[str, Columns]:
     return {f"stage_coupling_{name}": motion_columns(run, 1001) for name, run in study.runs.items()}
 
 
-def _planar(study: PlanarStudy) -> dict[str, Columns]:
+def _planar(study: Any) -> dict[str, Columns]:
     found = {}
     for drive in study.runs:
         ends = study.ends(drive)
@@ -121,14 +192,16 @@ def _planar(study: PlanarStudy) -> dict[str, Columns]:
     return found
 
 
-def _positioning(study: PositioningStudy) -> dict[str, Columns]:
+def _positioning(study: Any) -> dict[str, Columns]:
     return {
         f"stage_positioning_{name}": motion_columns(move.run) | {"error [m]": _thinned(move.error)}
         for name, move in study.moves.items()
     }
 
 
-def _hunting(study: HuntingStudy) -> dict[str, Columns]:
+def _hunting(study: Any) -> dict[str, Columns]:
+    from sim.stage.studies.hunting import HOLDS
+
     return {
         f"stage_hunting_{name}": motion_columns(held.run)
         | {"error [m]": _thinned(held.error), f"output [{HOLDS[name].output_unit}]": _thinned(held.output)}
@@ -140,13 +213,13 @@ def _thinned(values: np.ndarray, rows: int = 5000) -> np.ndarray:
     return values[np.unique(np.linspace(0, values.size - 1, min(rows, values.size)).astype(int))]
 
 
-_TABLES = {
-    StepStudy: _steps,
-    SpeedStudy: _speed,
-    TravelMap: _travel_map,
-    EllipseSearch: _ellipse,
-    CouplingStudy: _coupling,
-    PlanarStudy: _planar,
-    PositioningStudy: _positioning,
-    HuntingStudy: _hunting,
+_STUDIES = {
+    "steps": _steps,
+    "speed": _speed,
+    "travel_map": _travel_map,
+    "ellipse": _ellipse,
+    "coupling": _coupling,
+    "planar": _planar,
+    "positioning": _positioning,
+    "hunting": _hunting,
 }

@@ -1,0 +1,40 @@
+"""A design as text and overrides, so that another process can load it without the user's files."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+
+@dataclass(frozen=True)
+class DesignSource:
+    """A parameter file by its text; None is the packaged thesis design."""
+
+    text: str | None
+    name: str
+    overrides: tuple[str, ...]
+
+    def design(self, *more: str, rules: bool = True) -> Design:
+        """The design with `more` overrides `KEY=VALUE`."""
+        from stagecad.parameters.load import design_from_text, load_design
+
+        overrides = (*self.overrides, *more)
+        if self.text is None:
+            return load_design(None, overrides, rules=rules)
+        return design_from_text(self.text, self.name, overrides, rules=rules)
+
+
+def source_of(run: Run) -> DesignSource:
+    """What the run's own design was read from."""
+    path = run.params
+    if path is None and Path("stage.toml").is_file():
+        path = Path("stage.toml")
+    if path is None:
+        return DesignSource(None, "", run.overrides)
+    return DesignSource(path.read_text("utf-8"), path.name, run.overrides)
