@@ -5,17 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from workbench.calculators.catalogue import Calculator, Option, Values, constant, from_key, quantities
+from workbench.calculators.catalogue import Calculator, Option, Values, constant, from_key, from_model, quantities
 from workbench.options import Run
 
 if TYPE_CHECKING:
     from designcalc.machine.inputs import DesignInputs
-
-
-def _pad_load(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.pads import heaviest_pad
-
-    return heaviest_pad(r)
 
 
 def _contact(r: DesignInputs, given: Values) -> float:
@@ -111,7 +105,7 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
     "wear": Calculator(
         "Distance a crowned pad lasts by Archard, what running in takes of it, and the heat of its friction.",
         {
-            "load": Option("N", "of the pad", _pad_load),
+            "load": Option("N", "of the pad", from_model("pads", "heaviest_pad")),
             "crown_radius": Option("m", "of the pad", from_key("pads.crown_radius")),
             "depth": Option("m", "worn in the middle", lambda r, given: r("bearing.film_thickness") / 2),
             "wear_rate": Option("m^2/N", "specific wear of the run-in film", from_key("bearing.wear_rate")),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.units import as_json
@@ -44,6 +45,11 @@ def from_material(part: str, quantity: str) -> Callable[[DesignInputs, Values], 
     return lambda r, given: r.material(part, quantity)
 
 
+def from_model(module: str, function: str) -> Callable[[DesignInputs, Values], float]:
+    """A default computed by a function of `designcalc.machine`, whose module is imported when it is needed."""
+    return lambda r, given: getattr(import_module(f"designcalc.machine.{module}"), function)(r)
+
+
 def same_as(name: str) -> Callable[[DesignInputs, Values], float]:
     return lambda r, given: given[name]
 
@@ -55,12 +61,6 @@ def constant(value: float | None) -> Callable[[DesignInputs, Values], float | No
 def quantities(**named: tuple[Any, str]) -> dict[str, Any]:
     """Results as JSON quantities, from (value, SI unit)."""
     return {name: as_json(float(value), unit) for name, (value, unit) in named.items()}
-
-
-def _tip_load(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.loads import tip_load
-
-    return tip_load(r)
 
 
 def _ratio(key: str) -> Callable[[DesignInputs, Values], float]:
@@ -76,7 +76,7 @@ def _hertz(run: Run, v: Values) -> dict[str, Any]:
             v["load"], v["radius_1"], v["radius_2"], modulus, v["radius_1_minor"], v["radius_2_minor"]
         )
         peaks = [hertz_stress.point_shear_peak(contact, v[name]) for name in ("poisson_1", "poisson_2")]
-        # Each body has its own stresses; what is asked for is the larger of the two.
+        # Each body has its own stresses; the result is the larger of the two.
         peak = max(peaks, key=lambda p: float(p.shear))
         major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
         approach, stiffness = as_json(float(contact.approach), "m"), as_json(float(contact.stiffness), "N/m")
@@ -167,7 +167,7 @@ CALCULATORS: dict[str, Calculator] = {
     "hertz": Calculator(
         "Hertzian contact, elliptic or line; by default the tip's nose on the stage at the load that lifts it.",
         {
-            "load": Option("N", "normal force", _tip_load),
+            "load": Option("N", "normal force", from_model("loads", "tip_load")),
             "radius_1": Option("m", "of body 1 in one plane", from_key("tip.nose_radius")),
             "radius_2": Option("m", "of body 2 in that plane; inf is flat, negative hollow", constant(float("inf"))),
             "radius_1_minor": Option("m", "of body 1 in the other plane", same_as("radius_1")),

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
-from workbench.calculators.catalogue import Calculator, Option, Values, constant, from_key, from_material, quantities
+from workbench.calculators.catalogue import (
+    Calculator,
+    Option,
+    Values,
+    constant,
+    from_key,
+    from_material,
+    from_model,
+    quantities,
+)
 from workbench.options import Run
 
 if TYPE_CHECKING:
@@ -28,12 +36,6 @@ def _drive(run: Run, v: Values) -> dict[str, Any]:
         acceleration_limit=(drive.acceleration_limit(v["friction"], v["preload_ratio"]), "m/s^2"),
         preload_ratio_for_1g=(drive.preload_ratio_for(drive.GRAVITY, v["friction"]), ""),
     )
-
-
-def _swinging(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.tip_dynamics import mass_on_piezos
-
-    return mass_on_piezos(r)
 
 
 def _rise(r: DesignInputs, given: Values) -> float:
@@ -87,27 +89,14 @@ def _clamp(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.drive.height_adjustment import clamp_shift
 
     force = preload_of_torque(v["torque"], v["screw_diameter"], v["nut_factor"])
-    shift = clamp_shift(
-        force, v["wrap"], v["holder_diameter"], v["holder_height"], v["play"], v["apex_height"], v["modulus"],
-        v["poisson"],
-    )  # fmt: skip
+    names = ("wrap", "holder_diameter", "holder_height", "play", "apex_height", "modulus", "poisson")
+    shift = clamp_shift(force, *(v[name] for name in names))
     return quantities(
         screw_force=(force, "N"),
         squeeze=(shift.squeeze, "m"),
         drop=(shift.drop, "m"),
         sideways=(shift.sideways, "m"),
     )
-
-
-def _wrap(r: DesignInputs, given: Values) -> float:
-    start = math.acos(r("base.clamp_slot_1") / (r("base.pocket_diameter") / 2))
-    return r("base.clamp_neck_angle_1") - start
-
-
-def _pad_load(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.pads import heaviest_pad
-
-    return heaviest_pad(r)
 
 
 def _pads(run: Run, v: Values) -> dict[str, Any]:
@@ -177,7 +166,7 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
             "piezo_spacing": Option("m", "D", from_key("actuator.piezo_spacing")),
             "tip_height": Option("m", "h", from_key("actuator.tip_height")),
             "speed": Option("m/s", "of the stage", from_key("requirements.speed")),
-            "tip_mass": Option("kg", "with its share of the stacks", _swinging),
+            "tip_mass": Option("kg", "with its share of the stacks", from_model("tip_dynamics", "mass_on_piezos")),
             "piezos": Option("", "under the tip", constant(3.0)),
             "blocking_force": Option("N", "of a piezo", from_key("piezo.blocking_force")),
             "free_stroke": Option("m", "of a piezo", from_key("piezo.stroke")),
@@ -189,7 +178,7 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
     "stack": Calculator(
         "What the drive asks of one piezo stack: pull by inertia and drive force, bending, heat, current.",
         {
-            "mass": Option("kg", "that swings on the stacks", _swinging),
+            "mass": Option("kg", "that swings on the stacks", from_model("tip_dynamics", "mass_on_piezos")),
             "frequency": Option("Hz", "of the drive", from_key("actuator.frequency")),
             "rise": Option("m", "of the tip, peak to peak", _rise),
             "side_force": Option("N", "of the tip on the stage", _side_force),
@@ -231,7 +220,9 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
             "torque": Option("N*m", "of the clamp screw", from_key("screws.clamp_long.torque")),
             "screw_diameter": Option("m", "", from_key("screws.clamp_long.diameter")),
             "nut_factor": Option("", "", from_key("screws.clamp_long.nut_factor")),
-            "wrap": Option("rad", "angle over which the finger lies on the holder", _wrap),
+            "wrap": Option(
+                "rad", "angle over which the finger lies on the holder", from_model("height_adjustment", "clamp_wrap")
+            ),
             "holder_diameter": Option("m", "", from_key("holder.diameter")),
             "holder_height": Option("m", "", from_key("holder.height")),
             "play": Option(
@@ -252,7 +243,7 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
     "pads": Calculator(
         "A crowned pad with its thin film on the way: spot, pressure, stiffness.",
         {
-            "load": Option("N", "of the pad", _pad_load),
+            "load": Option("N", "of the pad", from_model("pads", "heaviest_pad")),
             "crown_radius": Option("m", "of the pad", from_key("pads.crown_radius")),
             "film_thickness": Option("m", "of the PTFE", from_key("bearing.film_thickness")),
             "film_modulus": Option("Pa", "of the PTFE", from_key("materials.ptfe.youngs_modulus")),

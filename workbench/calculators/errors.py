@@ -6,34 +6,20 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.units import as_json
-from workbench.calculators.catalogue import Calculator, Option, Values, from_key, from_material, quantities
+from workbench.calculators.catalogue import Calculator, Option, Values, from_key, from_material, from_model, quantities
 from workbench.options import Run
 
 if TYPE_CHECKING:
-    from designcalc.machine.inputs import DesignInputs
+    pass
 
 
 def _bow(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.errors.thermal import bow_of_layers, differential_growth
 
-    bow = bow_of_layers(
-        v["length"], v["thickness_1"], v["modulus_1"], v["expansion_1"], v["thickness_2"], v["modulus_2"],
-        v["expansion_2"],
-    )  # fmt: skip
+    layers = (v[f"{name}_{k}"] for k in (1, 2) for name in ("thickness", "modulus", "expansion"))
+    bow = bow_of_layers(v["length"], *layers)
     growth = differential_growth(v["length"], v["expansion_1"], v["expansion_2"])
     return quantities(bow=(bow * v["change"], "m"), slip=(growth * v["change"], "m"))
-
-
-def _holding(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.tip_dynamics import holding_stiffness
-
-    return holding_stiffness(r)
-
-
-def _moved(r: DesignInputs, given: Values) -> float:
-    from designcalc.machine.loads import moved_mass
-
-    return moved_mass(r)
 
 
 def _vibration(run: Run, v: Values) -> dict[str, Any]:
@@ -92,8 +78,10 @@ ERROR_CALCULATORS: dict[str, Calculator] = {
         {
             "floor_velocity": Option("m/s", "rms", from_key("environment.floor_velocity")),
             "floor_frequency": Option("Hz", "of the floor", from_key("environment.floor_frequency")),
-            "stiffness": Option("N/m", "by default of tip and contact along the travel", _holding),
-            "mass": Option("kg", "by default stage and payload", _moved),
+            "stiffness": Option(
+                "N/m", "by default of tip and contact along the travel", from_model("tip_dynamics", "holding_stiffness")
+            ),
+            "mass": Option("kg", "by default stage and payload", from_model("loads", "moved_mass")),
         },
         _vibration,
     ),
