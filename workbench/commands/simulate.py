@@ -157,6 +157,7 @@ def _simulate(run: Run, selection: Selection, scheduler: str | None, output: Out
     if selection.friction_experiments:
         run.say(f"mass {mass:.6g} kg")
     document: dict[str, Any] = {}
+    output.folder.mkdir(parents=True, exist_ok=True)
     runs = sum(1 if name == "tip" else len(selection.models) for name in selection.names if name != "stage")
     try:
         with run.progress() as progress:
