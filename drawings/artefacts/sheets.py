@@ -22,7 +22,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.assembly.assemble import assemble
 from stagecad.solids.assembly.machine import part_mass
 from stagecad.solids.modelling.mass import placed
-from stagecad.solids.modelling.registry import ASSEMBLY, module_name, module_of, part_names
+from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_definition, part_names
 
 if TYPE_CHECKING:
     from drawings.pictures.picture import Picture
@@ -255,7 +255,7 @@ def describe(made: BuiltPart, design: Any) -> Any:
     """A made part as its sheets need it."""
     from drawings.sheets.part import Described
 
-    module: Any = module_of(made.name)
+    module: Any = part_definition(made.name)
     return Described(
         name=made.name,
         solid=made.solid,

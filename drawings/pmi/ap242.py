@@ -24,7 +24,7 @@ from drawings.pmi.unique_shapes import Unshared
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
 from stagecad.solids.export.step_stl_glb import constant_text
-from stagecad.solids.modelling.part import PartModule
+from stagecad.solids.modelling.part import Part
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 if TYPE_CHECKING:
@@ -48,14 +48,12 @@ def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, gauge: Dime
         LookupError: a declaration points at nothing on the solid.
         ValueError: OCCT could not write it.
     """
-    from stagecad.solids.modelling.registry import module_of
+    from stagecad.solids.modelling.registry import part_definition
 
-    atomic_write_bytes(path, ap242_bytes(part, module_of(part), design, solid, gauge))
+    atomic_write_bytes(path, ap242_bytes(part, part_definition(part), design, solid, gauge))
 
 
-def ap242_bytes(
-    part: str, module: PartModule, design: Any, solid: cq.Shape, gauge: DimensionVerifier | None = None
-) -> bytes:
+def ap242_bytes(part: str, module: Part, design: Any, solid: cq.Shape, gauge: DimensionVerifier | None = None) -> bytes:
     """The STEP file as bytes, the same for the same solid and declarations."""
     information = information_of(module, design)
     material = design.materials[module.material(design)]
@@ -64,7 +62,7 @@ def ap242_bytes(
     return with_properties(text, information.texts).encode()
 
 
-def information_of(module: PartModule, design: Any) -> ManufacturingInformation:
+def information_of(module: Part, design: Any) -> ManufacturingInformation:
     """What the file of a made part says beside its shape."""
     requirements = getattr(module, "requirements", lambda design: ())(design)
     return manufacturing_information(design, module.dimensions(design), requirements, getattr(module, "NOTES", ()))

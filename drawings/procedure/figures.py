@@ -10,7 +10,7 @@ from typing import Any
 
 from stagecad.solids.assembly.bill_of_materials import Row
 from stagecad.solids.modelling.dimensioning import THREAD_DESIGNATION
-from stagecad.solids.modelling.registry import module_of
+from stagecad.solids.modelling.registry import part_definition
 
 CALCULATED = "calculated"
 
@@ -135,7 +135,7 @@ def figures_of(design: Any, rows: Sequence[Row], values: ProcedureValues) -> dic
         if value is not None:
             figures[name] = Figure(_quantity(value, unit, digits), CALCULATED)
     for name, (part, dimension) in _COUNTS.items():
-        declared = {d.name: d for d in module_of(part).dimensions(design)}
+        declared = {d.name: d for d in part_definition(part).dimensions(design)}
         figures[name] = Figure(str(declared[dimension].count), f"{part}: {dimension}")
     figures |= {name: Figure(THREAD_DESIGNATION[thread], "threads") for name, thread in _THREADS.items()}
     base = next(row for row in rows if row.part == "base")

@@ -14,7 +14,7 @@ from drawings.sheets.part import Described, sheets_of
 from drawings.sheets.sheet import Sheet
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
-from stagecad.solids.modelling.registry import module_of
+from stagecad.solids.modelling.registry import part_definition
 
 
 @cache
@@ -24,7 +24,7 @@ def thesis() -> Design:
 
 def described(name: str, design: Any) -> Described:
     """A part as its sheets need it; mass and hash are others' business."""
-    module = module_of(name)
+    module = part_definition(name)
     return Described(
         name,
         module.build(design),

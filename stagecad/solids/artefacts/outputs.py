@@ -1,4 +1,4 @@
-"""Files of a command in its output folder: written whole or not at all, and only when they differ."""
+"""Output files of a command: written atomically, and only if their contents change."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from stagecad.solids.artefacts.store import Artefact, sha256
 
 
 class DamagedError(Exception):
-    """A stored result does not have the contents it was stored with."""
+    """The files of an artefact differ from those that were stored."""
 
     def __init__(self, entry: Artefact) -> None:
         super().__init__(entry.key)
@@ -20,22 +20,22 @@ class DamagedError(Exception):
 
 
 def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
-    """Copy files of stored results into `out`, and return the names of those that were not already there.
+    """Copy files of artefacts into `out`, and return the names of those that were missing or different.
 
     Args:
-        out: the folder; made when it is not there.
-        files: the result that each file name comes from.
+        out: the folder; created if necessary.
+        files: the artefact of each file name.
 
     Raises:
-        DamagedError: a file in the cache is not what was put there; nothing wrong has been written.
+        DamagedError: a file in the cache does not match its hash; no damaged file has been written.
     """
     written: list[str] = []
-    # Hashing leaves the interpreter to other threads: the files are read side by side.
+    # Hashing releases the interpreter lock: the files are read in parallel.
     with ThreadPoolExecutor() as pool:
-        there = dict(zip(files, pool.map(_digest, (out / name for name in files)), strict=True))
+        present = dict(zip(files, pool.map(_digest, (out / name for name in files)), strict=True))
     for name, entry in files.items():
         target = out / name
-        if there[name] == entry.hashes[name]:
+        if present[name] == entry.hashes[name]:
             continue
         data = entry.data(name)
         if sha256(data) != entry.hashes[name]:
@@ -46,7 +46,7 @@ def write_stored(out: Path, files: Mapping[str, Artefact]) -> list[str]:
 
 
 def write_text(path: Path, text: str) -> bool:
-    """Write text unless the file has it already; whether it was written."""
+    """Write text unless the file already contains it; returns whether it was written."""
     if _digest(path) == sha256(text.encode("utf-8")):
         return False
     atomic_write_text(path, text)
@@ -54,7 +54,7 @@ def write_text(path: Path, text: str) -> bool:
 
 
 def write_manifest(path: Path, files: Mapping[str, str]) -> None:
-    """List files with their sha256 in a JSON file, on top of those it lists already (of other parts)."""
+    """Add files with their sha256 to the JSON file at `path`; files of other parts stay listed."""
     listed: dict[str, str] = {}
     try:
         document = json.loads(path.read_text("utf-8"))

@@ -1,6 +1,6 @@
-"""A part as it was made: solid, mesh, exported files, volume properties, datums; from the cache when it has them.
+"""A built part: solid, mesh, exported files, volume properties and datums, from the cache or built now.
 
-What a part leaves in the cache: ``solid.bin`` (exact, without a mesh), ``mesh.npz``, ``part.json`` (material, volume
+Files of a part in the cache: ``solid.bin`` (exact, without a mesh), ``mesh.npz``, ``part.json`` (material, volume
 properties, datums), and ``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the solid are read without the CAD kernel.
 """
 
@@ -22,7 +22,7 @@ from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.kernel import import_kernel
 from stagecad.solids.modelling.mass import Geometry, geometry_of
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
-from stagecad.solids.modelling.registry import PURCHASED, module_name, module_of
+from stagecad.solids.modelling.registry import PURCHASED, module_name, part_definition
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -35,7 +35,7 @@ FEW = 3
 
 @dataclass(frozen=True)
 class BuiltPart:
-    """One part of one design, made."""
+    """One part of one design."""
 
     name: str
     entry: Artefact
@@ -54,12 +54,12 @@ class BuiltPart:
 
     @property
     def part_number(self) -> str:
-        """Of the catalogue; empty for a part that is made."""
+        """Of the catalogue; empty for a part made from a drawing."""
         return self._document["part_number"]
 
     @property
     def face_areas(self) -> dict[str, float]:
-        """Area of the face on which a pad's datum lies, mm^2, by datum."""
+        """Area of the face of each pad, mm^2, by the name of its datum."""
         return self._document["face_areas"]
 
     @property
@@ -99,32 +99,32 @@ def _modules(name: str) -> tuple[str, ...]:
 
 
 def find_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart | None:
-    """The part from the cache, or None where it has to be made."""
+    """The part from the cache, or None."""
     entry = store.find(name, design, _modules(name))
     return BuiltPart(name, entry) if entry is not None else None
 
 
 def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
-    """The part from the cache, made now when it is not there.
+    """The part from the cache, or built now.
 
     Raises:
-        ValueError: the solid is not one valid closed solid.
+        ValueError: the result is not one valid closed solid.
     """
 
-    def make(reading: Any, folder: Path) -> None:
+    def make(tracked: Any, folder: Path) -> None:
         import_kernel()
-        module = module_of(name)
-        solid = module.build(reading)
+        part: Any = part_definition(name)
+        solid = part.build(tracked)
         _require_solid(name, solid)
-        material = module.material(reading)
-        datums = {key: asdict(datum) for key, datum in module.datums(reading).items()}
+        material = part.material(tracked)
+        datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
         geometry = geometry_of(solid)
         write_solid(solid, folder / "solid.bin")
-        bought: Any = module
+        purchased = name in PURCHASED
         document = {
             "material": material,
-            "description": bought.description(reading) if name in PURCHASED else _first_line(module),
-            "part_number": bought.part_number(reading) if name in PURCHASED else "",
+            "description": part.description(tracked) if purchased else _first_line(part),
+            "part_number": part.part_number(tracked) if purchased else "",
             "geometry": geometry.as_json(),
             "datums": datums,
             "face_areas": _face_areas(solid, datums),
@@ -136,7 +136,7 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
 
 
 def _first_line(module: Any) -> str:
-    """What the part is, as its module begins."""
+    """First line of the module's docstring, which describes the part."""
     return (module.__doc__ or "").strip().splitlines()[0].rstrip(".")
 
 
@@ -146,8 +146,8 @@ def _face_areas(solid: cq.Solid, datums: dict[str, Any]) -> dict[str, float]:
     areas = {}
     for name, datum in datums.items():
         if name.startswith("pad_"):
-            place = cq.Vertex.makeVertex(*datum["origin"])
-            areas[name] = min(solid.Faces(), key=lambda face: face.distance(place)).Area()
+            point = cq.Vertex.makeVertex(*datum["origin"])
+            areas[name] = min(solid.Faces(), key=lambda face: face.distance(point)).Area()
     return areas
 
 
@@ -156,24 +156,24 @@ def _export(name: str, solid: cq.Shape, volume: float, colour: Colour, folder: P
     from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
     from stagecad.solids.modelling.placed_shape import PlacedShape
 
-    pieces = [PlacedShape(name, name, colour)]
-    (folder / f"{name}.step").write_bytes(step_bytes(name, pieces, {name: solid.wrapped}))
+    shapes = [PlacedShape(name, name, colour)]
+    (folder / f"{name}.step").write_bytes(step_bytes(name, shapes, {name: solid.wrapped}))
     mesh = mesh_of(solid, volume)
     save(mesh, folder / "mesh.npz")
     (folder / f"{name}.stl").write_bytes(stl_bytes([mesh]))
-    (folder / f"{name}.glb").write_bytes(glb_bytes(name, pieces, {name: mesh}))
+    (folder / f"{name}.glb").write_bytes(glb_bytes(name, shapes, {name: mesh}))
 
 
 def _require_solid(name: str, solid: Any) -> None:
     kind = getattr(solid, "ShapeType", lambda: type(solid).__name__)()
     if kind != "Solid":
-        raise ValueError(f"part '{name}': one solid is needed, not a {kind}")
+        raise ValueError(f"part '{name}': the result is a {kind}, not one solid")
     if not solid.isValid() or solid.Volume() <= 0.0:
-        raise ValueError(f"part '{name}': the solid is not valid and closed; its dimensions do not go together")
+        raise ValueError(f"part '{name}': the solid is not valid and closed; its dimensions are inconsistent")
 
 
 def write_solid(solid: cq.Shape, path: Path) -> None:
-    """ArtefactStore an exact solid."""
+    """Write an exact solid to a file."""
     from OCP.BinTools import BinTools
 
     if not BinTools.Write_s(solid.wrapped, str(path)):
@@ -181,7 +181,7 @@ def write_solid(solid: cq.Shape, path: Path) -> None:
 
 
 def read_solid(path: Path) -> cq.Solid:
-    """Read what `write_solid` wrote."""
+    """Read a solid written by `write_solid`."""
     import_kernel()
     import cadquery as cq
     from OCP.BinTools import BinTools

@@ -1,46 +1,53 @@
-"""Hash of a module's source and of all it imports of this project, found without importing anything."""
+"""Hash of a module's source and of all its imports within this project, found without importing anything."""
 
 from __future__ import annotations
 
+import ast
 import hashlib
-import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 
-_OURS = r"((?:stagecad|drawings|designcalc|workbench)[\w.]*)"
-_IMPORT = re.compile(rf"^[ \t]*(?:from[ \t]+{_OURS}[ \t]+import[ \t]+(\([^)]*\)|[^\n]*)|import[ \t]+{_OURS})", re.M)
+
+@cache
+def _packages() -> frozenset[str]:
+    """Top-level packages of this project, as its metadata lists them."""
+    return frozenset((distribution("stagecad").read_text("top_level.txt") or "").split())
 
 
 @cache
 def _file(module: str) -> Path | None:
+    """Source file of a module of this project; None for any other name."""
+    if module.partition(".")[0] not in _packages():
+        return None
     base = ROOT.joinpath(*module.split("."))
-    for path in (base.with_suffix(".py"), base / "__init__.py"):
-        if path.is_file():
-            return path
-    return None
+    return next((path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file()), None)
+
+
+def _names(source: str) -> Iterator[str]:
+    """All names that a source imports, at the top or in functions; an imported name may be a module."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 @cache
 def _imported(module: str) -> tuple[str, ...]:
-    """Modules of this project that the source of `module` names in an import, wherever the import stands."""
+    """Modules of this project that a module imports."""
     path = _file(module)
-    if path is None:
-        return ()
-    found: set[str] = set()
-    for package, names, plain in _IMPORT.findall(path.read_text("utf-8")):
-        found.add(package or plain)
-        words = re.findall(r"\w+", re.sub(r"#[^\n]*|\bas\s+\w+", "", names))
-        found.update(f"{package}.{word}" for word in words if package)
-    return tuple(sorted(name for name in found if _file(name) is not None))
+    names = _names(path.read_text("utf-8")) if path is not None else ()
+    return tuple(sorted({name for name in names if _file(name) is not None}))
 
 
 @cache
 def source_digest(modules: tuple[str, ...]) -> str:
-    """Sha256 over the source of `modules` and of everything of this project they import, directly or not."""
+    """Sha256 of the source of `modules` and of all modules of this project that they import, directly or indirectly."""
     pending: list[str] = list(modules)
     closure: set[str] = set()
     while pending:
@@ -57,7 +64,7 @@ def source_digest(modules: tuple[str, ...]) -> str:
 
 
 def versions(packages: Iterable[str]) -> dict[str, str]:
-    """Installed versions by package name, read from their metadata, so that nothing is imported."""
+    """Installed versions by package name, from the metadata, without importing the packages."""
     return {package: _version(package) for package in packages}
 
 

@@ -1,12 +1,13 @@
-"""ArtefactStore of what is slow to make (solids, meshes, exported files, pictures), kept between runs.
+"""Cache of artefacts that are slow to make (solids, meshes, exported files, pictures), kept between runs.
 
-The key of a result is the sha256 of its name, the source of the modules that make it, the versions of the CAD kernel,
-the keys of the results it is made from, and the parameters it read, with their values. Which parameters those are is
-known only after it was made once: so beside the results the store keeps, for each name and source, the sets of reads
-met so far. Making is deterministic: a design with the same values at all places of such a set gives the same result.
+The key of an artefact is the sha256 of its name, the source of the modules that make it, the versions of the CAD
+kernel, the keys of the artefacts it depends on, and the parameters that were read, with their values. Which parameters
+are read is known only after the artefact has been made once; so the store also keeps, for each name and source, the
+sets of access paths recorded so far. Making is deterministic: designs with equal values at all paths of such a set give
+the same artefact.
 
-Several runs may use one store: a result is a folder that appears by renaming, and the first to finish wins. The store
-forgets what was used longest ago once it holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
+Several runs may use one store: an artefact is a folder that appears by renaming, and the first to finish is kept. The
+least recently used artefacts are removed once the store holds more than `STAGECAD_CACHE_MAX` bytes (default 1 GB).
 """
 
 from __future__ import annotations
@@ -30,9 +31,11 @@ from stagecad.solids.artefacts.source_digest import source_digest, versions
 
 KERNEL = ("cadquery", "cadquery-ocp")
 LARGEST = 1_000_000_000
-YOUNGEST = 600.0
-"""Seconds a result stays whatever the size of the store, since another run may be reading it."""
+"""Default size limit of a store, bytes."""
+MINIMUM_AGE = 600.0
+"""Time for which an artefact is kept whatever the size of the store, since another run may be reading it, s."""
 SETS_KEPT = 24
+"""Number of sets of access paths kept for each name and source."""
 RECORD = "entry.json"
 
 
@@ -44,7 +47,7 @@ class Artefact:
     folder: Path
     hashes: Mapping[str, str]
     reads: tuple[str, ...]
-    """The parameters it was made from, as a person would write them."""
+    """The access paths of the parameters that it depends on, as text."""
 
     def path(self, name: str) -> Path:
         return self.folder / name
@@ -66,27 +69,27 @@ def cache_folder() -> Path:
 
 
 class ArtefactStore:
-    """The results below one folder.
+    """The artefacts in one folder.
 
     Args:
-        folder: where they are kept; the user's cache folder when left out.
+        folder: of the store; the user's cache folder when left out.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = folder if folder is not None else cache_folder()
 
     def find(self, name: str, design: Any, modules: Sequence[str], depends: Iterable[str] = ()) -> Artefact | None:
-        """The stored result that `design` would give, or None.
+        """The stored artefact of `design`, or None.
 
         Args:
-            name: of the result.
-            design: the design, as it is (not a `TrackedDesign`).
-            modules: dotted names of the modules that make it; what they import of this project counts as well.
-            depends: keys of the results it is made from.
+            name: of the artefact.
+            design: the design itself (not a `TrackedDesign`).
+            modules: dotted names of the modules that make it; their imports within this project count as well.
+            depends: keys of the artefacts it depends on.
         """
         root = self._root(name, modules, depends)
-        for steps in self._read_sets(root):
-            values = {place: value_at(design, place) for place in steps}
+        for paths in self._path_sets(root):
+            values = {path: value_at(design, path) for path in paths}
             if None in values.values():
                 continue
             entry = self._entry(self._key(root, values))  # type: ignore[arg-type]
@@ -102,44 +105,44 @@ class ArtefactStore:
         make: Callable[[Any, Path], None],
         depends: Iterable[str] = (),
     ) -> Artefact:
-        """The stored result, made by `make(reading, folder)` when the store has none.
+        """The stored artefact, made by `make(tracked_design, folder)` if the store does not have it.
 
-        `make` writes its files into `folder` and reads the design only through `reading`.
+        `make` writes its files into `folder` and reads the design only through the tracked design.
         """
         depends = tuple(depends)
         entry = self.find(name, design, modules, depends)
         if entry is not None:
             return entry
         root = self._root(name, modules, depends)
-        notes: dict[AccessPath, str] = {}
+        reads: dict[AccessPath, str] = {}
         entries = self.folder / "entries"
         entries.mkdir(parents=True, exist_ok=True)
         folder = Path(tempfile.mkdtemp(prefix=".making-", dir=entries))
         try:
-            make(TrackedDesign(design, notes), folder)
-            key = self._key(root, notes)
+            make(TrackedDesign(design, reads), folder)
+            key = self._key(root, reads)
             hashes = {path.name: sha256(path.read_bytes()) for path in sorted(folder.iterdir())}
-            record = {"name": name, "hashes": hashes, "reads": sorted(path_text(steps) for steps in notes)}
+            record = {"name": name, "hashes": hashes, "reads": sorted(path_text(path) for path in reads)}
             (folder / RECORD).write_text(json.dumps(record, indent=1), "utf-8")
             target = entries / key
             try:
                 folder.rename(target)
             except OSError:
-                # Another run made the same in the meantime, or a damaged one stands in the way.
+                # Another run has made the same artefact meanwhile, or a damaged one has this name.
                 if self._entry(key) is None:
                     self._discard(target)
                     folder.rename(target)
         finally:
             shutil.rmtree(folder, ignore_errors=True)
-        self._note_reads(root, tuple(sorted(notes, key=repr)))
-        self._forget(keep=key)
+        self._keep_paths(root, tuple(sorted(reads, key=repr)))
+        self._remove_oldest(keep=key)
         entry = self._entry(key)
         if entry is None:
-            raise OSError(f"the cache in {self.folder} lost a result just written")
+            raise OSError(f"the cache in {self.folder} lost an artefact just written")
         return entry
 
     def drop(self, entry: Artefact) -> None:
-        """Remove a result that turned out to be damaged."""
+        """Remove a damaged artefact."""
         self._discard(entry.folder)
 
     @staticmethod
@@ -149,7 +152,7 @@ class ArtefactStore:
 
     @staticmethod
     def _key(root: str, values: Mapping[AccessPath, str]) -> str:
-        words = [root, sorted((repr(steps), value) for steps, value in values.items())]
+        words = [root, sorted((repr(path), value) for path, value in values.items())]
         return sha256(json.dumps(words).encode())
 
     def _entry(self, key: str) -> Artefact | None:
@@ -163,26 +166,26 @@ class ArtefactStore:
         except (OSError, ValueError, KeyError):
             return None
 
-    def _read_sets(self, root: str) -> list[tuple[AccessPath, ...]]:
+    def _path_sets(self, root: str) -> list[tuple[AccessPath, ...]]:
         try:
             lines = (self.folder / "reads" / root).read_text("utf-8").splitlines()
             return [literal_eval(line) for line in lines]
         except (OSError, ValueError, SyntaxError):
             return []
 
-    def _note_reads(self, root: str, steps: tuple[AccessPath, ...]) -> None:
-        sets = [steps, *(known for known in self._read_sets(root) if known != steps)][:SETS_KEPT]
+    def _keep_paths(self, root: str, paths: tuple[AccessPath, ...]) -> None:
+        sets = [paths, *(known for known in self._path_sets(root) if known != paths)][:SETS_KEPT]
         atomic_write_text(self.folder / "reads" / root, "".join(f"{known!r}\n" for known in sets))
 
     def _discard(self, folder: Path) -> None:
-        # Renamed first, so that no other run sees half a result.
+        # Renamed first, so that no other run sees an incomplete artefact.
         with suppress(OSError):
-            grave = Path(tempfile.mkdtemp(prefix=".gone-", dir=self.folder / "entries"))
-            folder.rename(grave / folder.name)
-            shutil.rmtree(grave, ignore_errors=True)
+            removed = Path(tempfile.mkdtemp(prefix=".removed-", dir=self.folder / "entries"))
+            folder.rename(removed / folder.name)
+            shutil.rmtree(removed, ignore_errors=True)
 
-    def _forget(self, keep: str) -> None:
-        """Remove what was used longest ago until the store is within its size; leftovers of stopped runs as well."""
+    def _remove_oldest(self, keep: str) -> None:
+        """Remove the least recently used artefacts beyond the size limit, and temporary folders of aborted runs."""
         largest = int(os.environ.get("STAGECAD_CACHE_MAX") or LARGEST)
         now = time.time()
         found: list[tuple[float, int, Path]] = []
@@ -198,7 +201,7 @@ class ArtefactStore:
         for age, size, folder in sorted(found, reverse=True):
             if total <= largest:
                 break
-            if age > YOUNGEST and folder.name != keep:
+            if age > MINIMUM_AGE and folder.name != keep:
                 self._discard(folder)
                 total -= size
         reads = sorted((path for path in (self.folder / "reads").glob("*")), key=lambda path: path.stat().st_mtime)

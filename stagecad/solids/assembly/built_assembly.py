@@ -1,4 +1,4 @@
-"""The assembly as it was made: placements, STEP, STL, GLB and the exploded GLB, from the cache when it has them."""
+"""The built assembly: positions of all parts, STEP, STL, GLB and the exploded GLB, from the cache or built now."""
 
 from __future__ import annotations
 
@@ -54,29 +54,29 @@ def _frame(document: dict[str, Any]) -> Frame:
 
 
 def find_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly | None:
-    """The assembly from the cache, or None where it has to be made."""
+    """The assembly from the cache, or None."""
     entry = store.find(ASSEMBLY, design, (__name__,), _keys(parts))
     return BuiltAssembly(entry) if entry is not None else None
 
 
 def build_assembly(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> BuiltAssembly:
-    """The assembly of `parts` (all that the design has), from the cache or made now."""
+    """The assembly of `parts` (all parts of the design), from the cache or built now."""
 
-    def make(reading: Any, folder: Path) -> None:
+    def make(tracked: Any, folder: Path) -> None:
         from stagecad.solids.export.step_stl_glb import glb_bytes, step_bytes, stl_bytes
 
-        instances = assemble(parts, reading)
+        instances = assemble(parts, tracked)
         documents = [asdict(instance) for instance in instances]
         (folder / "instances.json").write_text(json.dumps(documents, indent=1), "utf-8")
-        shapes = shapes_of(instances, parts, reading)
+        shapes = shapes_of(instances, parts, tracked)
         meshes = meshes_of(instances, parts, shapes)
-        pieces = pieces_of(instances, parts)
+        placed = placed_shapes(instances, parts)
         wrapped = {name: shape.wrapped for name, shape in shapes.items()}
-        (folder / f"{ASSEMBLY}.step").write_bytes(step_bytes(ASSEMBLY, pieces, wrapped))
-        (folder / f"{ASSEMBLY}.glb").write_bytes(glb_bytes(ASSEMBLY, pieces, meshes))
-        apart = pieces_of(instances, parts, exploded=True)
-        (folder / f"{EXPLODED}.glb").write_bytes(glb_bytes(EXPLODED, apart, meshes))
-        moved = [meshes[piece.part].placed(piece.frame) for piece in pieces]
+        (folder / f"{ASSEMBLY}.step").write_bytes(step_bytes(ASSEMBLY, placed, wrapped))
+        (folder / f"{ASSEMBLY}.glb").write_bytes(glb_bytes(ASSEMBLY, placed, meshes))
+        exploded = placed_shapes(instances, parts, exploded=True)
+        (folder / f"{EXPLODED}.glb").write_bytes(glb_bytes(EXPLODED, exploded, meshes))
+        moved = [meshes[shape.part].placed(shape.frame) for shape in placed]
         (folder / f"{ASSEMBLY}.stl").write_bytes(stl_bytes(moved))
 
     return BuiltAssembly(store.make(ASSEMBLY, design, (__name__,), make, _keys(parts)))
@@ -86,49 +86,39 @@ def _keys(parts: Mapping[str, BuiltPart]) -> list[str]:
     return [part.entry.key for part in parts.values()]
 
 
-def pieces_of(
+def placed_shapes(
     instances: Sequence[Instance], parts: Mapping[str, BuiltPart], *, exploded: bool = False
 ) -> list[PlacedShape]:
-    """What stands where, coloured by material, for export and pictures."""
-    return [
-        PlacedShape(
-            instance.name,
-            instance.shape,
-            parts[instance.part].colour,
-            instance.exploded if exploded else instance.frame,
-        )
-        for instance in instances
-    ]
+    """The instances as shapes with position and colour, for export and pictures."""
+    placed = []
+    for instance in instances:
+        frame = instance.exploded if exploded else instance.frame
+        placed.append(PlacedShape(instance.name, instance.shape, parts[instance.part].colour, frame))
+    return placed
 
 
 def shapes_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> dict[str, cq.Shape]:
-    """The exact solid of each `Instance.shape`: the part's own, but a spring wound to the length it has there."""
+    """The exact solid of each `Instance.shape`: that of the part, or a spring at its length in the assembly."""
+    from stagecad.solids.purchased import spring
+
     shapes: dict[str, cq.Shape] = {}
     for instance in instances:
-        if instance.shape in shapes:
-            continue
-        if instance.shape == instance.part:
-            shapes[instance.shape] = parts[instance.part].solid
-        else:
-            from stagecad.solids.purchased import spring
-
-            shapes[instance.shape] = spring.build(design, instance.compression)
+        if instance.shape not in shapes:
+            own = instance.shape == instance.part
+            shapes[instance.shape] = parts[instance.part].solid if own else spring.build(design, instance.compression)
     return shapes
 
 
 def meshes_of(
     instances: Sequence[Instance], parts: Mapping[str, BuiltPart], shapes: Mapping[str, cq.Shape]
 ) -> dict[str, Mesh]:
-    """The mesh of each `Instance.shape`; `shapes` is needed only for those that are not a part's own."""
+    """The mesh of each `Instance.shape`; `shapes` is needed only for springs off their installed length."""
+    from stagecad.solids.export.mesh import mesh_of
+
     meshes: dict[str, Mesh] = {}
     for instance in instances:
-        if instance.shape in meshes:
-            continue
-        if instance.shape == instance.part:
-            meshes[instance.shape] = parts[instance.part].mesh
-        else:
-            from stagecad.solids.export.mesh import mesh_of
-
-            shape = shapes[instance.shape]
-            meshes[instance.shape] = mesh_of(shape, shape.Volume())
+        name = instance.shape
+        if name not in meshes:
+            own = name == instance.part
+            meshes[name] = parts[name].mesh if own else mesh_of(shapes[name], shapes[name].Volume())
     return meshes

@@ -1,6 +1,6 @@
-"""Pictures of every part, of the assembly and of the exploded view, from the cache when it has them.
+"""Pictures of every part, of the assembly and of the exploded view, from the cache or rendered now.
 
-Drawing needs the meshes only: on a machine that is in the cache it never loads the CAD kernel.
+Rendering needs only meshes: for a cached machine the CAD kernel is not loaded.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.assembly.built_assembly import EXPLODED, meshes_of, pieces_of, shapes_of
+from stagecad.solids.assembly.built_assembly import EXPLODED, meshes_of, placed_shapes, shapes_of
 from stagecad.solids.assembly.machine import Machine
 from stagecad.solids.export.render import BELOW, ISOMETRIC, picture
 from stagecad.solids.modelling.placed_shape import PlacedShape
@@ -20,7 +20,7 @@ from stagecad.solids.modelling.registry import ASSEMBLY
 PART_SIZE = (900, 650)
 
 FROM_BELOW = ("stage", "tip", "tooth_iron")
-"""Parts whose working faces look down: shown from below as well, as ``NAME_below``."""
+"""Parts with working faces on their underside: also shown from below, as ``NAME_below``."""
 
 
 def build_pictures(
@@ -34,7 +34,7 @@ def build_pictures(
         advance: called with each file name as it is done.
 
     Returns:
-        The result that holds each file; `stagecad.solids.artefacts.outputs.write_stored` copies them.
+        The artefact of each file; `stagecad.solids.artefacts.outputs.write_stored` copies them.
     """
     found: dict[str, Artefact] = {}
     for part in machine.parts.values():
@@ -48,24 +48,24 @@ def build_pictures(
 
 
 def _part_pictures(store: ArtefactStore, part: BuiltPart, design: Any) -> Artefact:
-    def make(reading: Any, folder: Path) -> None:
-        pieces = [PlacedShape(part.name, part.name, part.colour)]
+    def make(_: Any, folder: Path) -> None:
+        shapes = [PlacedShape(part.name, part.name, part.colour)]
         meshes = {part.name: part.mesh}
-        (folder / f"{part.name}.png").write_bytes(picture(pieces, meshes, ISOMETRIC, PART_SIZE))
+        (folder / f"{part.name}.png").write_bytes(picture(shapes, meshes, ISOMETRIC, PART_SIZE))
         if part.name in FROM_BELOW:
-            (folder / f"{part.name}_below.png").write_bytes(picture(pieces, meshes, BELOW, PART_SIZE))
+            (folder / f"{part.name}_below.png").write_bytes(picture(shapes, meshes, BELOW, PART_SIZE))
 
     return store.make(f"picture of {part.name}", design, (__name__,), make, [part.entry.key])
 
 
 def _assembly_pictures(store: ArtefactStore, machine: Machine) -> Artefact:
-    def make(reading: Any, folder: Path) -> None:
+    def make(_: Any, folder: Path) -> None:
         instances, parts = machine.assembly.instances, machine.parts
         changed = [instance for instance in instances if instance.shape != instance.part]
         shapes = shapes_of(changed, parts, machine.design)
         meshes = meshes_of(instances, parts, shapes)
-        (folder / f"{ASSEMBLY}.png").write_bytes(picture(pieces_of(instances, parts), meshes))
-        apart = pieces_of(instances, parts, exploded=True)
+        (folder / f"{ASSEMBLY}.png").write_bytes(picture(placed_shapes(instances, parts), meshes))
+        apart = placed_shapes(instances, parts, exploded=True)
         (folder / f"{EXPLODED}.png").write_bytes(picture(apart, meshes))
 
     return store.make("picture of assembly", machine.design, (__name__,), make, [machine.assembly.entry.key])

@@ -80,7 +80,7 @@ if TYPE_CHECKING:
 
 
 @runtime_checkable
-class PartModule(Protocol):
+class Part(Protocol):
     """A module that follows the contract above. `design` is a `Design` or a `TrackedDesign` of one."""
 
     NAME: str

@@ -1,4 +1,4 @@
-"""The parts by name, and the module of each; importing this imports none of them."""
+"""The parts by name, and the module that defines each; importing this module imports none of them."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import Any, cast
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.solids.modelling.part import PartModule
+from stagecad.solids.modelling.part import Part
 
 MADE = (
     "tip",
@@ -23,13 +23,14 @@ MADE = (
 )
 """Parts that are made from a drawing."""
 
-PURCHASED = ("piezo", "way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw", "set_screw", "spring")
+CAP_SCREWS = ("way_screw", "clamp_screw_long", "clamp_screw_short", "bar_screw")
+PURCHASED = ("piezo", *CAP_SCREWS, "set_screw", "spring")
 """Parts that are bought."""
 
 ASSEMBLY = "assembly"
 
 OF_TEETH = ("magnet", "tooth_iron", "tooth_bar", "bar_screw")
-"""Parts that only a machine with magnetic teeth has."""
+"""Parts of a machine with magnetic teeth only."""
 
 
 def part_names(design: Any) -> tuple[str, ...]:
@@ -38,20 +39,23 @@ def part_names(design: Any) -> tuple[str, ...]:
 
 
 def module_name(name: str) -> str:
-    """Dotted name of a part's module."""
-    return f"stagecad.solids.{'purchased' if name in PURCHASED else 'parts'}.{name}"
+    """Dotted name of the module that defines a part."""
+    if name in MADE:
+        return f"stagecad.solids.parts.{name}"
+    return f"stagecad.solids.purchased.{'screws' if name in CAP_SCREWS else name}"
 
 
-def module_of(name: str) -> PartModule:
-    """The part's module, imported."""
-    return cast(PartModule, import_module(module_name(name)))
+def part_definition(name: str) -> Part:
+    """The definition of a part: its module, or an entry in the `PARTS` of a module for several parts."""
+    module = import_module(module_name(name))
+    return cast(Part, getattr(module, "PARTS", {}).get(name, module))
 
 
 def chosen(names: Sequence[str], design: Any) -> tuple[str, ...]:
-    """The parts a user named (`assembly` among them), or all of them when none is named.
+    """The named parts (`assembly` possibly among them), or all parts when none is named.
 
     Raises:
-        InputError: a name that is no part, with the nearest that is.
+        InputError: an unknown part; names the nearest.
     """
     known = (*part_names(design), ASSEMBLY)
     for name in names:

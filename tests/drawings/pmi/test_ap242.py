@@ -33,7 +33,7 @@ from stagecad.parameters.dimension import (
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
 from stagecad.parameters.tracking import TrackedDesign
-from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 CLASS_DECIMALS = {"X": 0, "X.X": 1, "X.XX": 2}
@@ -47,12 +47,12 @@ def thesis() -> Design:
 
 @cache
 def solid_of(name: str) -> cq.Solid:
-    return module_of(name).build(thesis())  # type: ignore[return-value]
+    return part_definition(name).build(thesis())  # type: ignore[return-value]
 
 
 @cache
 def bytes_of(name: str) -> bytes:
-    return ap242_bytes(name, module_of(name), thesis(), solid_of(name))
+    return ap242_bytes(name, part_definition(name), thesis(), solid_of(name))
 
 
 @pytest.fixture(scope="module")
@@ -63,18 +63,18 @@ def read(tmp_path_factory: pytest.TempPathFactory):
     def of(name: str) -> Ap242File:
         path = folder / f"{name}.step"
         path.write_bytes(bytes_of(name))
-        texts = information_of(module_of(name), thesis()).texts
+        texts = information_of(part_definition(name), thesis()).texts
         return read_ap242(path, texts)
 
     return of
 
 
 def declared(name: str) -> tuple[Dimension, ...]:
-    return module_of(name).dimensions(thesis())
+    return part_definition(name).dimensions(thesis())
 
 
 def required(name: str) -> tuple[FaceRequirement, ...]:
-    return getattr(module_of(name), "requirements", lambda design: ())(thesis())
+    return getattr(part_definition(name), "requirements", lambda design: ())(thesis())
 
 
 def by_name(file: Ap242File) -> dict[str, ReadDimension]:
@@ -131,7 +131,7 @@ def test_what_is_no_size_goes_along_as_text(name: str, read) -> None:
     for texture in required(name):
         if isinstance(texture, SurfaceTexture):
             assert f"Ra {texture.roughness:g} um" in file.texts[f"surface texture of {texture.name}"]
-    notes = getattr(module_of(name), "NOTES", ())
+    notes = getattr(part_definition(name), "NOTES", ())
     assert [file.texts[f"note {k}"] for k in range(1, len(notes) + 1)] == list(notes)
 
 
@@ -171,7 +171,7 @@ def assert_on(points: tuple[Point, ...], faces: tuple[cq.Shape, ...]) -> None:
 
 @pytest.mark.parametrize("name", MADE)
 def test_same_solid_material_and_name(name: str, read) -> None:
-    file, module = read(name), module_of(name)
+    file, module = read(name), part_definition(name)
     material = thesis().materials[module.material(thesis())]
     assert file.name == name
     assert file.material == material.description
@@ -211,7 +211,7 @@ def test_the_faces_meant_are_so_far_apart(name: str, read) -> None:
     ids=" ".join,
 )
 def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...], tmp_path: Path) -> None:
-    design, module = load_design(overrides=overrides, rules=False), module_of("stage")
+    design, module = load_design(overrides=overrides, rules=False), part_definition("stage")
     path = tmp_path / "stage.step"
     write_ap242("stage", design, module.build(design), path)
     file = read_ap242(path, information_of(module, design).texts)
@@ -226,7 +226,7 @@ def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...],
 @pytest.mark.parametrize("name", MADE)
 def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
     """Every length by its own small factor: each dimension still stands on the faces that measure it."""
-    module, notes = module_of(name), {}
+    module, notes = part_definition(name), {}
     module.build(TrackedDesign(thesis(), notes))
     keys = sorted({".".join(str(step[1]) for step in way) for way in notes})
     sizes = [key for key in keys if key in schema() and thesis().entry(key).unit == "mm"]
@@ -289,7 +289,7 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
     tighter = load_design(overrides=["drawing.tolerance_x_xx=0.005 mm"])
     path = tmp_path / "pin.step"
     write_ap242("height_pin_2", tighter, solid_of("height_pin_2"), path)
-    shown = by_name(read_ap242(path, information_of(module_of("height_pin_2"), tighter).texts))
+    shown = by_name(read_ap242(path, information_of(part_definition("height_pin_2"), tighter).texts))
     for dimension in declared("height_pin_2"):
         if dimension.tolerance:
             wide = tighter.drawing.tolerance_x
@@ -300,14 +300,15 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
 
 def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     name = "height_pin_2"
-    again = ap242_bytes(name, module_of(name), TrackedDesign(thesis(), {}), solid_of(name))
+    again = ap242_bytes(name, part_definition(name), TrackedDesign(thesis(), {}), solid_of(name))
     assert again == bytes_of(name)
     script = (
         "import sys; from pathlib import Path\n"
         "from stagecad.solids.modelling.kernel import import_kernel; import_kernel()\n"
-        "from stagecad.parameters.load import load_design; from stagecad.solids.modelling.registry import module_of\n"
+        "from stagecad.parameters.load import load_design\n"
+        "from stagecad.solids.modelling.registry import part_definition\n"
         "from drawings.pmi.ap242 import write_ap242; design = load_design()\n"
-        "write_ap242(sys.argv[1], design, module_of(sys.argv[1]).build(design), Path(sys.argv[2]))\n"
+        "write_ap242(sys.argv[1], design, part_definition(sys.argv[1]).build(design), Path(sys.argv[2]))\n"
     )
     path = tmp_path / "other.step"
     environment = os.environ | {"PYTHONHASHSEED": "7"}
@@ -327,12 +328,12 @@ def test_every_measure_says_what_it_measures(name: str) -> None:
 def test_a_declaration_that_points_beside_the_part_is_an_error() -> None:
     longer = load_design(overrides=["stage.payload_pitch=51 mm"], rules=False)
     with pytest.raises(LookupError):
-        ap242_bytes("stage", module_of("stage"), longer, solid_of("stage"))
+        ap242_bytes("stage", part_definition("stage"), longer, solid_of("stage"))
 
 
 def test_texts_keep_quotes_and_signs_beyond_ascii(tmp_path: Path) -> None:
     said = {"note 1": "Ra 1 µm on the holder's pocket", "back\\slash": "±0.1"}
     path = tmp_path / "noted.step"
     path.write_text(with_properties(bytes_of("magnet").decode(), said))
-    texts = {**information_of(module_of("magnet"), thesis()).texts, **said}
+    texts = {**information_of(part_definition("magnet"), thesis()).texts, **said}
     assert read_ap242(path, texts).texts == texts

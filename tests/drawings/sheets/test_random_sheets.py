@@ -18,7 +18,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tracking import TrackedDesign, value_at
 from stagecad.solids.artefacts.store import ArtefactStore
-from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.registry import MADE, part_definition
 from tests.drawings.drawn import described, document_of, thesis
 from workbench.machine.artefacts import procedure_values
 
@@ -30,7 +30,7 @@ def shaping() -> tuple[str, ...]:
     """Lengths and angles that shape some part, threads and computed ones left out."""
     notes: dict[Any, str] = {}
     for name in MADE:
-        module_of(name).build(TrackedDesign(thesis(), notes))
+        part_definition(name).build(TrackedDesign(thesis(), notes))
     keys = {".".join(str(step[1]) for step in way) for way in notes} - set(COMPUTED)
     return tuple(sorted(k for k in keys if thesis().entry(k).unit in ("mm", "deg") and not k.startswith("threads.")))
 

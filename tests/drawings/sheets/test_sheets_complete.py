@@ -27,7 +27,7 @@ from drawings.export.lint import lint
 from drawings.export.pdf import DPI, pdf_bytes, png_bytes
 from stagecad.parameters.dimension import DatumFeature, GeometricTolerance, SurfaceTexture
 from stagecad.parameters.tracking import TrackedDesign
-from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 from tests.drawings.drawn import described, document_of, sheets, thesis, words
 
@@ -55,7 +55,7 @@ def named(part: str) -> Counter[str]:
 
 @pytest.mark.parametrize("part", MADE)
 def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
-    module = module_of(part)
+    module = part_definition(part)
     required = getattr(module, "requirements", lambda _: ())(thesis())
     textures = [f"texture {r.name}" for r in required if isinstance(r, SurfaceTexture)]
     assert named(part) == Counter([*(d.name for d in module.dimensions(thesis())), *textures])
@@ -64,11 +64,11 @@ def test_every_declaration_is_on_one_sheet_once(part: str) -> None:
 @pytest.mark.parametrize("part", MADE)
 def test_every_parameter_that_shapes_the_part_is_on_its_sheets_once(part: str) -> None:
     notes: dict[Any, str] = {}
-    module_of(part).build(TrackedDesign(thesis(), notes))
+    part_definition(part).build(TrackedDesign(thesis(), notes))
     shape = {".".join(str(step[1]) for step in way) for way in notes} - set(NOT_DIMENSIONS)
     shown = Counter(
         dimension.parameter
-        for dimension in module_of(part).dimensions(thesis())
+        for dimension in part_definition(part).dimensions(thesis())
         for _ in range(named(part)[dimension.name])
         if dimension.parameter
     )
@@ -85,7 +85,7 @@ def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> No
         if isinstance(annotation, LinearDimension | RadialDimension | AngularDimension | Callout)
         for name in annotation.names
     }
-    for dimension in module_of(part).dimensions(thesis()):
+    for dimension in part_definition(part).dimensions(thesis()):
         value = number(dimension.value, dimension.tolerance, 0.0)
         if dimension.kind == "slope":
             value = f"1:{1 / dimension.value:g}"
@@ -99,7 +99,7 @@ def test_every_number_is_printed_with_the_decimals_of_its_class(part: str) -> No
 def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: str) -> None:
     """From the points on the paper back to the part, against a gauge on the solid; and on to the DXF entity."""
     gauge = DimensionVerifier(described(part, thesis()).solid)
-    declared = {dimension.name: dimension for dimension in module_of(part).dimensions(thesis())}
+    declared = {dimension.name: dimension for dimension in part_definition(part).dimensions(thesis())}
     for sheet in sheets(part):
         measured: list[float] = []
         for annotation in sheet.annotations:
@@ -121,7 +121,7 @@ def test_what_a_dimension_spans_on_the_sheet_is_what_the_solid_measures(part: st
 
 @pytest.mark.parametrize("part", MADE)
 def test_every_datum_and_tolerance_is_on_one_sheet_once(part: str) -> None:
-    required = getattr(module_of(part), "requirements", lambda _: ())(thesis())
+    required = getattr(part_definition(part), "requirements", lambda _: ())(thesis())
     every = [annotation for sheet in sheets(part) for annotation in sheet.annotations]
     letters = [annotation.letter for annotation in every if isinstance(annotation, DatumSymbol)]
     assert letters == [r.letter for r in required if isinstance(r, DatumFeature)]

@@ -17,7 +17,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from stagecad.parameters.tables.machine import schema
 from stagecad.parameters.tracking import TrackedDesign
-from stagecad.solids.modelling.registry import MADE, module_of
+from stagecad.solids.modelling.registry import MADE, part_definition
 from stagecad.solids.modelling.verification import DimensionVerifier
 
 SWITCHES = {"teeth.fitted", "sea.whole_underside"}
@@ -31,13 +31,13 @@ def thesis() -> Design:
 
 @cache
 def solid_of(name: str) -> cq.Solid:
-    return module_of(name).build(thesis())  # type: ignore[return-value]
+    return part_definition(name).build(thesis())  # type: ignore[return-value]
 
 
 @cache
 def read_by(name: str) -> frozenset[str]:
     notes: dict[Any, str] = {}
-    module_of(name).build(TrackedDesign(thesis(), notes))
+    part_definition(name).build(TrackedDesign(thesis(), notes))
     return frozenset(".".join(str(step[1]) for step in way) for way in notes)
 
 
@@ -63,7 +63,7 @@ def test_one_valid_closed_solid(name: str) -> None:
 def test_every_dimension_measures_as_declared(name: str) -> None:
     gauge = DimensionVerifier(solid_of(name))
     wrong = []
-    for dimension in module_of(name).dimensions(thesis()):
+    for dimension in part_definition(name).dimensions(thesis()):
         measured = gauge.measure(dimension)
         if measured is not None and abs(measured - dimension.value) > 1e-6:
             wrong.append((dimension.name, dimension.value, measured))
@@ -72,7 +72,7 @@ def test_every_dimension_measures_as_declared(name: str) -> None:
 
 @pytest.mark.parametrize("name", MADE)
 def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(name: str) -> None:
-    own = [dimension for dimension in module_of(name).dimensions(thesis()) if not dimension.derived_from]
+    own = [dimension for dimension in part_definition(name).dimensions(thesis()) if not dimension.derived_from]
     declared = [dimension.parameter for dimension in own]
     assert sorted(declared) == sorted(set(declared))
     assert read_by(name) - SWITCHES <= set(declared)
@@ -83,7 +83,7 @@ def test_every_parameter_that_shapes_the_part_is_declared_once_and_only_once(nam
 
 @pytest.mark.parametrize("name", MADE)
 def test_dimensions_agree_with_their_parameters(name: str) -> None:
-    dimensions = module_of(name).dimensions(thesis())
+    dimensions = part_definition(name).dimensions(thesis())
     assert len({dimension.name for dimension in dimensions}) == len(dimensions)
     for dimension in dimensions:
         assert dimension.view != "any"
@@ -96,7 +96,7 @@ def test_dimensions_agree_with_their_parameters(name: str) -> None:
 
 @pytest.mark.parametrize("name", MADE)
 def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: str) -> None:
-    module = module_of(name)
+    module = part_definition(name)
     required = getattr(module, "requirements", lambda _: ())(thesis())
     letters = {requirement.letter for requirement in required if isinstance(requirement, DatumFeature)}
     for requirement in required:
@@ -115,7 +115,7 @@ def test_requirements_stand_on_faces_of_the_solid_and_refer_to_its_datums(name: 
 
 @pytest.mark.parametrize("name", MADE)
 def test_a_threaded_hole_is_drilled_deeper_than_its_thread(name: str) -> None:
-    dimensions = {dimension.name: dimension for dimension in module_of(name).dimensions(thesis())}
+    dimensions = {dimension.name: dimension for dimension in part_definition(name).dimensions(thesis())}
     for dimension in list(dimensions.values()):
         if dimension.kind == "thread_depth":
             assert dimensions[f"{dimension.feature} drill depth"].value > dimension.value
@@ -125,7 +125,7 @@ def test_a_threaded_hole_is_drilled_deeper_than_its_thread(name: str) -> None:
 @pytest.mark.parametrize("name", MADE)
 def test_the_solid_follows_every_parameter_at_once(name: str) -> None:
     """Each parameter changed by its own small factor: the solid measures as the new values say, everywhere."""
-    module = module_of(name)
+    module = part_definition(name)
     keys = sorted(key for key in read_by(name) - SWITCHES if not isinstance(thesis().value(key), int))
     factors = {key: 1 + 0.002 * (1 + index / len(keys)) for index, key in enumerate(keys)}
     design = load_design(overrides=[changed(key, factors[key]) for key in keys], rules=False)
@@ -143,7 +143,7 @@ def test_the_solid_follows_every_parameter_at_once(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_each_parameter_changes_the_solid_and_its_dimension_follows(name: str) -> None:
-    module = module_of(name)
+    module = part_definition(name)
     before = solid_of(name)
     for key in sorted(read_by(name) - SWITCHES):
         if key == "pads.count":
@@ -171,7 +171,7 @@ def _signature(solid: Any) -> tuple[float, ...]:
 def test_face_datums_lie_on_the_solid(name: str) -> None:
     """A datum of a face has material behind it and none before it; one of an axis or plane lies in the air."""
     solid = solid_of(name)
-    for datum in module_of(name).datums(thesis()).values():
+    for datum in part_definition(name).datums(thesis()).values():
         x, y, z = datum.origin
         at = cq.Vertex.makeVertex(x, y, z)
         if solid.distance(at) > 1e-6 or not _on_surface(solid, at):
@@ -187,7 +187,7 @@ def _on_surface(solid: cq.Shape, at: cq.Vertex) -> bool:
 def test_a_gauge_finds_a_wrong_dimension() -> None:
     """The measurement is of the solid, not of the declaration: another solid's dimension does not fit this one."""
     longer = load_design(overrides=["stage.payload_pitch=51 mm"], rules=False)
-    stage: Callable[[Any], tuple[Dimension, ...]] = module_of("stage").dimensions
+    stage: Callable[[Any], tuple[Dimension, ...]] = part_definition("stage").dimensions
     gauge = DimensionVerifier(solid_of("stage"))
     pitch = next(d for d in stage(longer) if d.parameter == "stage.payload_pitch")
     with pytest.raises(LookupError):
@@ -211,7 +211,7 @@ def test_parts_of_random_valid_designs_measure_as_declared(seed: int) -> None:
     else:
         pytest.fail("the rules accept nothing")
     for name in MADE:
-        module = module_of(name)
+        module = part_definition(name)
         solid = module.build(design)
         assert solid.isValid(), (name, overrides)
         gauge = DimensionVerifier(solid)

@@ -12,7 +12,7 @@ from OCP.BRepAdaptor import BRepAdaptor_Surface  # pyright: ignore[reportMissing
 
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
-from stagecad.solids.modelling.registry import module_of
+from stagecad.solids.modelling.registry import part_definition
 from stagecad.solids.parts.base_clamp import clamps
 
 
@@ -23,7 +23,7 @@ def thesis() -> Design:
 
 @cache
 def solid_of(name: str) -> cq.Solid:
-    return module_of(name).build(thesis())  # type: ignore[return-value]
+    return part_definition(name).build(thesis())  # type: ignore[return-value]
 
 
 def bounding_box(name: str) -> tuple[float, ...]:
@@ -207,9 +207,9 @@ def test_heights_close() -> None:
         + d.height_pin_2.length
         + d.holder.floor
         + d.piezo.length
-        + module_of("tip").datums(d)["apex"].origin[2]
+        + part_definition("tip").datums(d)["apex"].origin[2]
     )
-    way, stage = module_of("bearing_way").datums(d), module_of("stage").datums(d)
+    way, stage = part_definition("bearing_way").datums(d), part_definition("stage").datums(d)
     sea = way["top"].origin[2] - stage["pads"].origin[2] + stage["sea"].origin[2]
     assert apex == pytest.approx(sea, abs=1e-9)
 
@@ -223,7 +223,7 @@ def test_the_pin_and_the_spring_pass_through_the_set_screw_thread() -> None:
 def test_pads_ride_on_their_middle() -> None:
     """The crown stands proud of the pad's edges by the sagitta of its sphere, l^2 / 8 R along and w^2 / 8 R across."""
     d, stage = thesis(), solid_of("stage")
-    x, y, z = module_of("stage").datums(d)["pad_1"].origin
+    x, y, z = part_definition("stage").datums(d)["pad_1"].origin
     probe = cq.Vertex.makeVertex(x + d.pads.length / 2 - 1e-6, y, z)
     sagitta = d.pads.length**2 / (8 * d.pads.crown_radius)
     pad = [face for face in stage.Faces() if face.geomType() == "SPHERE"]
@@ -234,7 +234,7 @@ def test_pads_ride_on_their_middle() -> None:
 def test_four_pads_and_no_teeth() -> None:
     """The variant for two axes: gravity preload on four pads, the whole underside sea, no pockets, no grooves."""
     design = load_design(overrides=["pads.count=4", "teeth.fitted=false", "sea.whole_underside=true"], rules=False)
-    module = module_of("stage")
+    module = part_definition("stage")
     solid = module.build(design)
     assert solid.isValid()
     assert sum(face.geomType() == "SPHERE" for face in solid.Faces()) == 4

@@ -1,0 +1,86 @@
+"""Hexagon socket head cap screws (ASME B18.3) of several lengths. Lengths in millimetres.
+
+Part coordinates: origin in the bearing plane under the head, on the axis; the head rises along +z, the shank goes down.
+The thread is cosmetic: the shank is a cylinder of the major diameter with a chamfered end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.dimension import Datum
+
+if TYPE_CHECKING:
+    import cadquery as cq
+
+    from stagecad.parameters.dimension import Dimension
+
+
+@dataclass(frozen=True)
+class SocketCapScrew:
+    """One kind of screw as a part (`stagecad.solids.modelling.part.Part`).
+
+    Args:
+        NAME: of the part.
+        key: of its table below `screws` in the parameter file.
+    """
+
+    NAME: str
+    key: str
+
+    def _table(self, design: Any) -> Any:
+        return getattr(design.screws, self.key)
+
+    def build(self, design: Any) -> cq.Solid:
+        """The screw as one solid, mm; the socket is half the head deep."""
+        import cadquery as cq
+
+        screw = self._table(design)
+        shank, head = screw.diameter / 2, screw.head_diameter / 2
+        chamfer, rim = 0.08 * screw.diameter, 0.06 * screw.head_height
+        outline = [
+            (0.0, -screw.length),
+            (shank - chamfer, -screw.length),
+            (shank, -screw.length + chamfer),
+            (shank, 0.0),
+            (head, 0.0),
+            (head, screw.head_height - rim),
+            (head - rim, screw.head_height),
+            (0.0, screw.head_height),
+        ]
+        body = cq.Workplane("XZ").polyline(outline).close().revolve(360.0, (0, 0), (0, 1))
+        across_corners = screw.socket_width / 0.8660254037844386
+        floor = cq.Workplane("XY").workplane(offset=screw.head_height / 2)
+        socket = floor.polygon(6, across_corners).extrude(screw.head_height)
+        return body.cut(socket).solids().val()  # type: ignore[return-value]
+
+    def material(self, design: Any) -> str:
+        return self._table(design).material
+
+    def part_number(self, design: Any) -> str:
+        return self._table(design).part_number
+
+    def description(self, design: Any) -> str:
+        return self._table(design).description
+
+    def datums(self, design: Any) -> dict[str, Datum]:
+        """``seat``: under the head, normal towards the shank; ``end``: of the shank."""
+        end = (0.0, 0.0, -self._table(design).length)
+        return {
+            "seat": Datum("seat", (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
+            "end": Datum("end", end, (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
+        }
+
+    def dimensions(self, design: Any) -> tuple[Dimension, ...]:
+        """None: it is purchased."""
+        return ()
+
+
+PARTS = {
+    "way_screw": SocketCapScrew("way_screw", "way"),
+    "clamp_screw_long": SocketCapScrew("clamp_screw_long", "clamp_long"),
+    "clamp_screw_short": SocketCapScrew("clamp_screw_short", "clamp_short"),
+    "bar_screw": SocketCapScrew("bar_screw", "bar"),
+}
+"""Of a bearing way (3/8"-16 x 1"), of the clamp slot at actuator 1 (6") and at 2 and 3 (4.5"), of a tooth bar."""
