@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
-from stagecad.solids.modelling.kernel import import_kernel
 from stagecad.solids.modelling.mass import Geometry, geometry_of
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
 from stagecad.solids.modelling.registry import PURCHASED, module_name, part_definition
@@ -112,7 +111,6 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
     """
 
     def make(tracked: Any, folder: Path) -> None:
-        import_kernel()
         part: Any = part_definition(name)
         solid = part.build(tracked)
         _require_solid(name, solid)
@@ -182,7 +180,6 @@ def write_solid(solid: cq.Shape, path: Path) -> None:
 
 def read_solid(path: Path) -> cq.Solid:
     """Read a solid written by `write_solid`."""
-    import_kernel()
     import cadquery as cq
     from OCP.BinTools import BinTools
     from OCP.TopoDS import TopoDS_Shape

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from stagecad.solids.export.triangulation import Triangulation, triangulations
 from stagecad.solids.modelling.frame import UNMOVED, Frame
 
 if TYPE_CHECKING:
@@ -23,24 +22,24 @@ LINEAR = 0.05
 """Largest distance between a triangle and the face, mm."""
 
 ANGULAR = (0.2, 0.17, 0.12, 0.09, 0.06, 0.04)
-"""Largest turn between neighbouring chords, rad: the first that keeps the volume. A circle of chords encloses
-1 - angle^2/6 of its area, but the mesher goes finer than it is told on a torus, and a plate hardly feels its holes."""
+"""Largest angle between neighbouring chords, rad: the first that preserves the volume is used. A polygon of chords
+encloses 1 - angle^2/6 of its circle's area; but the mesher refines a torus further, and a plate has few round faces."""
 
 VOLUME_ERROR = 0.0028
-"""Largest difference between the volume of a mesh and of its solid, of the latter; an exported mesh may have 0.003."""
+"""Largest relative difference between the volumes of mesh and solid; an exported mesh may have 0.003."""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Triangles face by face, so that normals jump where the solid has an edge and are smooth where it is round.
+    """Triangles face by face: normals are discontinuous at the edges of the solid and continuous within a face.
 
     Attributes:
-        vertices: (n, 3) float64, mm; points on an edge occur once for each face that meets there, bit for bit the same.
+        vertices: (n, 3) float64, mm; points on an edge occur once for each adjacent face, bit for bit equal.
         normals: (n, 3) unit, out of the material.
         triangles: (m, 3) indices, counter-clockwise seen from outside.
-        faces: (m,) number of the solid's face that each triangle stands for, from 0.
+        faces: (m,) number of the solid's face of each triangle, from 0.
         edge_points: (k, 3) points of the solid's sharp edges, mm.
-        edge_ends: (e + 1,) where each edge's points begin in `edge_points`, and the end of the last.
+        edge_ends: (e + 1,) index of each edge's first point in `edge_points`, and the end of the last.
     """
 
     vertices: np.ndarray
@@ -72,18 +71,18 @@ class Mesh:
 
 
 def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
-    """Mesh of a solid, fine enough to keep its volume within `VOLUME_ERROR`. The solid itself is left without a mesh.
+    """Mesh of a solid, fine enough that the volume agrees within `VOLUME_ERROR`. The solid itself is not meshed.
 
     Args:
         shape: the solid.
         volume: its exact volume, mm^3.
 
     Raises:
-        ValueError: a face could not be meshed, or no mesh keeps the volume.
+        ValueError: a face could not be meshed, or no mesh has the volume.
     """
     error = 1.0
     for angular in ANGULAR:
-        if angular**2 / 12.0 > VOLUME_ERROR and _wire(shape):
+        if angular**2 / 12.0 > VOLUME_ERROR and _is_wire(shape):
             continue
         mesh = triangulated(shape, LINEAR, angular)
         error = abs(mesh.volume / volume - 1.0)
@@ -92,62 +91,60 @@ def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
     raise ValueError(f"the finest mesh misses the solid's volume by {error:.2%}")
 
 
-def _wire(shape: cq.Shape) -> bool:
-    """Whether all of a solid that is not plane is torus, as of a wire bent in arcs.
+def _is_wire(shape: cq.Shape) -> bool:
+    """Whether all faces of a solid are toroidal or plane, as of a wire bent in arcs.
 
-    The mesher goes twice as fine there as it is told, along the wire and around it, and the chords of both take from
-    the volume: angle^2/12 of it.
+    There the mesher uses half the given angle, along the wire and around it, and the chords of both directions reduce
+    the volume by angle^2/12.
     """
     kinds = {face.geomType() for face in shape.Faces()}
     return "TORUS" in kinds and kinds <= {"TORUS", "PLANE"}
 
 
 def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
-    """Mesh of a shape within `linear` mm and `angular` rad."""
+    """Mesh of a shape within `linear` mm and `angular` rad.
+
+    Raises:
+        ValueError: a face could not be meshed.
+    """
     from OCP.BRep import BRep_Tool
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
-    from OCP.BRepLib import BRepLib_ToolTriangulatedShape
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
     from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS
 
-    # A mesh makes the bounding box loose and the stored solid large: it goes on a copy.
+    # A mesh loosens the bounding box and enlarges the stored solid: it is made on a copy.
     copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
     BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
     faces: list[Any] = []
     explorer = TopExp_Explorer(copy, TopAbs_FACE)
     while explorer.More():
-        face = TopoDS.Face_s(explorer.Current())
+        faces.append(TopoDS.Face_s(explorer.Current()))
         explorer.Next()
-        part = BRep_Tool.Triangulation_s(face, TopLoc_Location())
-        if part is not None:
-            BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, part)
-        faces.append(face)
-    parts = triangulations(faces)
     vertices: list[np.ndarray] = []
     normals: list[np.ndarray] = []
     triangles: list[np.ndarray] = []
     count = 0
-    for face, part in zip(faces, parts, strict=True):
-        places, outward, corners = part.places, part.normals, part.corners
+    for face in faces:
         location = TopLoc_Location()
-        BRep_Tool.Triangulation_s(face, location)
-        if not location.IsIdentity():
-            places, outward = _moved(places, outward, location.Transformation())
+        triangulation = BRep_Tool.Triangulation_s(face, location)
+        if triangulation is None:
+            raise ValueError("a face of the solid could not be meshed")
+        points, outward, corners = _arrays(face, triangulation)
+        points, outward = _moved(points, location), _moved(outward, location, directions=True)
         if face.Orientation() == TopAbs_REVERSED:
             corners = corners[:, ::-1]
             outward = -outward
-        # At the pole of a sphere a side of a triangle has no length: such a triangle covers nothing and opens the mesh.
-        a, b, c = (places[corners[:, i]] for i in range(3))
-        flat = (a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1)
-        corners = corners[~flat]
-        vertices.append(places)
+        # At the pole of a sphere a side of a triangle has no length: such a triangle has no area and opens the mesh.
+        a, b, c = (points[corners[:, i]] for i in range(3))
+        degenerate = (a == b).all(axis=1) | (b == c).all(axis=1) | (c == a).all(axis=1)
+        vertices.append(points)
         normals.append(outward)
-        triangles.append(corners + count)
-        count += len(places)
-    edge_points, edge_ends = _edges(faces, parts)
+        triangles.append(corners[~degenerate] + count)
+        count += len(points)
+    edge_points, edge_ends = _edges(faces)
     return Mesh(
         np.concatenate(vertices),
         _unit(np.concatenate(normals)),
@@ -158,14 +155,29 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
     )
 
 
-def _moved(places: np.ndarray, directions: np.ndarray, move: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Points and directions after the kernel's rigid move ``gp_Trsf``."""
+def _arrays(face: Any, triangulation: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 3), surface normals (n, 3) and triangles (m, 3) of a face, in the coordinates of its own location."""
+    from OCP.BRepLib import BRepLib_ToolTriangulatedShape
+
+    BRepLib_ToolTriangulatedShape.ComputeNormals_s(face, triangulation)
+    nodes = range(1, triangulation.NbNodes() + 1)
+    points = [triangulation.Node(i).Coord() for i in nodes]
+    normals = [triangulation.Normal(i).Coord() for i in nodes]
+    corners = [triangulation.Triangle(i).Get() for i in range(1, triangulation.NbTriangles() + 1)]
+    return np.array(points), np.array(normals), np.array(corners, dtype=np.int64) - 1
+
+
+def _moved(vectors: np.ndarray, location: Any, *, directions: bool = False) -> np.ndarray:
+    """Points, or directions, (n, 3) after the rigid motion of a location of the kernel."""
+    if location.IsIdentity():
+        return vectors
+    move = location.Transformation()
     rows = np.array([[move.Value(row, column) for column in range(1, 5)] for row in range(1, 4)])
-    return places @ rows[:, :3].T + rows[:, 3], directions @ rows[:, :3].T
+    return vectors @ rows[:, :3].T + (0.0 if directions else rows[:, 3])
 
 
-def _edges(meshed: Sequence[Any], parts: Sequence[Triangulation]) -> tuple[np.ndarray, np.ndarray]:
-    """Edges where the surface has a corner, as the faces' mesh has them; seams and tangent joints are left out."""
+def _edges(meshed: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
+    """Sharp edges as polylines of the faces' mesh, without seams and tangent joints: points, and where each begins."""
     from OCP.BRep import BRep_Tool
     from OCP.GeomAbs import GeomAbs_C0
     from OCP.TopAbs import TopAbs_EDGE
@@ -174,7 +186,6 @@ def _edges(meshed: Sequence[Any], parts: Sequence[Triangulation]) -> tuple[np.nd
     from OCP.TopoDS import TopoDS
     from OCP.TopTools import TopTools_IndexedMapOfShape
 
-    # Edges numbered by a map, with the faces that have them: the kernel's own table of the two is slow to read.
     numbered = TopTools_IndexedMapOfShape()
     beside: list[list[int]] = []
     for index, face in enumerate(meshed):
@@ -198,10 +209,8 @@ def _edges(meshed: Sequence[Any], parts: Sequence[Triangulation]) -> tuple[np.nd
         polygon = BRep_Tool.PolygonOnTriangulation_s(edge, surface, location)
         if polygon is None:
             continue
-        line = parts[indices[0]].places[[polygon.Node(i) - 1 for i in range(1, polygon.NbNodes() + 1)]]
-        if not location.IsIdentity():
-            line, _ = _moved(line, line, location.Transformation())
-        lines.append(line)
+        line = [surface.Node(polygon.Node(i)).Coord() for i in range(1, polygon.NbNodes() + 1)]
+        lines.append(_moved(np.array(line), location))
     if not lines:
         return np.zeros((0, 3)), np.zeros(1, dtype=np.int64)
     return np.concatenate(lines), np.cumsum([0, *(len(line) for line in lines)])

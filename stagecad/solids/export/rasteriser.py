@@ -1,12 +1,13 @@
-"""Draws triangles and lines into a picture by depth buffer, on the processor: no display, no graphics driver.
+"""Renders triangles and lines with a depth buffer on the CPU, without display or graphics driver.
 
-Orthographic. The picture is drawn `SAMPLES` times finer in each direction and averaged, which smooths every edge.
-Shading: a key light from the upper left of the viewer, light from above and below (sky and floor), a weak highlight,
-and darkening of places that lie behind a near contour (depth darkening after Luft, Colditz and Deussen, SIGGRAPH
-2006), which makes pockets and gaps readable.
+Orthographic. The picture is rendered with `SAMPLES` times the resolution in each direction and averaged (antialiasing).
+Shading: a key light from the upper left of the viewer, hemispherical ambient light, a weak specular highlight, and
+depth darkening behind near contours (Luft, Colditz and Deussen, SIGGRAPH 2006), which makes pockets and gaps visible.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -17,9 +18,29 @@ INK = np.array([0.10, 0.11, 0.13], dtype=np.float32)
 FAR = np.float32(np.inf)
 
 
+class ProjectedMesh(NamedTuple):
+    """Triangles and edges in picture coordinates.
+
+    Attributes:
+        points: (n, 3): column, row (both in pixels, rows downwards) and depth (same scale, nearer is smaller).
+        normals: (n, 3) unit, in view axes: right, up, towards the viewer.
+        triangles: (m, 3) indices.
+        colour_index: (m,) index of each triangle's colour.
+        edge_points: (k, 3) like `points`.
+        edge_ends: (e + 1,) index of each edge's first point in `edge_points`, and the end of the last.
+    """
+
+    points: np.ndarray
+    normals: np.ndarray
+    triangles: np.ndarray
+    colour_index: np.ndarray
+    edge_points: np.ndarray
+    edge_ends: np.ndarray
+
+
 @numba.njit(cache=True)
-def _fill(points, normals, triangles, tint, depth, facing, paint):  # pragma: no cover - compiled
-    """Triangles into the depth buffer; points are (column, row, depth), nearer is smaller."""
+def _fill(points, normals, triangles, colour_index, depth, facing, paint):  # pragma: no cover - compiled
+    """Render triangles into the depth buffer; points are (column, row, depth), nearer is smaller."""
     height, width = depth.shape
     for t in range(triangles.shape[0]):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
@@ -28,7 +49,7 @@ def _fill(points, normals, triangles, tint, depth, facing, paint):  # pragma: no
         xc, yc, zc = points[c, 0], points[c, 1], points[c, 2]
         area = (xb - xa) * (yc - ya) - (xc - xa) * (yb - ya)
         if area >= 0.0:
-            # Seen from behind (rows count downwards): the solid is closed, another face hides it.
+            # A back face (rows count downwards): hidden, since the solid is closed.
             continue
         first_row = max(0, int(np.ceil(min(ya, yb, yc) - 0.5)))
         last_row = min(height - 1, int(np.floor(max(ya, yb, yc) - 0.5)))
@@ -46,14 +67,14 @@ def _fill(points, normals, triangles, tint, depth, facing, paint):  # pragma: no
                 z = u * za + v * zb + w * zc
                 if z < depth[row, column]:
                     depth[row, column] = z
-                    paint[row, column] = tint[t]
+                    paint[row, column] = colour_index[t]
                     for axis in range(3):
                         facing[row, column, axis] = u * normals[a, axis] + v * normals[b, axis] + w * normals[c, axis]
 
 
 @numba.njit(cache=True)
 def _stroke(points, ends, width_px, slack, depth, ink):  # pragma: no cover - compiled
-    """Lines that are not hidden, as round dots along them; `slack` is the depth a line may lie under its own face."""
+    """Render visible lines as round dots; `slack` is the depth by which a line may lie behind its own face."""
     height, width = depth.shape
     radius = width_px / 2.0
     reach = int(np.ceil(radius))
@@ -70,7 +91,7 @@ def _stroke(points, ends, width_px, slack, depth, ink):  # pragma: no cover - co
                 column, row = int(np.floor(x)), int(np.floor(y))
                 if column < 0 or row < 0 or column >= width or row >= height:
                     continue
-                # A line on a contour lies beside its face as often as on it: visible if any neighbour lets it be.
+                # A line on a contour may fall beside its face: it is visible if visible at any neighbouring pixel.
                 visible = False
                 for r in range(max(0, row - 1), min(height, row + 2)):
                     for c in range(max(0, column - 1), min(width, column + 2)):
@@ -85,30 +106,16 @@ def _stroke(points, ends, width_px, slack, depth, ink):  # pragma: no cover - co
 
 
 def draw(
-    points: np.ndarray,
-    normals: np.ndarray,
-    triangles: np.ndarray,
-    tint: np.ndarray,
-    colours: np.ndarray,
-    edge_points: np.ndarray,
-    edge_ends: np.ndarray,
-    size: tuple[int, int],
-    line_width: float = 1.1,
-    lit_from: float = 1.0,
+    mesh: ProjectedMesh, colours: np.ndarray, size: tuple[int, int], *, line_width: float = 1.1, light_sign: float = 1.0
 ) -> np.ndarray:
-    """Shaded picture with outline edges on a light ground.
+    """Shaded picture with outline edges on a light background.
 
     Args:
-        points: (n, 3): column, row (both in pixels, rows downwards) and depth (same scale, nearer is smaller).
-        normals: (n, 3) unit, in view axes: right, up, towards the viewer.
-        triangles: (m, 3) indices.
-        tint: (m,) index into `colours` of each triangle.
+        mesh: in picture coordinates.
         colours: (c, 3) sRGB, 0 to 1.
-        edge_points: (k, 3) like `points`.
-        edge_ends: (e + 1,) where each edge begins in `edge_points`.
         size: width and height in pixels.
         line_width: of the edges, pixels.
-        lit_from: 1 for light from above, -1 from below, for a part seen from below.
+        light_sign: 1 for light from above, -1 from below, for a part seen from below.
 
     Returns:
         (height, width, 3) uint8.
@@ -118,38 +125,32 @@ def draw(
     facing = np.zeros((height, width, 3), dtype=np.float32)
     paint = np.full((height, width), -1, dtype=np.int32)
     ink = np.zeros((height, width), dtype=np.float32)
-    finer = (points * SAMPLES).astype(np.float64)
-    _fill(finer, normals.astype(np.float64), triangles.astype(np.int64), tint.astype(np.int32), depth, facing, paint)
-    _stroke(
-        (edge_points * SAMPLES).astype(np.float64),
-        edge_ends.astype(np.int64),
-        line_width * SAMPLES,
-        1.5 * SAMPLES,
-        depth,
-        ink,
-    )
-    picture = _ground(height, width)
-    seen = paint >= 0
-    picture[seen] = _shade(facing[seen], colours.astype(np.float32)[paint[seen]], lit_from)
-    picture[seen] *= (1.0 - _shadow(depth)[seen])[:, None]
+    points, edges = (mesh.points * SAMPLES).astype(np.float64), (mesh.edge_points * SAMPLES).astype(np.float64)
+    normals, triangles = mesh.normals.astype(np.float64), mesh.triangles.astype(np.int64)
+    _fill(points, normals, triangles, mesh.colour_index.astype(np.int32), depth, facing, paint)
+    _stroke(edges, mesh.edge_ends.astype(np.int64), line_width * SAMPLES, 1.5 * SAMPLES, depth, ink)
+    picture = _background(height, width)
+    covered = paint >= 0
+    picture[covered] = _shade(facing[covered], colours.astype(np.float32)[paint[covered]], light_sign)
+    picture[covered] *= (1.0 - _shadow(depth)[covered])[:, None]
     picture += ink[:, :, None] * 0.85 * (INK - picture)
     coarse = picture.reshape(size[1], SAMPLES, size[0], SAMPLES, 3).mean(axis=(1, 3))
     return np.round(np.clip(coarse, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 
-def _ground(height: int, width: int) -> np.ndarray:
-    """Almost white, a little darker towards the foot."""
+def _background(height: int, width: int) -> np.ndarray:
+    """Almost white, slightly darker towards the bottom."""
     fall = np.linspace(0.0, 1.0, height, dtype=np.float32)[:, None, None]
     top, foot = np.array([0.985, 0.988, 0.992], np.float32), np.array([0.915, 0.925, 0.938], np.float32)
     return np.broadcast_to(top + fall * (foot - top), (height, width, 3)).copy()
 
 
-def _shade(facing: np.ndarray, colour: np.ndarray, lit_from: float) -> np.ndarray:
+def _shade(facing: np.ndarray, colour: np.ndarray, light_sign: float) -> np.ndarray:
     normal = facing / np.maximum(np.linalg.norm(facing, axis=1, keepdims=True), 1e-6)
-    key = np.array([-0.45, 0.65 * lit_from, 0.62], np.float32)
+    key = np.array([-0.45, 0.65 * light_sign, 0.62], np.float32)
     key /= np.linalg.norm(key)
     diffuse = np.clip(normal @ key, 0.0, 1.0)
-    sky = 0.5 + 0.5 * lit_from * normal[:, 1]
+    sky = 0.5 + 0.5 * light_sign * normal[:, 1]
     half = key + np.array([0.0, 0.0, 1.0], np.float32)
     half /= np.linalg.norm(half)
     shine = np.clip(normal @ half, 0.0, 1.0) ** 30
@@ -158,14 +159,14 @@ def _shade(facing: np.ndarray, colour: np.ndarray, lit_from: float) -> np.ndarra
 
 
 def _shadow(depth: np.ndarray) -> np.ndarray:
-    """Darkening behind near contours: how far the surroundings lie in front of a place, wide and narrow."""
+    """Depth darkening: difference of the depth from its average over a wide and a narrow neighbourhood."""
     far = np.isinf(depth)
     if far.all():
         return np.zeros_like(depth)
     deepest = float(depth[~far].max())
     filled = np.where(far, deepest, depth)
     total = np.zeros_like(depth)
-    # The blurs are wide and smooth: taken on every second sample they are the same and four times quicker.
+    # The averages are smooth: every second sample is sufficient.
     coarse = filled[::2, ::2]
     for share, strength in ((1 / 220, 0.20), (1 / 60, 0.20)):
         radius = max(1.0, share * depth.shape[1])

@@ -1,4 +1,4 @@
-"""Shaded pictures of parts and assembly, seen from the front right above, as PNG."""
+"""Shaded pictures of parts and assembly, as PNG."""
 
 from __future__ import annotations
 
@@ -14,63 +14,58 @@ SIZE = (1400, 1000)
 MARGIN = 0.06
 
 ISOMETRIC = (1.0, -1.15, 0.85)
-"""Where the viewer stands, seen from the part: in front (-y), to the right (+x) and above."""
+"""Direction towards the viewer: in front (-y), to the right (+x) and above."""
 
 BELOW = (1.0, -1.15, -0.85)
-"""The same from below, where the stage's working faces are."""
+"""The same from below, for the working faces of the stage."""
 
 
 def picture(
-    pieces: Sequence[PlacedShape],
+    shapes: Sequence[PlacedShape],
     meshes: dict[str, Mesh],
     viewer: tuple[float, float, float] = ISOMETRIC,
     size: tuple[int, int] = SIZE,
 ) -> bytes:
-    """PNG of pieces as they stand, filling the picture, with edges drawn and parts in the colour of their material.
+    """PNG of an assembly that fills the picture, with edges, in the colours of the materials.
 
     Args:
-        pieces: what stands where.
+        shapes: with positions and colours.
         meshes: mesh of each part, mm, by `PlacedShape.part`.
         viewer: direction from the part towards the viewer.
         size: width and height, pixels.
     """
     from PIL import Image
 
-    from stagecad.solids.export import rasteriser
+    from stagecad.solids.export.rasteriser import ProjectedMesh, draw
 
     view = _view(viewer)
-    colours = sorted({piece.colour for piece in pieces})
-    points, normals, triangles, tint, edges, ends = [], [], [], [], [], [np.zeros(1, dtype=np.int64)]
-    for piece in pieces:
-        mesh = meshes[piece.part].placed(piece.frame)
+    colours = sorted({shape.colour for shape in shapes})
+    points, normals, triangles, colour_index, edges, ends = [], [], [], [], [], [np.zeros(1, dtype=np.int64)]
+    for shape in shapes:
+        mesh = meshes[shape.part].placed(shape.frame)
         triangles.append(mesh.triangles.astype(np.int64) + sum(len(block) for block in points))
-        ends.append(mesh.edge_ends[1:] + ends[-1][-1] if len(mesh.edge_ends) > 1 else ends[-1][:0])
+        if len(mesh.edge_ends) > 1:
+            ends.append(mesh.edge_ends[1:] + ends[-1][-1])
         points.append(mesh.vertices @ view.T)
         normals.append(mesh.normals @ view.T)
-        tint.append(np.full(len(mesh.triangles), colours.index(piece.colour)))
+        colour_index.append(np.full(len(mesh.triangles), colours.index(shape.colour)))
         edges.append(mesh.edge_points @ view.T)
-        if not len(ends[-1]):
-            ends.pop()
     cloud = np.concatenate(points)
     low, high = cloud.min(axis=0), cloud.max(axis=0)
     scale = (1.0 - 2.0 * MARGIN) * min(size[0] / (high[0] - low[0]), size[1] / (high[1] - low[1]))
     middle = (low + high) / 2.0
 
-    def to_pixels(place: np.ndarray) -> np.ndarray:
-        shifted = (place - middle) * scale
+    def to_pixels(places: np.ndarray) -> np.ndarray:
+        shifted = (places - middle) * scale
         return np.column_stack([size[0] / 2 + shifted[:, 0], size[1] / 2 - shifted[:, 1], -shifted[:, 2]])
 
-    pixels = rasteriser.draw(
+    projected = ProjectedMesh(
         to_pixels(cloud),
-        np.concatenate(normals),
-        np.concatenate(triangles),
-        np.concatenate(tint),
-        np.array(colours),
-        to_pixels(np.concatenate(edges)),
-        np.concatenate(ends),
-        size,
-        lit_from=1.0 if viewer[2] >= 0.0 else -1.0,
+        *(np.concatenate(blocks) for blocks in (normals, triangles, colour_index)),
+        edge_points=to_pixels(np.concatenate(edges)),
+        edge_ends=np.concatenate(ends),
     )
+    pixels = draw(projected, np.array(colours), size, light_sign=1.0 if viewer[2] >= 0.0 else -1.0)
     memory = io.BytesIO()
     Image.fromarray(pixels).save(memory, format="PNG", optimize=False, compress_level=6)
     return memory.getvalue()

@@ -1,8 +1,8 @@
-"""STEP, STL and GLB as bytes: the same bytes for the same solid, in whatever process and how often.
+"""STEP, STL and GLB as bytes, reproducible for the same solid.
 
-OCCT writes the time of day into the STEP header and counts its exports within the process into one PRODUCT line per
-file; both are made constant here. STL and GLB are written from the mesh directly: GLB so that the material is not
-metallic (a viewer would paint it black), lengths are metres and y is up, as glTF 2.0 section 3.4 wants.
+OCCT writes the time of day into the STEP header and a counter of its exports within the process into one PRODUCT line
+per file; both are made constant here. STL and GLB are written from the mesh: GLB with a material that is not metallic
+(viewers show a metallic one black), lengths in metres and y up, as required by glTF 2.0 section 3.4.
 """
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
@@ -49,65 +49,55 @@ def stl_bytes(meshes: Sequence[Mesh]) -> bytes:
     return header + b"".join(block.tobytes() for block in blocks)
 
 
-def glb_bytes(name: str, pieces: Sequence[PlacedShape], meshes: dict[str, Mesh]) -> bytes:
-    """glTF 2.0 binary: metres, y up, one node per piece, one mesh per part, one material per colour.
+class _Buffer:
+    """Binary buffer of a GLB file with its views and accessors (glTF 2.0 section 3.6)."""
 
-    Args:
-        name: of the scene's root node.
-        pieces: what stands where.
-        meshes: mesh of each part, mm, by `PlacedShape.part`.
-    """
-    chunks: list[bytes] = []
-    views: list[dict[str, Any]] = []
-    accessors: list[dict[str, Any]] = []
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, Any]] = []
+        self.accessors: list[dict[str, Any]] = []
 
-    def add(data: np.ndarray, kind: str, component: int, target: int | None, limits: bool = False) -> int:
-        start = sum(len(chunk) for chunk in chunks)
+    def add(self, data: np.ndarray, kind: str, component: int, target: int, *, limits: bool = False) -> int:
+        """Append an array, and return the number of its accessor; `limits` adds its minimum and maximum."""
         raw = data.tobytes()
-        chunks.append(raw + b"\0" * (-len(raw) % 4))
-        view: dict[str, Any] = {"buffer": 0, "byteOffset": start, "byteLength": len(raw)}
-        if target is not None:
-            view["target"] = target
-        views.append(view)
-        accessor: dict[str, Any] = {
-            "bufferView": len(views) - 1,
-            "componentType": component,
-            "count": len(data),
-            "type": kind,
-        }
+        self.views.append({"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw), "target": target})
+        self.data += raw + b"\0" * (-len(raw) % 4)
+        view = len(self.views) - 1
+        accessor: dict[str, Any] = {"bufferView": view, "componentType": component, "count": len(data), "type": kind}
         if limits:
             accessor["min"] = [float(value) for value in data.min(axis=0)]
             accessor["max"] = [float(value) for value in data.max(axis=0)]
-        accessors.append(accessor)
-        return len(accessors) - 1
+        self.accessors.append(accessor)
+        return view
 
-    colours = sorted({piece.colour for piece in pieces})
-    geometry: dict[str, tuple[int, int, int]] = {}
-    for part in sorted({piece.part for piece in pieces}):
-        mesh = meshes[part]
-        geometry[part] = (
-            add((mesh.vertices / 1000.0).astype("<f4"), "VEC3", 5126, 34962, limits=True),
-            add(_unit_float(mesh.normals), "VEC3", 5126, 34962),
-            add(mesh.triangles.astype("<u4").reshape(-1), "SCALAR", 5125, 34963),
-        )
-    shapes: list[dict[str, Any]] = []
-    places: dict[tuple[str, Colour], int] = {}
+    def add_mesh(self, mesh: Mesh, material: int) -> dict[str, Any]:
+        """Append a mesh, and return it as a primitive of glTF."""
+        position = self.add((mesh.vertices / 1000.0).astype("<f4"), "VEC3", 5126, 34962, limits=True)
+        normal = self.add(_unit_float(mesh.normals), "VEC3", 5126, 34962)
+        indices = self.add(mesh.triangles.astype("<u4").reshape(-1), "SCALAR", 5125, 34963)
+        attributes = {"POSITION": position, "NORMAL": normal}
+        return {"attributes": attributes, "indices": indices, "material": material}
+
+
+def glb_bytes(name: str, shapes: Sequence[PlacedShape], meshes: dict[str, Mesh]) -> bytes:
+    """glTF 2.0 binary: metres, y up, one node per shape, one mesh per part, one material per colour.
+
+    Args:
+        name: of the scene's root node.
+        shapes: with positions and colours; shapes of one part have one colour.
+        meshes: mesh of each part, mm, by `PlacedShape.part`.
+    """
+    buffer = _Buffer()
+    colours = sorted({shape.colour for shape in shapes})
+    colour_of_part = {shape.part: colours.index(shape.colour) for shape in shapes}
+    primitives = {part: buffer.add_mesh(meshes[part], colour_of_part[part]) for part in sorted(colour_of_part)}
+    numbers = {part: number for number, part in enumerate(colour_of_part)}
     nodes: list[dict[str, Any]] = []
-    for piece in pieces:
-        if (piece.part, piece.colour) not in places:
-            position, normal, indices = geometry[piece.part]
-            places[piece.part, piece.colour] = len(shapes)
-            primitive = {
-                "attributes": {"POSITION": position, "NORMAL": normal},
-                "indices": indices,
-                "material": colours.index(piece.colour),
-            }
-            shapes.append({"name": piece.part, "primitives": [primitive]})
-        node: dict[str, Any] = {"name": piece.name, "mesh": places[piece.part, piece.colour]}
-        if piece.frame != UNMOVED:
-            node["matrix"] = _column_major(piece.frame)
-        nodes.append(node)
-    # The root turns z up into y up; everything below it keeps the machine's own axes.
+    for shape in shapes:
+        nodes.append({"name": shape.name, "mesh": numbers[shape.part]})
+        if shape.frame != UNMOVED:
+            nodes[-1]["matrix"] = _column_major(shape.frame)
+    # The root turns z up into y up; all nodes below it keep the axes of the machine.
     half = float(np.sqrt(0.5))
     root = {"name": name, "rotation": [-half, 0.0, 0.0, half], "children": list(range(len(nodes)))}
     document = {
@@ -115,26 +105,21 @@ def glb_bytes(name: str, pieces: Sequence[PlacedShape], meshes: dict[str, Mesh])
         "scene": 0,
         "scenes": [{"nodes": [len(nodes)]}],
         "nodes": [*nodes, root],
-        "meshes": shapes,
+        "meshes": [{"name": part, "primitives": [primitives[part]]} for part in numbers],
         "materials": [_material(colour) for colour in colours],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": sum(len(chunk) for chunk in chunks)}],
+        "accessors": buffer.accessors,
+        "bufferViews": buffer.views,
+        "buffers": [{"byteLength": len(buffer.data)}],
     }
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
-    binary = b"".join(chunks)
-    return (
-        struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + len(binary))
-        + struct.pack("<I4s", len(text), b"JSON")
-        + text
-        + struct.pack("<I4s", len(binary), b"BIN\0")
-        + binary
-    )
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text
+    chunks += struct.pack("<I4s", len(buffer.data), b"BIN\0") + bytes(buffer.data)
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 
 
 def _material(colour: Colour) -> dict[str, Any]:
-    # glTF wants linear colour; ours are sRGB.
+    # Colours are sRGB here and linear in glTF.
     linear = [value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4 for value in colour]
     return {
         "pbrMetallicRoughness": {
@@ -154,13 +139,13 @@ def _unit_float(normals: np.ndarray) -> np.ndarray:
     return (normals / np.linalg.norm(normals, axis=1, keepdims=True)).astype("<f4")
 
 
-def step_bytes(name: str, pieces: Sequence[PlacedShape], shapes: dict[str, TopoDS_Shape]) -> bytes:
+def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoDS_Shape]) -> bytes:
     """STEP (AP214) with names and colours, millimetres.
 
     Args:
-        name: of the product; of the whole when there are several pieces.
-        pieces: what stands where; a single piece that is named like the product is written as that part alone.
-        shapes: solid of each part by `PlacedShape.part`.
+        name: of the product; of the assembly when there are several shapes.
+        placed: the shapes with positions and colours; a single one with the name of the product is written as a part.
+        solids: solid of each part by `PlacedShape.part`.
 
     Raises:
         ValueError: OCCT could not write the solid.
@@ -184,22 +169,22 @@ def step_bytes(name: str, pieces: Sequence[PlacedShape], shapes: dict[str, TopoD
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     tool = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     colour_tool = XCAFDoc_DocumentTool.ColorTool_s(document.Main())
-    alone = len(pieces) == 1 and pieces[0].name == name
+    alone = len(placed) == 1 and placed[0].name == name
     whole = None
     if not alone:
         whole = tool.NewShape()
         TDataStd_Name.Set_s(whole, TCollection_ExtendedString(name))
     labels: dict[tuple[str, Colour], Any] = {}
-    for piece in pieces:
-        kind = (piece.part, piece.colour)
+    for shape in placed:
+        kind = (shape.part, shape.colour)
         if kind not in labels:
-            label = tool.AddShape(shapes[piece.part], False)
-            TDataStd_Name.Set_s(label, TCollection_ExtendedString(piece.part))
-            colour_tool.SetColor(label, Quantity_Color(*piece.colour, Quantity_TOC_sRGB), XCAFDoc_ColorGen)
+            label = tool.AddShape(solids[shape.part], False)
+            TDataStd_Name.Set_s(label, TCollection_ExtendedString(shape.part))
+            colour_tool.SetColor(label, Quantity_Color(*shape.colour, Quantity_TOC_sRGB), XCAFDoc_ColorGen)
             labels[kind] = label
         if whole is not None:
-            component = tool.AddComponent(whole, labels[kind], TopLoc_Location(transformation(piece.frame)))
-            TDataStd_Name.Set_s(component, TCollection_ExtendedString(piece.name))
+            component = tool.AddComponent(whole, labels[kind], TopLoc_Location(transformation(shape.frame)))
+            TDataStd_Name.Set_s(component, TCollection_ExtendedString(shape.name))
     tool.UpdateAssemblies()
     writer = STEPCAFControl_Writer()
     Interface_Static.SetCVal_s("write.step.schema", "AP214IS")
@@ -217,7 +202,7 @@ def step_bytes(name: str, pieces: Sequence[PlacedShape], shapes: dict[str, TopoD
 
 
 def constant_text(text: str, name: str) -> str:
-    """A STEP text with the time stamp and the file's own name fixed, and OCCT's running counters restarted."""
+    """A STEP text with constant time stamp and file name, and OCCT's counters restarted."""
     text = re.sub(
         r"FILE_NAME\(.*?\);",
         f"FILE_NAME('{name}','{TIME_STAMP}',('stagecad'),(''),'Open CASCADE','stagecad','');",
@@ -233,7 +218,7 @@ def constant_text(text: str, name: str) -> str:
 
 
 def transformation(frame: Frame) -> Any:
-    """The move as the kernel's own ``gp_Trsf``."""
+    """The rigid transformation as the kernel's ``gp_Trsf``."""
     from OCP.gp import gp_Trsf
 
     move = gp_Trsf()

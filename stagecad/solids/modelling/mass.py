@@ -5,25 +5,21 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.mass_properties import MassProperties
-from stagecad.solids.modelling.frame import Frame, Vector, add, scaled
+from stagecad.solids.modelling.frame import Frame, add, scaled
 
 if TYPE_CHECKING:
     import cadquery as cq
 
 MM = 1e-3
 
-SLACK = 2e-7
-"""Tolerance the kernel adds to a loose box, mm."""
-
 
 @dataclass(frozen=True)
 class Geometry:
-    """What a solid's shape alone fixes, in millimetres and part coordinates.
+    """Volume properties of a solid, in millimetres and part coordinates.
 
     Attributes:
         volume: mm^3.
@@ -52,14 +48,18 @@ class Geometry:
 
 
 def geometry_of(solid: cq.Shape) -> Geometry:
-    """Volume properties of an exact solid; take them before any mesh is made, which would loosen the box."""
+    """Volume properties of an exact solid; to be computed before a mesh is made, which would loosen the box."""
+    from OCP.Bnd import Bnd_Box
+    from OCP.BRepBndLib import BRepBndLib
     from OCP.BRepGProp import BRepGProp
     from OCP.gp import gp_Pnt
     from OCP.GProp import GProp_GProps
 
-    low, high = exact_box(solid)
-    x0, y0, z0, x1, y1, z1 = *low, *high
-    # Integrated about the middle of the box, so that the shift to the centre takes no small number from large ones.
+    box = Bnd_Box()
+    BRepBndLib.AddOptimal_s(solid.wrapped, box, False, False)
+    box.SetGap(0.0)
+    x0, y0, z0, x1, y1, z1 = box.Get()
+    # Integrated about the middle of the box: the shift to the centre is then a difference of small numbers.
     properties = GProp_GProps(gp_Pnt((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2))
     BRepGProp.VolumeProperties_s(solid.wrapped, properties, 1e-9, True)
     centre = properties.CentreOfMass()
@@ -68,43 +68,8 @@ def geometry_of(solid: cq.Shape) -> Geometry:
         properties.Mass(),
         (centre.X(), centre.Y(), centre.Z()),
         tuple(tuple(matrix.Value(row, column) for column in (1, 2, 3)) for row in (1, 2, 3)),
-        (low, high),
+        ((x0, y0, z0), (x1, y1, z1)),
     )
-
-
-def exact_box(solid: cq.Shape) -> tuple[Vector, Vector]:
-    """Lowest and highest x, y, z of an exact solid, mm.
-
-    The kernel's optimal box is slow, its quick one loose: the optimal one is taken of those faces only whose loose box
-    reaches beyond the exact one found so far.
-    """
-    from OCP.Bnd import Bnd_Box
-    from OCP.BRepBndLib import BRepBndLib
-
-    def corners(box: Bnd_Box) -> tuple[float, ...]:
-        box.SetGap(0.0)
-        x0, y0, z0, x1, y1, z1 = box.Get()
-        return (-x0, -y0, -z0, x1, y1, z1)
-
-    faces = []
-    for face in solid.Faces():
-        box = Bnd_Box()
-        BRepBndLib.Add_s(face.wrapped, box, False)
-        faces.append((corners(box), face))
-    reach = [-math.inf] * 6
-    measured: set[int] = set()
-    for side in range(6):
-        for number in sorted(range(len(faces)), key=lambda number: -faces[number][0][side]):
-            loose, face = faces[number]
-            if loose[side] <= reach[side] + SLACK:
-                break
-            if number not in measured:
-                measured.add(number)
-                box = Bnd_Box()
-                BRepBndLib.AddOptimal_s(face.wrapped, box, False, False)
-                reach = [max(a, b) for a, b in zip(reach, corners(box), strict=True)]
-    a, b, c, d, e, f = reach
-    return (0.0 - a, 0.0 - b, 0.0 - c), (d, e, f)
 
 
 def mass_properties(geometry: Geometry, density: float) -> MassProperties:

@@ -304,7 +304,6 @@ def test_same_bytes_again_and_in_another_process(tmp_path: Path) -> None:
     assert again == bytes_of(name)
     script = (
         "import sys; from pathlib import Path\n"
-        "from stagecad.solids.modelling.kernel import import_kernel; import_kernel()\n"
         "from stagecad.parameters.load import load_design\n"
         "from stagecad.solids.modelling.registry import part_definition\n"
         "from drawings.pmi.ap242 import write_ap242; design = load_design()\n"

@@ -171,9 +171,9 @@ def test_damage_is_made_good(store: ArtefactStore, damage: str) -> None:
     assert again.data("size.txt") == b"25.9"
 
 
-def test_size_is_bounded_and_the_newest_stay(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_least_recently_used_artefacts_are_removed(store: ArtefactStore, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STAGECAD_CACHE_MAX", "30000")
-    monkeypatch.setattr(store_module, "YOUNGEST", 0.0)
+    monkeypatch.setattr(store_module, "MINIMUM_AGE", 0.0)
 
     def make(design: Any, folder: Path) -> None:
         (folder / "block.bin").write_bytes(b"\0" * 10_000 + str(design.plate.length).encode())
