@@ -1,157 +1,165 @@
-"""The Jacobian of an axis and its linear solve, in compiled code.
+"""Jacobian of an axis and the linear solve of a Rosenbrock stage, in compiled code.
 
-What follows the head (position, velocity, travelled, age) meets the rest through position, velocity and friction level
-alone, so W = I/(gamma h) - J is an arrowhead: everything but the velocity is eliminated in one pass, and one solve
-costs O(number of states).
+The states after the head depend on the rest through position, velocity and friction level alone, and act on it through
+the velocity alone. So W = I/(gamma h) - J is an arrowhead: all states but the velocity are eliminated in one pass, and
+one solve costs O(number of states).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
-from sim.numerics.compilation import INLINED, compile_function
+from sim.integration.problem import WORKS, inlined
+from sim.integration.right_hand_side import drive_at
 
-NWORK = 3
+
+class Factors(NamedTuple):
+    """Scalars of the elimination: s = 1/(gamma h), and the inverses of s and of the pivots."""
+
+    s: float
+    inverse_s: float
+    inverse_pivot: float
+    inverse_age: float
+    inverse_lag: float
 
 
-def _assemble(
-    y, direction, head, n, riders, drive_lag, worked, zone, s_rate, push, reaction, here, elements, slope, modes, body,
-    row, own, into, by_head, work_head, work_z, ft,
-):  # fmt: skip
-    """The entries of J, and df/dt, at the start of a step: row (velocity by the head), own, into and by_head (elements
-    by themselves, velocity by them, they by the head), and the works by head and elements."""
-    per_mass, spring, feedback = body[0], body[1], body[2]
+@inlined
+def assemble(t, y, branch, acting, problem, terms, jacobian):
+    """Entries of J and df/dt at the start of a step; `acting`: forces that `rates_of_change` returned there."""
+    layout, body = problem.layout, problem.body
+    slope, elements, ft = terms.slope, terms.elements, jacobian.time
     v = y[1]
-    tail = head + n + 2 * riders
-    for j in range(head):
-        row[j] = -feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * per_mass
+    _, drive_rate = drive_at(t, problem.drive, branch.segment)
+    for j in range(layout.size):
         ft[j] = 0.0
-    row[0] -= zone * spring * per_mass
-    ft[1] = -feedback * (slope[1, 4] + slope[2, 4] + slope[3, 4]) * per_mass
-    for k in range(n):
-        own[k] = elements[k, 2]
-        into[k] = -feedback * elements[k, 5] * per_mass
-        for j in range(head):
-            by_head[k, j] = elements[k, 4] * slope[0, j]
-        by_head[k, 1] += elements[k, 3]
-        ft[head + k] = elements[k, 4] * slope[0, 4]
-    for i in range(2 * riders):
-        ft[head + n + i] = 0.0
-    if drive_lag > 0.0:
-        ft[tail] = s_rate / drive_lag
-        tail += 1
-    else:
-        ft[1] += zone * s_rate * per_mass
-    if worked:
-        for j in range(head):
-            work_head[0, j] = slope[1, j] * v
-            work_head[1, j] = (slope[2, j] + slope[3, j]) * v
-            work_head[2, j] = 0.0
-        work_head[0, 1] += here[1]
-        work_head[1, 1] += here[2] + here[3] + reaction
-        work_head[2, 1] += push
-        work_head[2, 0] = -zone * spring * v
-        for i in range(riders):
-            work_head[1, 0] += modes[i, 2] * modes[i, 0] * v
-        for k in range(n):
-            work_z[k] = elements[k, 5] * v
-        ft[tail] = slope[1, 4] * v
-        ft[tail + 1] = (slope[2, 4] + slope[3, 4]) * v
-        ft[tail + 2] = 0.0 if drive_lag > 0.0 else zone * s_rate * v
+    for j in range(layout.head):
+        jacobian.velocity_by_head[j] = -body.feedback * (slope[1, j] + slope[2, j] + slope[3, j]) * body.inverse_mass
+    jacobian.velocity_by_head[0] -= branch.engaged * body.spring * body.inverse_mass
+    ft[1] = -body.feedback * (slope[1, 4] + slope[2, 4] + slope[3, 4]) * body.inverse_mass
+    if layout.head > 2:
+        jacobian.age[0] = -branch.direction * y[3] / body.memory_length
+        jacobian.age[1] = -branch.direction * v / body.memory_length
+    for k in range(layout.elements):
+        jacobian.element_by_self[k] = elements[k, 2]
+        jacobian.velocity_by_element[k] = -body.feedback * elements[k, 5] * body.inverse_mass
+        for j in range(layout.head):
+            jacobian.element_by_head[k, j] = elements[k, 4] * slope[0, j]
+        jacobian.element_by_head[k, 1] += elements[k, 3]
+        ft[layout.head + k] = elements[k, 4] * slope[0, 4]
+    if layout.lag >= 0:
+        ft[layout.lag] = drive_rate / body.drive_lag
+        drive_rate = 0.0
+    ft[1] += branch.engaged * drive_rate * body.inverse_mass
+    if layout.works >= 0:
+        _assemble_works(v, branch, acting, problem, terms, jacobian)
+        ft[layout.works] = slope[1, 4] * v
+        ft[layout.works + 1] = (slope[2, 4] + slope[3, 4]) * v
+        ft[layout.works + 2] = branch.engaged * drive_rate * v
 
 
-def _factorise(
-    h, gamma, direction, head, n, riders, drive_lag, age_out, age_own, modes, body, row, own, into, by_head, ratio,
-    effective,
-):  # fmt: skip
-    """Eliminate all but the velocity from W; s = 1/(gamma h), 1/s, 1/pivot, 1/(s - age_own), 1/(s + 1/drive_lag).
-
-    `ratio` is 1/pivot of each element, then of each rider's velocity.
-    """
-    per_mass, feedback = body[0], body[2]
-    s, over_s = 1.0 / (gamma * h), gamma * h
-    for j in range(head):
-        effective[j] = row[j]
-    for k in range(n):
-        ratio[k] = 1.0 / (s - own[k])
-        for j in range(head):
-            effective[j] += into[k] * by_head[k, j] * ratio[k]
-    pivot = s - effective[1]
-    for i in range(riders):
-        back = modes[i, 0] * over_s + modes[i, 1]
-        ratio[n + i] = 1.0 / (s + back)
-        effective[0] -= feedback * modes[i, 2] * per_mass * modes[i, 0] * (1.0 - back * ratio[n + i])
-    pivot -= effective[0] * over_s
-    over_age = 0.0
-    if head > 2:
-        over_age = 1.0 / (s - age_own)
-        pivot -= effective[2] * direction * over_s + effective[3] * age_out * over_age
-    over_lag = 1.0 / (s + 1.0 / drive_lag) if drive_lag > 0.0 else 0.0
-    return s, over_s, 1.0 / pivot, over_age, over_lag
+@inlined
+def _assemble_works(v, branch, acting, problem, terms, jacobian):
+    push, reaction = acting
+    by_head, slope = jacobian.work_by_head, terms.slope
+    for j in range(problem.layout.head):
+        by_head[0, j] = slope[1, j] * v
+        by_head[1, j] = (slope[2, j] + slope[3, j]) * v
+        by_head[2, j] = 0.0
+    by_head[0, 1] += terms.total[1]
+    by_head[1, 1] += terms.total[2] + terms.total[3] + reaction
+    by_head[2, 1] += push
+    by_head[2, 0] = -branch.engaged * problem.body.spring * v
+    for o in range(problem.layout.oscillators):
+        by_head[1, 0] += problem.laws.oscillators[o, 2] * problem.laws.oscillators[o, 0] * v
+    for k in range(problem.layout.elements):
+        jacobian.work_by_element[k] = terms.elements[k, 5] * v
 
 
-def _solve(
-    f, v, direction, head, n, riders, cores, drive_lag, worked, zone, s, over_s, over_pivot, over_age, over_lag,
-    age_out, modes, body, into, by_head, ratio, effective, work_head, work_z,
-):  # fmt: skip
-    """Solve W k = f in place."""
-    per_mass, feedback = body[0], body[2]
-    first_mode = head + n
-    tail = first_mode + 2 * riders
+@inlined
+def factorise(gamma_h, branch, problem, jacobian):
+    """Eliminate all states but the velocity from W."""
+    layout, body, oscillators = problem.layout, problem.body, problem.laws.oscillators
+    inverse, effective = jacobian.inverse, jacobian.effective
+    s = 1.0 / gamma_h
+    for j in range(layout.head):
+        effective[j] = jacobian.velocity_by_head[j]
+    for k in range(layout.elements):
+        inverse[k] = 1.0 / (s - jacobian.element_by_self[k])
+        for j in range(layout.head):
+            effective[j] += jacobian.velocity_by_element[k] * jacobian.element_by_head[k, j] * inverse[k]
+    for o in range(layout.oscillators):
+        back = oscillators[o, 0] * gamma_h + oscillators[o, 1]
+        at = layout.elements + o
+        inverse[at] = 1.0 / (s + back)
+        coupled = oscillators[o, 2] * body.inverse_mass * oscillators[o, 0]
+        effective[0] -= body.feedback * coupled * (1.0 - back * inverse[at])
+    pivot = s - effective[1] - effective[0] * gamma_h
+    inverse_age = 0.0
+    if layout.head > 2:
+        inverse_age = 1.0 / (s - jacobian.age[1])
+        pivot -= effective[2] * branch.direction * gamma_h + effective[3] * jacobian.age[0] * inverse_age
+    inverse_lag = 1.0 / (s + 1.0 / body.drive_lag) if layout.lag >= 0 else 0.0
+    return Factors(s, gamma_h, 1.0 / pivot, inverse_age, inverse_lag)
+
+
+@inlined
+def solve(f, v, branch, factors, problem, jacobian):
+    """Solve W k = f in place; returns the velocity's entry."""
+    layout, body, oscillators = problem.layout, problem.body, problem.laws.oscillators
+    inverse, effective, over_s = jacobian.inverse, jacobian.effective, factors.inverse_s
+    head, n = layout.head, layout.elements
     right = f[1] + effective[0] * f[0] * over_s
     if head > 2:
-        right += effective[2] * f[2] * over_s + effective[3] * f[3] * over_age
+        right += effective[2] * f[2] * over_s + effective[3] * f[3] * factors.inverse_age
     for k in range(n):
-        right += into[k] * f[head + k] * ratio[k]
-    for o in range(riders):
-        back = modes[o, 0] * over_s + modes[o, 1]
-        f2, g2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
-        moved = (g2 - modes[o, 0] * over_s * f2) * ratio[n + o]
-        right += feedback * modes[o, 2] * per_mass * (modes[o, 0] * over_s * f2 + back * moved)
-    if drive_lag > 0.0:
-        f[tail] *= over_lag
-        right += zone * f[tail] * per_mass
-    kv = right * over_pivot
+        right += jacobian.velocity_by_element[k] * f[head + k] * inverse[k]
+    for o in range(layout.oscillators):
+        at = head + n + 2 * o
+        spring = oscillators[o, 0] * over_s
+        back = spring + oscillators[o, 1]
+        moved = (f[at + 1] - spring * f[at]) * inverse[n + o]
+        right += body.feedback * oscillators[o, 2] * body.inverse_mass * (spring * f[at] + back * moved)
+    if layout.lag >= 0:
+        f[layout.lag] *= factors.inverse_lag
+        right += branch.engaged * f[layout.lag] * body.inverse_mass
+    kv = right * factors.inverse_pivot
     f[1] = kv
     f[0] = (f[0] + kv) * over_s
     if head > 2:
-        f[2] = (f[2] + direction * kv) * over_s
-        f[3] = (f[3] + age_out * kv) * over_age
+        f[2] = (f[2] + branch.direction * kv) * over_s
+        f[3] = (f[3] + jacobian.age[0] * kv) * factors.inverse_age
     for k in range(n):
-        total = f[head + k] + (by_head[k, 0] * f[0] + by_head[k, 1] * f[1])
-        if head > 2:
-            total += by_head[k, 2] * f[2] + by_head[k, 3] * f[3]
-        f[head + k] = total * ratio[k]
-    for o in range(riders):
-        back = modes[o, 0] * over_s + modes[o, 1]
-        f2, g2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
-        v2 = (g2 + modes[o, 0] * (f[0] - over_s * f2)) * ratio[n + o]
-        f[first_mode + 2 * o + 1] = v2
-        f[first_mode + 2 * o] = (f2 + v2) * over_s
-    if worked:
-        lagged = 0.0
-        if drive_lag > 0.0:
-            lagged = f[tail]
-            tail += 1
-        for w in range(NWORK):
-            total = f[tail + w]
-            for j in range(head):
-                total += work_head[w, j] * f[j]
-            if w == 0:
-                for k in range(cores):
-                    total += work_z[k] * f[head + k]
-            elif w == 1:
-                for k in range(cores, n):
-                    total += work_z[k] * f[head + k]
-                for o in range(riders):
-                    x2, v2 = f[first_mode + 2 * o], f[first_mode + 2 * o + 1]
-                    total -= v * modes[o, 2] * (modes[o, 0] * x2 + modes[o, 1] * v2)
-            else:
-                total += zone * v * lagged
-            f[tail + w] = total * over_s
+        total = f[head + k]
+        for j in range(head):
+            total += jacobian.element_by_head[k, j] * f[j]
+        f[head + k] = total * inverse[k]
+    for o in range(layout.oscillators):
+        at = head + n + 2 * o
+        velocity = (f[at + 1] + oscillators[o, 0] * (f[0] - over_s * f[at])) * inverse[n + o]
+        f[at + 1] = velocity
+        f[at] = (f[at] + velocity) * over_s
+    if layout.works >= 0:
+        _solve_works(f, v, branch, factors, problem, jacobian)
     return kv
 
 
-assemble: Any = compile_function(_assemble, **INLINED)
-factorise: Any = compile_function(_factorise, **INLINED)
-solve: Any = compile_function(_solve, **INLINED)
+@inlined
+def _solve_works(f, v, branch, factors, problem, jacobian):
+    layout, oscillators = problem.layout, problem.laws.oscillators
+    for w in range(WORKS):
+        total = f[layout.works + w]
+        for j in range(layout.head):
+            total += jacobian.work_by_head[w, j] * f[j]
+        if w == 0:
+            for k in range(layout.state_elements):
+                total += jacobian.work_by_element[k] * f[layout.head + k]
+        elif w == 1:
+            for k in range(layout.state_elements, layout.elements):
+                total += jacobian.work_by_element[k] * f[layout.head + k]
+            for o in range(layout.oscillators):
+                at = layout.head + layout.elements + 2 * o
+                force = oscillators[o, 0] * f[at] + oscillators[o, 1] * f[at + 1]
+                total -= v * oscillators[o, 2] * force
+        elif layout.lag >= 0:
+            total += branch.engaged * v * f[layout.lag]
+        f[layout.works + w] = total * factors.inverse_s

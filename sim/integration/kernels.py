@@ -1,11 +1,12 @@
-"""Every effect and core behind one signature each: a C function that an integrator calls through its address.
+"""Every effect and friction state model behind one C signature each, which the integrator calls by address.
 
-A built-in law is compiled by numba, once (`sim.integration.generated_kernels`). A user's own law, or one that numba
-cannot compile, is called back in Python through the same signature.
+A built-in law is compiled by numba, once (`sim.integration.kernel_source`). A user's own law, or one that numba cannot
+compile, is called back in Python through the same signature.
 
     effect(axis, p, out, slopes):  for the laws level, factor, force: out[law, 0] value, out[law, 1..5] slopes by
                                    position, velocity, travelled, contact age and time
-    core(z, v, direction, g, p, out, n, slopes): out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
+    state(z, v, direction, g, p, out, n, slopes):
+                                   out[k] = rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g
 """
 
 from __future__ import annotations
@@ -14,66 +15,54 @@ import contextlib
 import ctypes
 import functools
 import math
-import weakref
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import numpy as np
 
 from sim.effects.catalogue import find, library
-from sim.integration.generated_kernels import BY, DIFFERENCE, LAWS, OUT, Kernel, SlopePlan, compile_core, compile_effect
+from sim.integration.kernel_source import (
+    COLUMNS,
+    DIFFERENCE,
+    LAWS,
+    QUANTITIES,
+    Kernel,
+    SlopePlan,
+    compile_effect,
+    compile_state,
+)
 from sim.library.effect import Axis, Effect, Parameter
 from sim.library.friction_state import FrictionStateModel
 from stagecad.parameters.errors import InputError
 
-T = TypeVar("T")
-
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
-EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
-CORE_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, *[ctypes.c_double] * 3, _DOUBLES, _DOUBLES, ctypes.c_int64, ctypes.c_int64)
-
-
-class _ByIdentity(Generic[T]):
-    """What a function of an effect gave, kept as long as the effect lives: its hash would cost more than the answer."""
-
-    def __init__(self, function: Callable[[Effect], T]) -> None:
-        functools.update_wrapper(self, function)
-        self.function = function
-        self.kept: dict[int, tuple[weakref.ref[Effect], T]] = {}
-
-    def __call__(self, effect: Effect) -> T:
-        found = self.kept.get(id(effect))
-        if found is None or found[0]() is not effect:
-            key, kept = id(effect), self.kept
-            found = (weakref.ref(effect, lambda _: kept.pop(key, None)), self.function(effect))
-            kept[key] = found
-        return found[1]
-
-
-def depends_on(effect: Effect, law: str, quantity: str) -> bool:
-    """Whether a law's value changes with a quantity of the axis, found by trying it at a few dozen points."""
-    function = getattr(effect, law)
-    return function is not None and quantity in _tried(function, effect.parameters)
+_EFFECT_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, _DOUBLES, _DOUBLES, ctypes.c_int64)
+_STATE_TYPE = ctypes.CFUNCTYPE(None, _DOUBLES, *[ctypes.c_double] * 3, _DOUBLES, _DOUBLES, *[ctypes.c_int64] * 2)
+_MISSING = ("acceleration", "reversal_distance")
+"""Quantities of the axis that a simulation does not have."""
 
 
 @functools.lru_cache(maxsize=1024)
-def _tried(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozenset[str]:
-    """The quantities of the axis that a law's value changes with."""
+def _dependence(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozenset[str]:
+    """Quantities of the axis with which the value of a law changes, found by evaluating it at 24 random points.
+
+    A user's law need not declare them, and a law may name a quantity only to take its shape (`0 * axis.velocity`).
+    """
     random = np.random.default_rng(7)
     n = 24
     x, v, a = (random.uniform(-1.0, 1.0, n) * 10.0 ** random.uniform(-6.0, 1.0, n) for _ in range(3))
-    t, age, way, back = (10.0 ** random.uniform(-6.0, 2.0, n) for _ in range(4))
-    columns = Axis(t, x, v, a, 1.0 + t, 20.0 + t, age, back, way, np.sign(v))
-    # An amplitude whose default is zero would hide what its law depends on.
-    p = Effect("tried", "", parameters=parameters).values(
+    t, age, distance, since_reversal = (10.0 ** random.uniform(-6.0, 2.0, n) for _ in range(4))
+    columns = Axis(t, x, v, a, 1.0 + t, 20.0 + t, age, since_reversal, distance, np.sign(v))
+    # An amplitude whose default is zero would hide the dependence.
+    p = Effect("probe", "", parameters=parameters).values(
         **{q.name: min(max(1.0, q.low), q.high) for q in parameters if q.default == 0.0}
     )
     found = set()
     with np.errstate(all="ignore"):
         for instant in (Axis(*map(float, row)) for row in zip(*columns)):
-            for quantity in (*BY, "direction", "acceleration", "reversal_distance"):
+            for quantity in (*QUANTITIES, *_MISSING, "direction"):
                 moved = instant._replace(**{quantity: getattr(instant, quantity) * 1.37 + 1e-6})
-                # A user's law may be good for some instants only: an integration that meets the others will say so.
+                # A law may be defined at some instants only: an integration that meets the others reports it.
                 with contextlib.suppress(Exception):
                     here, there = float(law(instant, p)), float(law(moved, p))
                     if here != there and not (math.isnan(here) and math.isnan(there)):
@@ -81,39 +70,44 @@ def _tried(law: Callable[..., Any], parameters: tuple[Parameter, ...]) -> frozen
     return frozenset(found)
 
 
-@_ByIdentity
-def carried(effect: Effect) -> frozenset[str]:
-    """The quantities of the axis that an effect's level, factor and force depend on."""
-    if not any(takes(effect)):
-        return frozenset()
-    return frozenset(
-        quantity
-        for quantity in (*BY, "acceleration", "reversal_distance")
-        for law in LAWS
-        if depends_on(effect, law, quantity)
-    )
+def dependence(effect: Effect, *laws: str) -> frozenset[str]:
+    """Quantities of the axis with which the named laws of an effect change."""
+    functions = [getattr(effect, law) for law in laws]
+    return frozenset().union(*(_dependence(law, effect.parameters) for law in functions if law is not None))
 
 
-@_ByIdentity
-def takes(effect: Effect) -> tuple[bool, bool]:
-    """Whether an integration takes a level or factor, and a force, from the effect's laws at one instant."""
-    whole = effect.parallel_element is not None or effect.time_domain is not None
-    return effect.level is not None or effect.factor is not None, effect.force is not None and not whole
+def required_quantities(effect: Effect) -> frozenset[str]:
+    """Quantities of the axis that a simulation must have for the level, factor and force of an effect."""
+    return dependence(effect, *LAWS) - {"direction"} if any(instantaneous_terms(effect)) else frozenset()
 
 
-@_ByIdentity
+def instantaneous_terms(effect: Effect) -> tuple[bool, bool]:
+    """Whether a simulation takes a level or factor, and a force, from the laws of an effect at one instant."""
+    replaced = effect.parallel_element is not None or effect.time_domain is not None
+    return effect.level is not None or effect.factor is not None, effect.force is not None and not replaced
+
+
 def is_constant(effect: Effect) -> bool:
-    """Whether none of a built-in effect's laws changes in the course of a simulation."""
-    moving = (*BY, "direction", "acceleration", "reversal_distance")
-    return is_built_in(effect) and not any(depends_on(effect, law, by) for law in LAWS for by in moving)
+    """Whether none of the laws of a built-in effect changes in the course of a simulation."""
+    return is_built_in(effect) and not dependence(effect, *LAWS)
 
 
-@_ByIdentity
+def is_built_in(effect: Effect) -> bool:
+    """Whether the laws of an effect are those of the library's effect of that name."""
+    base = effect.name.removeprefix("contact.").partition("@")[0].partition(":")[0]
+    built_in = library().get(base)
+    return built_in is not None and _laws(effect) in [_laws(e) for e in (built_in, *built_in.variants)]
+
+
+def _laws(effect: Effect) -> tuple[Any, ...]:
+    return effect.level, effect.factor, effect.force, effect.friction_state, effect.parallel_element
+
+
 def unsupported(effect: Effect) -> str | None:
     """Why an effect cannot be integrated in time, or None."""
     if effect.parallel_element is not None or effect.time_domain is not None:
         return None
-    if effect.memory is not None and not any(takes(effect)):
+    if effect.memory is not None and not any(instantaneous_terms(effect)):
         return "changes the motion along a whole record, and has no law at one instant"
     if effect.signal is not None and effect.acts_on == "drive":
         return "depends on the rows of a record, which a simulation in time does not have"
@@ -128,107 +122,83 @@ def unsupported(effect: Effect) -> str | None:
             if function is not None:
                 float(function(instant, effect.values()))
         except Exception as error:
-            return f"has a {law} that cannot be had at one instant ({type(error).__name__}: {error})"
-    for quantity in sorted(carried(effect) & {"acceleration", "reversal_distance"}):
-        return f"depends on {quantity}, which a simulation does not carry"
+            return f"has a {law} that cannot be evaluated at one instant ({type(error).__name__}: {error})"
+    for quantity in sorted(required_quantities(effect).intersection(_MISSING)):
+        return f"depends on {quantity}, which a simulation does not have"
     return None
 
 
 def _slope_plan(effect: Effect) -> SlopePlan:
     plan = []
     for i, law in enumerate(LAWS):
-        for j, by in enumerate(BY):
-            if f"{law}.{by}" in effect.slopes:
-                plan.append((i, 1 + j, "declared"))
-            elif depends_on(effect, law, by):
-                plan.append((i, 1 + j, "difference"))
+        needed = dependence(effect, law)
+        for j, by in enumerate(QUANTITIES):
+            declared = f"{law}.{by}" in effect.slopes
+            if declared or by in needed:
+                plan.append((i, 1 + j, declared))
     return plan
 
 
-@_ByIdentity
-def is_built_in(effect: Effect) -> bool:
-    base = effect.name.removeprefix("contact.").partition("@")[0].partition(":")[0]
-    built_in = library().get(base)
-    if built_in is None:
-        return False
-    laws = [(e.level, e.factor, e.force, e.friction_state, e.parallel_element) for e in (built_in, *built_in.variants)]
-    return (effect.level, effect.factor, effect.force, effect.friction_state, effect.parallel_element) in laws
-
-
 @functools.cache
-def _compiled_effect(name: str, held: bool) -> Kernel | None:
+def _compiled_effect(name: str) -> Kernel | None:
     effect = find(name)
-    return compile_effect(effect, held, _slope_plan(effect))
+    return compile_effect(effect, _slope_plan(effect))
 
 
 @functools.cache
-def _compiled_core(name: str) -> Kernel | None:
-    return compile_core(find(name))
+def _compiled_state(name: str) -> Kernel | None:
+    return compile_state(find(name))
 
 
-def is_held(effect: Effect, p: Any) -> bool:
-    """Whether every parameter that is held has its default."""
-    fixed = [q for q in effect.parameters if q.fixed]
-    return bool(fixed) and all(getattr(p, q.name) == q.default for q in fixed)
+def effect_kernel(effect: Effect) -> Kernel:
+    """The kernel of one effect; see the head of this file for its signature."""
+    compiled = _compiled_effect(effect.name) if is_built_in(effect) else None
+    return compiled if compiled is not None else _effect_callback(effect)
 
 
-def effect_kernel(effect: Effect, p: Any = None) -> Kernel:
-    """The kernel of one effect; see the head of this file for its signature.
+def state_kernel(effect: Effect) -> Kernel:
+    """The kernel of the friction elements of an effect; see the head of this file for its signature.
 
-    With parameter values `p` in which every one that is held has its default, the kernel has those written into it: a
-    square is much cheaper than a power.
+    Raises:
+        InputError: an effect without any.
     """
-    if is_built_in(effect):
-        compiled = _compiled_effect(effect.name, p is not None and is_held(effect, p))
-        if compiled is not None:
-            return compiled
-    plan = _slope_plan(effect)
-    laws = [(i, getattr(effect, law)) for i, law in enumerate(LAWS)]
-    fields = len(Axis._fields)
+    if effect.friction_state is None and effect.parallel_element is None:
+        raise InputError(f"effect '{effect.name}' has no friction state model: it does not turn a level into a force")
+    compiled = _compiled_state(effect.name) if is_built_in(effect) else None
+    return compiled if compiled is not None else _state_callback(effect)
+
+
+def _effect_callback(effect: Effect) -> Kernel:
+    plan, laws = _slope_plan(effect), [getattr(effect, law) for law in LAWS]
     size = len(effect.parameters)
     errors: list[BaseException] = []
 
-    def value(law: Callable[..., Any], axis: Axis, p: Any) -> float:
-        return float(law(axis, p))
+    def slope(axis: Axis, p: Any, i: int, by: str, declared: bool) -> float:
+        if declared:
+            return float(effect.slopes[f"{LAWS[i]}.{by}"](axis, p))
+        here = getattr(axis, by)
+        step = DIFFERENCE[by] * (1.0 + abs(here))
+        ahead, behind = (laws[i](axis._replace(**{by: here + way}), p) for way in (step, -step))
+        return (float(ahead) - float(behind)) / (2.0 * step)
 
     def kernel(axis_at: Any, p_at: Any, out: Any, slopes: int) -> None:
         try:
-            axis = Axis(*axis_at[:fields])
-            p = effect.values_type(*p_at[:size])
-            for i, law in laws:
-                out[i * OUT] = value(law, axis, p) if law is not None else (1.0 if LAWS[i] == "factor" else 0.0)
+            axis, p = Axis(*axis_at[: len(Axis._fields)]), effect.values_type(*p_at[:size])
+            for i, law in enumerate(laws):
+                out[i * COLUMNS] = float(law(axis, p)) if law is not None else float(LAWS[i] == "factor")
             if slopes:
-                for i, column, kind in plan:
-                    by = BY[column - 1]
-                    if kind == "declared":
-                        slope = value(effect.slopes[f"{LAWS[i]}.{by}"], axis, p)
-                    else:
-                        here = getattr(axis, by)
-                        step = DIFFERENCE[by] * (1.0 + abs(here))
-                        ahead = value(laws[i][1], axis._replace(**{by: here + step}), p)
-                        behind = value(laws[i][1], axis._replace(**{by: here - step}), p)
-                        slope = (ahead - behind) / (2.0 * step)
-                    out[i * OUT + column] = slope
-        except Exception as error:  # it cannot pass through compiled code: kept, and raised when the step fails
+                for i, column, declared in plan:
+                    out[i * COLUMNS + column] = slope(axis, p, i, QUANTITIES[column - 1], declared)
+        except Exception as error:
             errors.append(error)
             for i in range(len(LAWS)):
-                out[i * OUT] = math.nan
+                out[i * COLUMNS] = math.nan
 
-    callback = EFFECT_TYPE(kernel)
-    address = ctypes.cast(callback, ctypes.c_void_p).value
-    assert address is not None
-    return Kernel(address, False, callback, errors)
+    return _python_kernel(_EFFECT_TYPE(kernel), errors)
 
 
-def core_kernel(effect: Effect) -> Kernel:
-    """The kernel of the core or element that `effect` brings; see the head of this file for its signature."""
-    core: FrictionStateModel = effect.friction_state or effect.parallel_element
-    if core is None:
-        raise InputError(f"effect '{effect.name}' has no core: it does not turn a friction level into a force")
-    if is_built_in(effect):
-        compiled = _compiled_core(effect.name)
-        if compiled is not None:
-            return compiled
+def _state_callback(effect: Effect) -> Kernel:
+    model: FrictionStateModel = effect.friction_state or effect.parallel_element
     size = len(effect.parameters)
     errors: list[BaseException] = []
 
@@ -236,16 +206,19 @@ def core_kernel(effect: Effect) -> Kernel:
         try:
             p = effect.values_type(*p_at[:size])
             for k in range(n):
-                out[8 * k], out[8 * k + 1] = core.law(k, z[k], v, direction, g, p)
+                out[8 * k], out[8 * k + 1] = model.law(k, z[k], v, direction, g, p)
                 if slopes:
-                    for i, slope in enumerate(core.slopes(k, z[k], v, direction, g, p)):
+                    for i, slope in enumerate(model.slopes(k, z[k], v, direction, g, p)):
                         out[8 * k + 2 + i] = slope
         except Exception as error:
             errors.append(error)
             for k in range(n):
                 out[8 * k] = math.nan
 
-    callback = CORE_TYPE(kernel)
+    return _python_kernel(_STATE_TYPE(kernel), errors)
+
+
+def _python_kernel(callback: Any, errors: list[BaseException]) -> Kernel:
     address = ctypes.cast(callback, ctypes.c_void_p).value
     assert address is not None
     return Kernel(address, False, callback, errors)

@@ -1,56 +1,148 @@
-"""The drive's force, and the rates of change of all states of an axis, in compiled code."""
+"""Friction terms, drive, and rates of change of all states of an axis, in compiled code."""
 
 from __future__ import annotations
 
 import math
-from typing import Any
 
-from sim.numerics.compilation import INLINED, compile_function
+from sim.integration.kernel_calls import call_effect, call_elements
+from sim.integration.problem import COLUMNS, FORCE, FRICTION, SLOPES, inlined
 
 
-def _drive_at(t, knots, values, rates, wave, segment):
-    """The drive's value and rate of change."""
-    value = values[segment] + rates[segment] * (t - knots[segment])
-    rate = rates[segment]
-    if wave[0] != 0.0:
-        value += wave[0] * math.cos(wave[1] * t + wave[2])
-        rate -= wave[0] * wave[1] * math.sin(wave[1] * t + wave[2])
+@inlined
+def drive_at(t, drive, segment):
+    """Value and rate of the drive, N and N/s."""
+    value = drive.values[segment] + drive.rates[segment] * (t - drive.knots[segment])
+    rate = drive.rates[segment]
+    if drive.amplitude != 0.0:
+        value += drive.amplitude * math.cos(drive.frequency * t + drive.phase)
+        rate -= drive.amplitude * drive.frequency * math.sin(drive.frequency * t + drive.phase)
     return value, rate
 
 
-drive_at: Any = compile_function(_drive_at, **INLINED)
+@inlined
+def _set_axis(t, y, direction, problem, axis):
+    """Write the arguments of the effects' laws; what a simulation does not have is not a number."""
+    axis[0], axis[1], axis[2] = t, y[0], y[1]
+    axis[3], axis[7] = math.nan, math.nan
+    axis[4], axis[5] = problem.laws.base[3], problem.laws.base[4]
+    axis[6], axis[8] = 0.0, 0.0
+    if problem.layout.head > 2:
+        axis[6], axis[8] = y[3], y[2]
+    axis[9] = direction
 
 
-def _right_side(
-    t, y, direction, head, n, riders, drive_lag, here, elements, modes, body, knots, values, rates, wave, segment, zone,
-    edge, worked, f,
-):  # fmt: skip
-    """Rates f of all states, once `axis_forces` has been called; gives the drive's push and the riders' force."""
-    per_mass, spring, feedback, memory_length = body[0], body[1], body[2], body[3]
-    at = head + n
+@inlined
+def _add_effects(direction, delayed, with_slopes, problem, terms):
+    """Sum the laws of all effects: level, product of the factors, force. `delayed`: past speed and its rate."""
+    effects, base = problem.laws.effects, problem.laws.base
+    axis, laws, slope = terms.axis, terms.laws, terms.slope
+    v = axis[2]
+    level, factor, force = base[0], base[1], base[2]
+    product = 3 * COLUMNS
+    for i in range(effects.shape[0]):
+        if with_slopes:
+            # A kernel writes only the slopes that are not zero.
+            for j in range(3 * COLUMNS):
+                laws[j] = 0.0
+        if effects[i, 3]:
+            axis[2] = direction * delayed[0]
+        call_effect(effects[i, 0], axis, effects[i, 1], laws, with_slopes)
+        if effects[i, 3]:
+            axis[2] = v
+            if with_slopes:
+                # The delayed speed is a known function of time.
+                laws[5] += laws[2] * direction * delayed[1]
+                laws[COLUMNS + 5] += laws[COLUMNS + 2] * direction * delayed[1]
+                laws[2], laws[COLUMNS + 2] = 0.0, 0.0
+        if effects[i, 2] & FRICTION:
+            level += laws[0]
+            if with_slopes:
+                for j in range(SLOPES):
+                    slope[0, j] += laws[1 + j]
+                    laws[product + j] = laws[product + j] * laws[COLUMNS] + factor * laws[COLUMNS + 1 + j]
+            factor *= laws[COLUMNS]
+        if effects[i, 2] & FORCE:
+            force += laws[2 * COLUMNS]
+            if with_slopes:
+                for j in range(SLOPES):
+                    slope[2, j] += laws[2 * COLUMNS + 1 + j]
+    if with_slopes:
+        for j in range(SLOPES):
+            slope[0, j] = slope[0, j] * factor + level * laws[product + j]
+    return level * factor, force
+
+
+@inlined
+def _add_elements(i, y, direction, with_slopes, problem, terms):
+    """Rates and forces of the elements of group `i`; returns the sum of the forces."""
+    groups, head = problem.laws.groups, problem.layout.head
+    elements, slope = terms.elements, terms.slope
+    first, count = groups[i, 2], groups[i, 3]
+    call_elements(
+        groups[i, 0],
+        (y, head + first),
+        (y[1], direction, terms.total[0]),
+        groups[i, 1],
+        (elements, first),
+        count,
+        with_slopes,
+    )
+    row = 1 if i == 0 else 3
+    force = 0.0
+    for k in range(first, first + count):
+        force += elements[k, 1]
+        if with_slopes:
+            for j in range(SLOPES):
+                slope[row, j] += elements[k, 7] * slope[0, j]
+            slope[row, 1] += elements[k, 6]
+    return force
+
+
+@inlined
+def friction_terms(t, y, direction, delayed, with_slopes, problem, terms):
+    """Level and forces at one instant of a motion in `direction`, into `terms`; `delayed`: past speed and its rate."""
+    _set_axis(t, y, direction, problem, terms.axis)
+    if with_slopes:
+        for i in range(4):
+            for j in range(SLOPES):
+                terms.slope[i, j] = 0.0
+        for j in range(SLOPES):
+            terms.laws[3 * COLUMNS + j] = 0.0
+    total = terms.total
+    total[0], total[2] = _add_effects(direction, delayed, with_slopes, problem, terms)
+    total[1], total[3] = 0.0, 0.0
+    for i in range(problem.laws.groups.shape[0]):
+        if problem.laws.groups[i, 3] > 0:
+            total[1 if i == 0 else 3] += _add_elements(i, y, direction, with_slopes, problem, terms)
+
+
+@inlined
+def rates_of_change(t, y, branch, problem, terms, f):
+    """Rates f of all states, after `friction_terms`; returns the force of the drive and that of the oscillators, N."""
+    layout, body, oscillators = problem.layout, problem.body, problem.laws.oscillators
+    total = terms.total
     v = y[1]
     f[0] = v
-    if head > 2:
-        f[2] = direction * v
-        f[3] = 1.0 - direction * v * y[3] / memory_length
-    for k in range(n):
-        f[head + k] = elements[k, 0]
+    if layout.head > 2:
+        f[2] = branch.direction * v
+        f[3] = 1.0 - branch.direction * v * y[3] / body.memory_length
+    for k in range(layout.elements):
+        f[layout.head + k] = terms.elements[k, 0]
     reaction = 0.0
-    for o in range(riders):
-        pulled = modes[o, 0] * (y[0] - y[at]) - modes[o, 1] * y[at + 1]
-        f[at], f[at + 1] = y[at + 1], pulled
-        reaction += modes[o, 2] * pulled
+    at = layout.head + layout.elements
+    for o in range(layout.oscillators):
+        acceleration = oscillators[o, 0] * (y[0] - y[at]) - oscillators[o, 1] * y[at + 1]
+        f[at], f[at + 1] = y[at + 1], acceleration
+        reaction += oscillators[o, 2] * acceleration
         at += 2
-    pull, _ = drive_at(t, knots, values, rates, wave, segment)
-    if drive_lag > 0.0:
-        f[at] = (pull - y[at]) / drive_lag
-        pull = y[at]
-        at += 1
-    push = zone * (pull - spring * y[0] - edge)
-    f[1] = (push - feedback * (here[1] + here[2] + here[3] + reaction)) * per_mass
-    if worked:
-        f[at], f[at + 1], f[at + 2] = here[1] * v, (here[2] + here[3] + reaction) * v, push * v
+    command, _ = drive_at(t, problem.drive, branch.segment)
+    if layout.lag >= 0:
+        f[layout.lag] = (command - y[layout.lag]) / body.drive_lag
+        command = y[layout.lag]
+    push = branch.engaged * (command - body.spring * y[0] - branch.edge)
+    others = total[2] + total[3] + reaction
+    f[1] = (push - body.feedback * (total[1] + others)) * body.inverse_mass
+    if layout.works >= 0:
+        at = layout.works
+        f[at], f[at + 1], f[at + 2] = total[1] * v, others * v, push * v
     return push, reaction
-
-
-right_side: Any = compile_function(_right_side, **INLINED)

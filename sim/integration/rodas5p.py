@@ -1,4 +1,4 @@
-"""Coefficients of Rodas5P, an L-stable Rosenbrock method of order 5 in 8 stages with dense output of order 4.
+"""One step of Rodas5P, an L-stable Rosenbrock method of order 5 in 8 stages with dense output of order 4; compiled.
 
 In the form that needs no matrix products (Hairer and Wanner, Solving ODEs II, IV.7): with W = I/(gamma h) - J
 
@@ -12,7 +12,14 @@ Source: Steinebach 2023, BIT Numerical Mathematics 63:27, Construction of Rosenb
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+
+from sim.integration.arrowhead import factorise, solve
+from sim.integration.dense_output import delayed_speed
+from sim.integration.problem import inlined
+from sim.integration.right_hand_side import friction_terms, rates_of_change
 
 STAGES = 8
 GAMMA = 0.21193756319429014
@@ -112,3 +119,72 @@ TIME_SLOPE = np.array(
     ]
 )
 H = np.array(_H)
+
+
+@inlined
+def _stage_point(i, size, inverse_h, work):
+    """Point y + sum_j A_ij k_j of stage `i`, and its coupling sum_j C_ij k_j / h to the earlier stages."""
+    increments = work.increments
+    for j in range(size):
+        point, coupling = 0.0, 0.0
+        for m in range(i):
+            point += A[i, m] * increments[m, j]
+            coupling += C[i, m] * increments[m, j]
+        work.point[j] = work.y[j] + point
+        work.coupling[j] = coupling * inverse_h
+
+
+@inlined
+def stages(t, h, branch, problem, work):
+    """The increments of all stages, and the state after the step; False where a number is not finite."""
+    size, v = problem.layout.size, work.y[1]
+    factors = factorise(GAMMA * h, branch, problem, work.jacobian)
+    for i in range(STAGES):
+        k = work.increments[i]
+        late = h * TIME_SLOPE[i]
+        if i == 0:
+            for j in range(size):
+                k[j] = work.rates[j] + late * work.jacobian.time[j]
+        else:
+            at = t + TIME[i] * h
+            _stage_point(i, size, 1.0 / h, work)
+            evaluate(at, work.point, branch, problem, work, k)
+            for j in range(size):
+                k[j] += work.coupling[j] + late * work.jacobian.time[j]
+        if not math.isfinite(solve(k, v, branch, factors, problem, work.jacobian)):
+            return False
+    for j in range(size):
+        work.fresh[j] = work.point[j] + work.increments[STAGES - 1, j]
+    return True
+
+
+@inlined
+def evaluate(t, y, branch, problem, work, f):
+    """Rates f at one instant, without slopes."""
+    delayed = (0.0, 0.0)
+    if problem.body.friction_delay > 0.0:
+        delayed = delayed_speed(t - problem.body.friction_delay, work)
+    friction_terms(t, y, branch.direction, delayed, 0, problem, work.terms)
+    rates_of_change(t, y, branch, problem, work.terms, f)
+
+
+@inlined
+def squared_error(size, tolerance, work):
+    """Mean square of the error estimate, the last increment, over the tolerance of each state."""
+    error = 0.0
+    for j in range(size):
+        scale = tolerance.absolute[j] + tolerance.relative * max(abs(work.y[j]), abs(work.fresh[j]))
+        off = work.increments[STAGES - 1, j] / scale
+        error += off * off
+    error /= tolerance.counted
+    return error if math.isfinite(error) else math.inf
+
+
+@inlined
+def dense_coefficients(j, work):
+    """Coefficients D of the dense output of state `j`."""
+    for i in range(3):
+        total = 0.0
+        for m in range(STAGES):
+            total += H[i, m] * work.increments[m, j]
+        work.dense[j, i] = total

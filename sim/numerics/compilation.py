@@ -100,7 +100,14 @@ def _numba_parts() -> Any:
 SUMS_IN_ANY_ORDER = {"reassoc", "contract"}
 """Several terms of a sum at once; nothing else is given up, and what is no number stays none."""
 
-INLINED: dict[str, Any] = {"forceinline": True, "_nrt": False, "fastmath": {"contract"}}
+INLINED: dict[str, Any] = {
+    "cache": False,
+    "forceinline": True,
+    "_nrt": False,
+    "fastmath": {"contract"},
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
 """Options of a function that becomes part of the compiled one that calls it. LLVM puts it in place: numba's own way,
 `inline="always"`, looks through all of the caller once more for every call, and takes twice as long."""
 
@@ -123,7 +130,7 @@ def compile_function(function: Callable[..., Any], also: Iterable[str] = (), **o
     numba = _numba_parts()
     files = frozenset([function.__code__.co_filename, __file__, *also, *_called(function)])
     with _caching_in(key_folder(files)):
-        made = numba.njit(cache=True, error_model="numpy", **options)(function)
+        made = numba.njit(**{"cache": True, "error_model": "numpy", **options})(function)
     _depends_on[id(made)] = made, files
     return made
 

@@ -23,7 +23,7 @@ CORES = [
 BRISTLES = [name for name in CORES if name != "coulomb"]
 PASSIVE = [name for name in CORES if name != "lugre"]
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
-AT_ONE_INSTANT = [law for law in EVERY if any(kernels.takes(law)) and kernels.unsupported(law) is None]
+AT_ONE_INSTANT = [law for law in EVERY if any(kernels.instantaneous_terms(law)) and kernels.unsupported(law) is None]
 
 speeds = st.floats(-1.0, 1.0).filter(lambda v: abs(v) > 1e-9)
 levels = st.floats(0.05, 5.0)
@@ -99,7 +99,7 @@ def test_declared_slopes_of_an_effect_are_those_of_its_law(effect):
         assert np.allclose(found, (4 * fine - coarse) / 3, rtol=1e-6, atol=1e-9 * np.abs(found).max())
 
 
-WITHOUT_MEMORY = [effect for effect in AT_ONE_INSTANT if "contact_age" not in kernels.carried(effect)]
+WITHOUT_MEMORY = [effect for effect in AT_ONE_INSTANT if "contact_age" not in kernels.required_quantities(effect)]
 
 
 @pytest.mark.parametrize("effect", WITHOUT_MEMORY, ids=lambda effect: effect.name)

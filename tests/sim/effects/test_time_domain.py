@@ -114,7 +114,7 @@ def test_what_the_drive_cannot_do_says_so():
     with pytest.raises(InputError, match="'drive_lag' acts on a drive, and here the motion itself is imposed"):
         simulate(compose(["lugre", "drive_lag"]), imposed, TIME)
     heavy = compose(["flexible_mode"], {"flexible_mode.mass_ratio": 1.2})
-    with pytest.raises(InputError, match=r"1\.2 of the mass rides on modes; must be below 1"):
+    with pytest.raises(InputError, match=r"1\.2 of the mass belongs to added oscillators; must be below 1"):
         simulate(heavy, PUSH, TIME)
 
 

@@ -17,7 +17,7 @@ from stagecad.parameters.errors import InputError
 EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
 PIEZO = [law for law in EVERY if law.acts_on == "piezo"]
 SIGNALS = [law for law in EVERY if law.signal is not None]
-INSTANT = [law for law in EVERY if any(kernels.takes(law)) and kernels.unsupported(law) is None]
+INSTANT = [law for law in EVERY if any(kernels.instantaneous_terms(law)) and kernels.unsupported(law) is None]
 FORCES = [law for law in INSTANT if law.force is not None]
 CONSERVATIVE = {"constant_bias", "cable_spring", "magnetic_cogging", "magnetic_cogging:overtone", "gravity_torque"}
 """Forces with a potential: what they take on the way out they give back on the way home."""

@@ -1,4 +1,4 @@
-"""Joined pieces of a drive against what they stand for: impulse, motion, and the drives that must stay as they are."""
+"""Compression of a recorded drive: impulse, motion, and the drives that must stay as they are."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 from sim.effects.model import compose
 from sim.integration import drive
-from sim.integration.input_compression import SHARE, force_at, merged
+from sim.integration.input_compression import SHARE, compressed, force_at
 from sim.integration.simulate import simulate
 
 TIME = 1e-4 * np.arange(20_001)
@@ -24,7 +24,7 @@ def logged_pull(jitter: float) -> drive.Drive:
 @pytest.mark.parametrize("jitter", [0.0, 1e-8, 1e-5])
 def test_impulse_is_kept_everywhere_within_the_share_of_the_tolerance(jitter, tolerance):
     given = logged_pull(jitter)
-    found = merged(given, 0.0, TIME[-1], 3.0, tolerance, 1e-3)
+    found = compressed(given, 0.0, TIME[-1], 3.0, tolerance * 1e-3)
     # Midpoints of tenths of a row: both forces are linear there, but for a knot's rounding.
     fine = (np.arange(10 * (TIME.size - 1)) + 0.5) * 1e-5
     off = np.cumsum(force_at(given, fine) - force_at(found, fine)) * 1e-5
@@ -34,16 +34,16 @@ def test_impulse_is_kept_everywhere_within_the_share_of_the_tolerance(jitter, to
 
 def test_fewer_pieces_at_a_looser_tolerance_and_none_joined_when_it_is_too_tight():
     given = logged_pull(1e-8)
-    pieces = [merged(given, 0.0, TIME[-1], 1.0, tolerance, 1e-3).knots.size for tolerance in (1e-4, 1e-6, 1e-8)]
+    pieces = [compressed(given, 0.0, TIME[-1], 1.0, tolerance * 1e-3).knots.size for tolerance in (1e-4, 1e-6, 1e-8)]
     assert pieces[0] < pieces[1] < pieces[2] < TIME.size
     assert pieces[0] < TIME.size / 200
-    assert merged(given, 0.0, TIME[-1], 1.0, 1e-13, 1e-3) is given
+    assert compressed(given, 0.0, TIME[-1], 1.0, 1e-13 * 1e-3) is given
 
 
 def test_real_corners_stay():
     # Triangles of force, logged at 10 kHz: joined between the corners alone.
     force = np.abs((TIME / 0.25) % 2.0 - 1.0)
-    found = merged(drive.force(TIME, force), 0.0, TIME[-1], 1.0, 1e-9, 1e-3)
+    found = compressed(drive.force(TIME, force), 0.0, TIME[-1], 1.0, 1e-9 * 1e-3)
     assert found.knots.size < 200
     corners = np.arange(1, 8) * 0.25
     assert np.abs(found.knots[:, None] - corners).min(axis=0).max() < 1.5e-4
@@ -75,6 +75,6 @@ def test_a_drive_with_a_play_is_left_as_it_is():
 
     given = logged_pull(1e-8)
     with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, float("nan"), float("nan"))
-    assert with_play.merged(0.0, TIME[-1], 1e-4).drive is given
+    assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given
     without = plan_of(compose(["lugre"]), given, 1.0, float("nan"), float("nan"))
-    assert without.merged(0.0, TIME[-1], 1e-4).drive.knots.size < TIME.size / 100
+    assert without.compressed(0.0, TIME[-1], 1e-4).drive.knots.size < TIME.size / 100
