@@ -1,0 +1,409 @@
+"""Map a function over items in several processes: one pool for the whole program.
+
+`parallel_map` starts new interpreters (`spawn`), or uses the workers of a dask cluster: function, items and results are
+pickled. `fork_map` forks: the function and what it refers to (closures, large arrays, compiled laws) are inherited,
+only the results are pickled.
+
+A worker uses one thread for linear algebra and ignores Ctrl-C: the calling process ends its workers, and if it dies
+itself, they end too. A call inside a worker, of one item, or with one processor computes in the calling process.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import gc
+import io
+import multiprocessing
+import os
+import pickle
+import reprlib
+import signal
+import sys
+import threading
+import time
+import traceback
+import warnings
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from typing import Any, TypeVar
+
+from stagecad.parameters.errors import InputError
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+Completed = Generator[tuple[int, Any], None, None]
+"""Index and result of each item as it is completed; closing it ends the workers."""
+
+MAX_FORKED = 4
+"""Most processes of `fork_map`: each has its own copy of the memory that it changes."""
+POLL = 0.5
+"""Interval at which the processor time of the workers is read, s."""
+THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+PR_SET_PDEATHSIG = 1
+"""Option of prctl(2): the signal that the kernel sends to a process when its parent dies."""
+
+_inside_worker = False
+
+
+@dataclass(frozen=True)
+class TimeLimit:
+    """Limit for each item.
+
+    Args:
+        seconds: processor time (elapsed time where the system does not report that of another process).
+        fallback: applied, in a new process, to an item that exceeded the limit.
+    """
+
+    seconds: float
+    fallback: Callable[[Any], Any] | None = None
+
+
+def inside_worker() -> bool:
+    """Whether this process is a worker of a pool."""
+    return _inside_worker
+
+
+def processors() -> int:
+    """Number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else os.cpu_count() or 1
+
+
+def parallel_map(
+    function: Callable[[Item], Result],
+    items: Sequence[Item],
+    *,
+    progress: Callable[[Item], None] = lambda item: None,
+    workers: int | None = None,
+    limit: TimeLimit | None = None,
+    requires: Mapping[Item, Collection[Item]] | None = None,
+    scheduler: str | None = None,
+) -> list[Result]:
+    """`[function(item) for item in items]`, in new processes or on a cluster.
+
+    Args:
+        function: of a module, or a `partial` of one; its bound arguments are sent to each worker once.
+        items: begun in this order.
+        progress: called in this process with each item as it is completed.
+        workers: number of processes; default `processors()`.
+        limit: for each item; not on a cluster.
+        requires: items that must be completed before an item is begun, without cycles; not on a cluster.
+        scheduler: address of a dask cluster, like `tcp://127.0.0.1:8786`.
+
+    Raises:
+        TimeoutError: an item exceeded the limit, and with the fallback again.
+        RuntimeError: two processes ended without a result of the same item (as after a segmentation fault).
+        InputError: the cluster cannot be used.
+        Exception: that of an item, with the traceback in its process as a note.
+    """
+    if scheduler is not None:
+        return _map_on_cluster(scheduler, function, items, progress)
+    needed = {items.index(item): {items.index(other) for other in others} for item, others in (requires or {}).items()}
+    count = min(workers or processors(), len(items))
+    if _inside_worker or (count <= 1 and limit is None):
+        completed = _completed_here(function, items, needed)
+    else:
+        completed = _Pool("spawn", count, function, limit).completed(items, needed)
+    return _in_order(completed, items, progress)
+
+
+def fork_map(
+    function: Callable[[Item], Result],
+    items: Sequence[Item],
+    identical: Sequence[object] = (),
+    progress: Callable[[Item], None] = lambda item: None,
+) -> list[Result]:
+    """`[function(item) for item in items]`, in forked processes: function and items are inherited.
+
+    What a worker cannot return, since it does not pickle or the worker ended, is computed in this process. So is
+    everything where forking is not safe: on other systems than Linux, and outside of the main thread.
+
+    Args:
+        function: any callable that changes nothing the caller uses.
+        items: begun in this order.
+        identical: objects of the caller; where a result refers to one, it refers to the caller's own, not to a copy.
+        progress: called in this process with each item as it is completed.
+    """
+    count = min(MAX_FORKED, processors(), len(items))
+    forking = sys.platform == "linux" and threading.current_thread() is threading.main_thread()
+    if _inside_worker or count <= 1 or not forking:
+        completed = _completed_here(function, items, {})
+    else:
+        # Items need not pickle: their indices are sent.
+        pool = _Pool("fork", count, lambda index: function(items[index]), identical=tuple(identical))
+        completed = pool.completed(range(len(items)), {})
+    return _in_order(completed, items, progress)
+
+
+def _in_order(completed: Completed, items: Sequence[Any], progress: Callable[[Any], None]) -> list[Any]:
+    results: dict[int, Any] = {}
+    with contextlib.closing(completed):
+        for index, result in completed:
+            results[index] = result
+            progress(items[index])
+    return [results[index] for index in range(len(items))]
+
+
+def _completed_here(function: Callable[[Any], Any], items: Sequence[Any], needed: Mapping[int, set[int]]) -> Completed:
+    waiting, done = list(range(len(items))), set[int]()
+    while waiting:
+        index = next(i for i in waiting if needed.get(i, set()) <= done)
+        waiting.remove(index)
+        yield index, function(items[index])
+        done.add(index)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """One attempt at an item: its index, whether it exceeded the limit before, whether its process ended before."""
+
+    index: int
+    late: bool = False
+    lost: bool = False
+
+
+@dataclass(frozen=True)
+class _Pool:
+    """What the workers are started with.
+
+    Args:
+        method: how processes are started, `spawn` or `fork`.
+        count: most processes.
+        function: applied to each item.
+        limit: for each item.
+        identical: objects that results refer to without a copy being sent.
+    """
+
+    method: str
+    count: int
+    function: Callable[[Any], Any]
+    limit: TimeLimit | None = None
+    identical: tuple[object, ...] = ()
+
+    def completed(self, items: Sequence[Any], needed: Mapping[int, set[int]]) -> Completed:
+        waiting = [_Task(index) for index in range(len(items))]
+        done: set[int] = set()
+        workers: list[_Worker] = []
+        try:
+            while len(done) < len(items):
+                idle = [worker for worker in workers if worker.task is None]
+                ready = [task for task in waiting if needed.get(task.index, set()) <= done]
+                for task in ready[: self.count - len(workers) + len(idle)]:
+                    if not idle:
+                        workers.append(_Worker(self))
+                    waiting.remove(task)
+                    (idle.pop() if idle else workers[-1]).begin(task, items[task.index])
+                busy = [(worker, worker.task) for worker in workers if worker.task is not None]
+                answering = wait([worker.pipe for worker, _ in busy], timeout=POLL if self.limit else None)
+                for worker, task in busy:
+                    in_time = worker.pipe in answering
+                    if not in_time and not worker.is_late():
+                        continue
+                    answer, worker.task = worker.answer() if in_time else None, None
+                    if answer is None and self.method == "spawn":
+                        worker.end()
+                        workers.remove(worker)
+                        waiting.insert(0, self._second_attempt(task, items[task.index], late=not in_time))
+                    else:
+                        done.add(task.index)
+                        yield task.index, self._result(answer or b"", items[task.index])
+        finally:
+            for worker in workers:
+                worker.end()
+
+    def _second_attempt(self, task: _Task, item: Any, late: bool) -> _Task:
+        if late:
+            assert self.limit is not None
+            if task.late or self.limit.fallback is None:
+                raise TimeoutError(f"{reprlib.repr(item)} took more than {self.limit.seconds:g} s")
+            return replace(task, late=True)
+        if task.lost:
+            raise RuntimeError(f"{reprlib.repr(item)}: its process ended without a result, twice")
+        return replace(task, lost=True)
+
+    def apply(self, item: Any, late: bool) -> bytes:
+        """In a worker: pickled whether it succeeded, and the result or the exception; empty if that does not pickle."""
+        function = self.limit.fallback if late and self.limit and self.limit.fallback else self.function
+        try:
+            answer = True, function(item)
+        except BaseException as error:
+            error.add_note(traceback.format_exc())
+            answer = False, error
+        file = io.BytesIO()
+        try:
+            _Pickler(file, self.identical).dump(answer)
+        except Exception:
+            return b""
+        return file.getvalue()
+
+    def _result(self, answer: bytes, item: Any) -> Any:
+        try:
+            succeeded, value = _Unpickler(io.BytesIO(answer), self.identical).load()
+        except Exception:
+            return self.function(item)
+        if not succeeded:
+            raise value
+        return value
+
+
+class _Pickler(pickle.Pickler):
+    """Writes the place of an object in `identical` instead of the object."""
+
+    def __init__(self, file: io.BytesIO, identical: Sequence[object]) -> None:
+        super().__init__(file, pickle.HIGHEST_PROTOCOL)
+        self._places = {id(one): place for place, one in enumerate(identical)}
+
+    def persistent_id(self, obj: Any) -> int | None:
+        return self._places.get(id(obj))
+
+
+class _Unpickler(pickle.Unpickler):
+    """Reads what `_Pickler` wrote."""
+
+    def __init__(self, file: io.BytesIO, identical: Sequence[object]) -> None:
+        super().__init__(file)
+        self._identical = identical
+
+    def persistent_load(self, pid: int) -> object:
+        return self._identical[pid]
+
+
+class _Worker:
+    """A process and the pipe to it."""
+
+    def __init__(self, pool: _Pool) -> None:
+        context: Any = multiprocessing.get_context(pool.method)
+        self.task: _Task | None = None
+        self.pipe, other_end = context.Pipe()
+        self._limit = pool.limit
+        self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)
+        with _interrupts_blocked(), warnings.catch_warnings():
+            # Python 3.12 warns of forks beside threads; those that `fork_map` meets hold no lock that a worker needs.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self._process.start()
+        other_end.close()
+
+    def begin(self, task: _Task, item: Any) -> None:
+        self.task, self.began = task, self._clock()
+        # A process that ended while it was idle is noticed where its answer is awaited.
+        with contextlib.suppress(OSError):
+            self.pipe.send((item, task.late))
+
+    def answer(self) -> bytes | None:
+        """Of `_Pool.apply`; None if the process ended."""
+        try:
+            return self.pipe.recv_bytes()
+        except (EOFError, OSError):
+            return None
+
+    def is_late(self) -> bool:
+        return self._limit is not None and self._clock() - self.began > self._limit.seconds
+
+    def _clock(self) -> float:
+        """Processor time of the process, s, which does not grow while others have the processor; else elapsed time."""
+        try:
+            fields = Path(f"/proc/{self._process.pid}/stat").read_text().rpartition(")")[2].split()
+        except OSError:
+            return time.monotonic()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def end(self) -> None:
+        self._process.kill()
+        self._process.join()
+        self.pipe.close()
+
+
+@contextlib.contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """Ctrl-C waits for the end of the block; processes started in it never receive it (the mask is inherited)."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
+    """What a worker does: answer until the pipe closes."""
+    from threadpoolctl import threadpool_limits
+
+    global _inside_worker
+    _inside_worker = True
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _end_with_parent(parent)
+    os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
+    threadpool_limits(1, user_api="blas")
+    # Collections would search all that the worker has loaded, for a fifth of its time.
+    gc.freeze()
+    gc.set_threshold(100_000)
+    if pool.method == "fork":
+        # A thread of the parent's may have held the lock of a stream when it was copied.
+        sys.stdout = sys.stderr = io.StringIO()
+    with contextlib.suppress(EOFError, OSError):
+        while True:
+            pipe.send_bytes(pool.apply(*pipe.recv()))
+    os._exit(0)
+
+
+def _end_with_parent(parent: int) -> None:
+    """End this process when the parent dies, also while compiled code runs (on Linux) or with SIGKILL."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:
+            os._exit(1)
+        return
+    process = multiprocessing.parent_process()
+    assert process is not None
+    threading.Thread(target=lambda: (wait([process.sentinel]), os._exit(1)), daemon=True).start()
+
+
+def _map_on_cluster(
+    address: str, function: Callable[[Item], Result], items: Sequence[Item], progress: Callable[[Item], None]
+) -> list[Result]:
+    """As `parallel_map`, on the workers of a dask cluster, which need the same packages."""
+    try:
+        from distributed import Client, as_completed
+        from distributed.scheduler import KilledWorker
+    except ImportError:
+        raise InputError(
+            f"--scheduler {address}: needs the package 'distributed' (pip install 'stagecad[cluster]'); "
+            "without --scheduler the local cores do the work"
+        ) from None
+    try:
+        client = Client(address, timeout=5)
+    except (OSError, ValueError) as error:
+        raise InputError(f"--scheduler {address}: no cluster answers there ({error})") from None
+    with client:
+        if not client.scheduler_info(n_workers=-1)["workers"]:
+            raise InputError(f"--scheduler {address}: the cluster has no workers; start one: dask worker {address}")
+        tasks: Any = {}
+        try:
+            # The function and its bound arguments are sent to each worker once.
+            sent = client.scatter(pickle.dumps(function), broadcast=True, hash=False)
+            tasks = {client.submit(_apply_pickled, sent, item, pure=False): item for item in items}
+            for task in as_completed(tasks):
+                task.result()
+                progress(tasks[task])
+            return client.gather(list(tasks))  # type: ignore[return-value]
+        except ModuleNotFoundError as error:
+            raise InputError(f"--scheduler {address}: its workers lack a package: {error}") from None
+        except KilledWorker as error:
+            raise InputError(f"--scheduler {address}: a worker died at its work: {error}") from None
+        except BaseException:
+            client.cancel(list(tasks))
+            raise
+
+
+def _apply_pickled(function: bytes, item: Any) -> Any:
+    return _loaded(function)(item)
+
+
+@lru_cache(maxsize=1)
+def _loaded(function: bytes) -> Callable[[Any], Any]:
+    return pickle.loads(function)
