@@ -15,6 +15,7 @@ from itertools import combinations
 import numpy as np
 
 from sim.library.effect import Effect
+from stagecad.parallel import fork_map
 from sysid.diagnosis.trials import CandidateFit, CandidateJacobians, ScreeningResult, evaluate_candidate, screen_all
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import weighted_residual
@@ -24,7 +25,6 @@ from sysid.estimation.screening import RefittedEffect, ScoredCandidate, Screenin
 from sysid.estimation.variant_selection import with_bounds_of, without_public_effect
 from sysid.prediction.model import Model, public_name, with_effect
 from sysid.prediction.problem import Problem
-from sysid.signals.side_by_side import side_by_side
 
 PAIRS_REFITTED = 6
 
@@ -115,9 +115,7 @@ def best_pairs(
         if wanted is None or wanted in families:
             chosen.setdefault(families, (one, other))
     shared = (*(part.known.effect for part in parts), *base.fitted.model.effects, base.fitted.weights)
-    found = side_by_side(
-        lambda two: _refitted(problem, base, two, gram, right, given), list(chosen.values()), shared
-    )  # fmt: skip
+    found = fork_map(lambda two: _refitted(problem, base, two, gram, right, given), list(chosen.values()), shared)
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 
@@ -230,7 +228,7 @@ def pairs_on_top(
     seen_on_top = screen_all(problem, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
     looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
     shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
-    found = side_by_side(refitted, looks, shared)
+    found = fork_map(refitted, looks, shared)
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from sim.library.effect import Effect
+from stagecad.parallel import fork_map
 from sysid.estimation.driven_stage_search import truncated
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import (
@@ -34,7 +36,6 @@ from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import in_contact, public_name
 from sysid.prediction.observable import candidate_effects
 from sysid.prediction.problem import Problem
-from sysid.signals.side_by_side import side_by_side
 
 Progress = Callable[[str, int, int], None]
 """Called with what comes next, how many steps are done, and of how many; once more when all are."""
@@ -176,7 +177,7 @@ def screen_all(
         problem, base: records, and the fitted model.
         present: names of its effects.
         all_effects: try whatever else the library has, too.
-        progress: called before each step.
+        progress: called after each step with the name of the effect, the number of steps before, and their total.
         promising: effects fitted shortly, at the most: those whose scores promise most; all where left out.
         seen: what effects do to the residual of a model much like it, for their scores; only what is not there is
             looked at anew.
@@ -194,22 +195,24 @@ def screen_all(
     shared = (*effects, *fitted.model.effects, fitted.weights)
     _bring_in(problem, effects)
 
-    def tell(step: int, name: str) -> None:
-        if progress is not None:
-            progress(name, step, 2 * len(effects))
+    steps = itertools.count()
 
-    def score(numbered: tuple[int, Effect]) -> tuple[ScoredCandidate, list[GridPoint]]:
-        effect = numbered[1]
+    def report(done: Effect | ScoredCandidate) -> None:
+        if progress is not None:
+            effect = done if isinstance(done, Effect) else done.effect
+            progress(effect.name, next(steps), 2 * len(effects))
+
+    def score(effect: Effect) -> tuple[ScoredCandidate, list[GridPoint]]:
         if seen is not None and effect.name in seen.grids:
             return ScoredCandidate(effect, score_test(effect, seen.grids[effect.name], basis, target)), []
         grid = candidate_directions(fitted, effect, records, problem.scales, rows)
         thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if seen is None else []
         return ScoredCandidate(effect, score_test(effect, grid, basis, target)), thinned
 
-    def look(numbered: tuple[int, ScoredCandidate]) -> ScreeningFit | None:
-        return screen_scored(numbered[1], fitted, records, problem.scales, basis, rows)
+    def look(scored: ScoredCandidate) -> ScreeningFit | None:
+        return screen_scored(scored, fitted, records, problem.scales, basis, rows)
 
-    scored = side_by_side(score, list(enumerate(effects)), shared, lambda one: tell(one[0], one[1].name))
+    scored = fork_map(score, effects, shared, report)
     grids = {one.effect.name: grid for one, grid in scored}
     known = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # What no linear weight stands for, only a fit can tell.
@@ -221,8 +224,7 @@ def screen_all(
     fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
     unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
     shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
-    numbered = list(enumerate(fitting, start=len(effects)))
-    found = side_by_side(look, numbered, shared, lambda one: tell(one[0], one[1].effect.name))
+    found = fork_map(look, fitting, shared, report)
     looks = [one for one in found if one is not None and np.isfinite(one.error)]
     looks.sort(key=lambda look: look.error)
     return ScreeningResult(looks, unfitted, target, CandidateJacobians(size, kept, grids) if seen is None else seen)
@@ -264,13 +266,15 @@ def evaluate_all(
             return evaluate_candidate(problem, base, as_screened(look, records))
         return evaluate_candidate(problem, base, refit_candidate(fitted, look, records, problem.scales))
 
-    def tell(numbered: tuple[int, ScreeningFit]) -> None:
+    counts = itertools.count(looked)
+
+    def report(numbered: tuple[int, ScreeningFit]) -> None:
         k, look = numbered
         if progress is not None and k < REFITTED:
-            progress(f"refitting {look.effect.name}", looked + k, steps)
+            progress(f"refitting {look.effect.name}", next(counts), steps)
 
     shared = (*(look.effect for look in first.looks), *fitted.model.effects, fitted.weights)
-    found = side_by_side(tried, list(enumerate(first.looks)), shared, tell)
+    found = fork_map(tried, list(enumerate(first.looks)), shared, report)
     trials = [trial for trial in found if trial is not None]
     if progress is not None:
         progress("", steps, steps)

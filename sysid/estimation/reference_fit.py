@@ -16,6 +16,7 @@ import numpy as np
 
 from sim.effects.catalogue import find, laws_of
 from sim.library.effect import Effect
+from stagecad.parallel import fork_map
 from sysid.estimation.driven_stage_search import lowest_minimum
 from sysid.estimation.driven_stage_starts import rough_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
@@ -26,7 +27,6 @@ from sysid.estimation.variant_selection import core_variant_fits, fit_replacemen
 from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, variant_group
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import Problem
-from sysid.signals.side_by_side import side_by_side
 
 
 @dataclass(frozen=True)
@@ -132,9 +132,7 @@ def _best_law(
     else:
         shown = [law for law in laws_of(place, problem.custom) if is_observable(problem, law)]
         given, shared = fitted, (*shown, *fitted.model.effects)
-        trials = side_by_side(
-            lambda law: fit_replacement(given, law, problem.fit_records, problem.scales), shown, shared
-        )
+        trials = fork_map(lambda law: fit_replacement(given, law, problem.fit_records, problem.scales), shown, shared)
     best = min([*trials, *before], key=lambda t: t.fit.cost + 4.0 * len(t.model.unknowns), default=fitted)
     return best if better(best, fitted) else fitted
 
