@@ -16,6 +16,7 @@ import shutil
 import sys
 import tempfile
 import time
+import types
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, overload
@@ -147,22 +148,38 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]: ...
 
 
 @overload
-def compiled(*, fastmath: set[str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]: ...
+def compiled(
+    *, fastmath: set[str] = ..., forceinline: bool = ..., _nrt: bool = ...
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]: ...
 
 
 def compiled(function: Callable[..., Any] | None = None, **options: Any) -> Callable[..., Any]:
     """Decorator: compile `function` when it is first called, so that importing its module costs nothing.
 
-    `fastmath` names the liberties that sums may take, such as `SUMS_IN_ANY_ORDER`.
+    Functions compiled in this way may call each other. `options` are numba's; `fastmath` names the liberties that sums
+    may take, such as `SUMS_IN_ANY_ORDER`.
     """
     if function is None:
         return functools.partial(compiled, **options)
     ready: list[Any] = []
 
+    def kernel() -> Any:
+        if not ready:
+            # numba finds the functions that are called among the globals: there each wrapper is replaced by its kernel.
+            called: dict[str, Any] = {name: function.__globals__.get(name) for name in function.__code__.co_names}
+            kernels = {name: value.kernel() for name, value in called.items() if hasattr(value, "kernel")}
+            names = {**function.__globals__, **kernels}
+            ready.append(compile_function(types.FunctionType(function.__code__, names, function.__name__), **options))
+        return ready[0]
+
     @functools.wraps(function)
     def call(*arguments: Any) -> Any:
-        if not ready:
-            ready.append(compile_function(function, **options))
-        return ready[0](*arguments)
+        return kernel()(*arguments)
 
+    call.kernel = kernel  # type: ignore[attr-defined]
     return call
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Decorator: `compiled`, for a function that allocates nothing and becomes part of the compiled ones calling it."""
+    return compiled(forceinline=True, _nrt=False)(function)

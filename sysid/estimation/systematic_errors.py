@@ -44,7 +44,7 @@ def systematic_errors(fitted: FittedModel, records: Sequence[PreparedRecord]) ->
         finer = predicted
         if record.half_width_variant is not None:
             axis, smooth = record.half_width_variant()
-            finer = predict(replace(record, axis=axis, complementary_filter=smooth, memo={}), effects, values)
+            finer = predict(replace(record, axis=axis, complementary_filter=smooth), effects, values)
         for channel, pick in samples.items():
             late = CHANNEL_SKEW * np.gradient(predicted[channel])[pick] / scales[channel]
             for other in channels:

@@ -173,7 +173,7 @@ def discrimination_distance(
 
 
 def _unlike(truth: Model, rival: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> float:
-    posed = [replace(r, measured=predict(r, truth.effects, truth.values), memo={}) for r in records]
+    posed = [replace(r, measured=predict(r, truth.effects, truth.values)) for r in records]
     keys = [u.key for u in rival.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
@@ -279,7 +279,7 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
         if isinstance(first, FrictionDriveRecord):
             return with_voltages(first, motion.name, motion.step, drives), _independent(problem, first, motion.step)
         record: PreparedRecord = replace(
-            first, name=motion.name, step=motion.step, time=time, drives=drives, memo={},
+            first, name=motion.name, step=motion.step, time=time, drives=drives,
             measured={c: np.zeros(n) for c in first.measured}, valid=dict.fromkeys(first.measured, scored),
         )  # fmt: skip
         return record, _independent(problem, first, motion.step)
@@ -299,7 +299,7 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
         noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
         stick_fraction=None, complementary_filter=GaussianFilter(width, motion.step, n), full_filter=None,
         direction=None, velocity_sign=None, half_width_variant=None, inputs={"pull_position": position, "spring_force":
-        np.zeros(n)}, applied=None, stick_phases=None, memo={},
+        np.zeros(n)}, applied=None, stick_phases=None,
     )  # fmt: skip
     record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(problem, first, motion.step)

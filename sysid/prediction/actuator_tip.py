@@ -10,7 +10,7 @@ with one offset per channel. The prediction is of the measured output itself, so
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
@@ -20,7 +20,7 @@ from sim.library.effect import Effect
 from sysid.experiment.record import Record
 from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
-from sysid.prediction.effect_terms import Values, remember, values_of
+from sysid.prediction.effect_terms import TERMS, Values, values_of
 from sysid.prediction.force_balance.record import filled
 from sysid.prediction.sensors import sensed
 
@@ -30,10 +30,9 @@ class DrivenPiezos(Protocol):
 
     drives: list[np.ndarray]
     step: float
-    memo: dict[tuple[object, ...], object]
 
 
-@dataclass
+@dataclass(eq=False)
 class TipRecord:
     """One actuator-tip record, prepared. Arrays have shape (n,), SI units, on a uniform time grid."""
 
@@ -48,7 +47,6 @@ class TipRecord:
     noise: dict[str, float]
     piezo_spacing: float
     tip_height: float
-    memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -73,10 +71,18 @@ def tip_record(record: Record, known: Mapping[str, float], noise: Mapping[str, N
             valid[name][0] = False
             floor[name] = noise[name].value
     return TipRecord(
-        name=record.name, role=record.role, kind="actuator-tip", step=step, time=time, drives=drives,
-        measured=measured, valid=valid, noise=floor, piezo_spacing=known["piezo_spacing"],
+        name=record.name,
+        role=record.role,
+        kind="actuator-tip",
+        step=step,
+        time=time,
+        drives=drives,
+        measured=measured,
+        valid=valid,
+        noise=floor,
+        piezo_spacing=known["piezo_spacing"],
         tip_height=known["tip_height"],
-    )  # fmt: skip
+    )
 
 
 def piezo_stretch(record: DrivenPiezos, effects: Sequence[Effect], values: Values, index: int) -> np.ndarray:
@@ -89,7 +95,7 @@ def piezo_stretch(record: DrivenPiezos, effects: Sequence[Effect], values: Value
             continue
         p = values_of(effect, values)
         key = (*key, effect.name, p)
-        signal = remember(record.memo, key, partial(effect.signal, signal, record.step, p))
+        signal = TERMS.get(record, key, partial(effect.signal, signal, record.step, p))
     return signal
 
 

@@ -1,10 +1,11 @@
-"""What the effects of a model give along a prepared record: the friction's level, and the forces beside the core."""
+"""Terms of a model along a prepared record: friction level, and forces beside the friction."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -13,8 +14,6 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 
 Values = Mapping[str, float]
 """Parameter values by key, `effect.parameter`, and the rig's own (`rig.mass`, `rig.gain`, `rig.offset_tip_x`)."""
-
-MEMO_LIMIT = 160
 
 
 def split_channel(name: str) -> tuple[str, str | None]:
@@ -28,13 +27,29 @@ def values_of(effect: Effect, values: Values) -> Any:
     return effect.values_type(*[values[f"{effect.name}.{p.name}"] for p in effect.parameters])
 
 
-def remember(store: dict[tuple[object, ...], object], key: tuple[object, ...], make: Callable[[], Any]) -> Any:
-    """What `make` gives, kept in `store` under `key`; the store is emptied when it grows past its limit."""
-    if key not in store:
-        if len(store) >= MEMO_LIMIT:
-            store.clear()
-        store[key] = make()
-    return store[key]
+class TermCache:
+    """Terms of effects along prepared records, by record, effect and parameter values.
+
+    A fit evaluates a model many times with one parameter moved: the terms of all other effects stay the same. The terms
+    of a record are dropped with the record, or when there are more than `most` of them.
+    """
+
+    def __init__(self, most: int = 160) -> None:
+        self.most = most
+        self._terms: WeakKeyDictionary[Any, dict[tuple[object, ...], Any]] = WeakKeyDictionary()
+
+    def get(self, record: object, key: tuple[object, ...], compute: Callable[[], Any]) -> Any:
+        """The term of a record under `key`, computed where it is not known yet."""
+        terms = self._terms.setdefault(record, {})
+        if key not in terms:
+            if len(terms) >= self.most:
+                terms.clear()
+            terms[key] = compute()
+        return terms[key]
+
+
+TERMS = TermCache()
+"""Shared by all predictions of a process."""
 
 
 def friction_axis(
@@ -46,7 +61,7 @@ def friction_axis(
         if effect.memory is not None:
             p = values_of(effect, values)
             key = (*key, effect.name, p)
-            axis = remember(balance.memo, ("axis", key), partial(effect.memory, axis, p))
+            axis = TERMS.get(balance, ("axis", key), partial(effect.memory, axis, p))
     return axis, key
 
 
@@ -58,10 +73,10 @@ def friction_level(balance: ForceBalanceRecord, effects: Sequence[Effect], value
     for effect in effects:
         if effect.level is not None:
             p = values_of(effect, values)
-            total = total + remember(balance.memo, ("level", effect.name, p, key), partial(effect.level, axis, p))
+            total = total + TERMS.get(balance, ("level", effect.name, p, key), partial(effect.level, axis, p))
         if effect.factor is not None:
             p = values_of(effect, values)
-            factor = factor * remember(balance.memo, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
+            factor = factor * TERMS.get(balance, ("factor", effect.name, p, key), partial(effect.factor, axis, p))
     return np.maximum(total * factor, 0.0)
 
 
@@ -71,12 +86,12 @@ def axis_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
     for effect in effects:
         if effect.force is not None:
             p = values_of(effect, values)
-            total = total + remember(balance.memo, ("force", effect.name, p), partial(effect.force, balance.axis, p))
+            total = total + TERMS.get(balance, ("force", effect.name, p), partial(effect.force, balance.axis, p))
         if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
             # What rides on a mode keeps pulling while friction holds the body: a force as any other.
             p = values_of(effect, values)
             own = balance.axis.acceleration
             ride = partial(effect.signal, np.ascontiguousarray(own), balance.step, p)
-            ridden = remember(balance.memo, ("ride", effect.name, p[:2]), ride)
+            ridden = TERMS.get(balance, ("ride", effect.name, p[:2]), ride)
             total = total + values.get("rig.mass", 0.0) * getattr(p, "mass_ratio", 1.0) * (ridden - own)
     return total

@@ -14,8 +14,8 @@ from sysid.prediction.actuator_tip import TipRecord, predict_tip
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.predict import predict_balance
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.friction_drive.record import CONTACT, FrictionDriveRecord, predict_friction_drive
-from sysid.prediction.friction_drive.sliding_velocity import sliding_speed
+from sysid.prediction.friction_drive.friction import CONTACT
+from sysid.prediction.friction_drive.record import FrictionDriveRecord, predict_friction_drive, sliding_speed
 
 PreparedRecord = ForceBalanceRecord | TipRecord
 

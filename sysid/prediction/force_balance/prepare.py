@@ -1,9 +1,10 @@
-"""From a record and what is known of its rig to a force balance or a tip record, ready to be compared with a model."""
+"""Force-balance records from records of the rig kinds `velocity-drive`, `spring-pull` and `force-drive`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,83 +16,102 @@ from sysid.noise.estimate import Noise
 from sysid.noise.quantisation import find_quantisation_step
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
-    LAW_SHARE,
+    PREFILTER_SHARE,
     ForceBalanceRecord,
     filled,
     filter_width,
     longer_than,
     make_axis,
+    optional_channel,
     spread,
 )
-from sysid.prediction.force_balance.reversals import sharp_direction
-from sysid.prediction.force_balance.stick_phases import find_stick_phases
-from sysid.prediction.force_balance.sticking import sharpened
+from sysid.prediction.force_balance.reversals import resolve_events
+from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
+from sysid.prediction.force_balance.sticking import restored_kinks
 from sysid.signals.gaussian_filter import GaussianFilter
 
 REST_SIGMAS = 5.0
-"""A velocity within this many standard deviations of its noise is rest."""
+"""A velocity within this many standard deviations of its noise is zero."""
 
-SURE_SIGMAS = 6.0
-SURE_STEPS = 2.5
-"""A given velocity has a sign from so many deviations of its noise, and steps of its rounding, on."""
+SIGN_SIGMAS = 6.0
+SIGN_STEPS = 2.5
+"""Standard deviations of its noise, and quantisation steps, from which a given velocity has a certain sign."""
 
 
-def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
-    values = channels.get(name)
-    if values is None or not np.isfinite(values).any():
-        return None
-    return filled(values)[0]
+class _Signal(NamedTuple):
+    """A signal (n,) with its gaps bridged, the mask (n,) of the gaps, and size and correlation of its noise."""
+
+    values: np.ndarray
+    gap: np.ndarray
+    std: float
+    correlation: float
+
+
+class _Motion(NamedTuple):
+    """What the axis of a driven mass is computed from: time, position and its noise, gaps, load and temperature."""
+
+    time: np.ndarray
+    position: _Signal
+    missing: np.ndarray
+    load: np.ndarray | None
+    temperature: np.ndarray | None
 
 
 def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
     """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered."""
     time, step, channels, hole = uniform(record)
     n = time.size
-    force = channels["friction_force"]
-    force, gap = filled(force)
+    force, gap = filled(channels["friction_force"])
     position, velocity = channels.get("position"), channels.get("velocity")
-    law_width = 0.0
-    sigma_position = 0.0
+    position_std = 0.0
     missing = np.zeros(n, dtype=bool)
     if position is not None:
         position, missing = filled(position)
     if velocity is not None:
         velocity, gap_velocity = filled(velocity)
         missing = missing | gap_velocity
-        if position is None:
-            position = np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * step)])
+        position = _integral(velocity, step) if position is None else position
         acceleration = np.gradient(velocity, step)
         rest = 1e-9 * float(np.max(np.abs(velocity)))
     else:
         assert position is not None
-        sigma_position = noise["position"].value if "position" in noise else 0.0
-        law_width = 2.0 * step
-        light = GaussianFilter(law_width, step, n)
-        velocity, acceleration = light(position, 1), light(position, 2)
-        rest = REST_SIGMAS * sigma_position * light.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
-    axis = make_axis(
-        time, position, velocity, acceleration, _optional(channels, "normal_load"),
-        _optional(channels, "temperature"), rest,
-    )  # fmt: skip
+        position_std = noise["position"].value if "position" in noise else 0.0
+        prefilter = GaussianFilter(2.0 * step, step, n)
+        velocity, acceleration = prefilter(position, 1), prefilter(position, 2)
+        rest = REST_SIGMAS * position_std * prefilter.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
+    load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
     valid = ~(gap | hole | missing)
     valid[0] = False
-    sigma = noise["friction_force"].value
-    velocity_sign = _heading(velocity) if "velocity" in channels else None
     return ForceBalanceRecord(
-        name=record.name, role=record.role, kind="velocity-drive", step=step, axis=axis,
-        measured={"friction_force": force}, valid={"friction_force": valid}, noise={"friction_force": sigma},
-        acceleration=None, stick_fraction=None, complementary_filter=GaussianFilter(0.0, step, n),
-        force_channel="friction_force", velocity_sign=velocity_sign, timing_uncertainty=0.5 * step, stretch=max(1e-8 *
-        float(np.ptp(position)), 12.0 * sigma_position),
-    )  # fmt: skip
+        name=record.name,
+        role=record.role,
+        kind="velocity-drive",
+        step=step,
+        axis=make_axis(time, position, velocity, acceleration, load, temperature, rest),
+        measured={"friction_force": force},
+        valid={"friction_force": valid},
+        noise={"friction_force": noise["friction_force"].value},
+        acceleration=None,
+        stick_fraction=None,
+        complementary_filter=GaussianFilter(0.0, step, n),
+        force_channel="friction_force",
+        velocity_sign=_certain_sign(velocity) if "velocity" in channels else None,
+        timing_uncertainty=0.5 * step,
+        stretch=max(1e-8 * float(np.ptp(position)), 12.0 * position_std),
+    )
 
 
-def _heading(velocity: np.ndarray) -> np.ndarray:
-    """Sign of a velocity (n,) that was given, zero where its own noise or rounding could have made the sign."""
+def _integral(velocity: np.ndarray, step: float) -> np.ndarray:
+    """Position (n,) from a velocity, by the trapezoidal rule."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * step)])
+
+
+def _certain_sign(velocity: np.ndarray) -> np.ndarray:
+    """Sign of a given velocity (n,), zero where its own noise or rounding could have made the sign."""
     change = np.abs(np.diff(velocity, 2))
     noise = float(np.median(change)) / 0.6745 / np.sqrt(6.0)
     quantisation_step = find_quantisation_step([velocity]) or 0.0
-    sure = max(SURE_SIGMAS * noise, SURE_STEPS * quantisation_step, 1e-9 * float(np.max(np.abs(velocity))))
+    sure = max(SIGN_SIGMAS * noise, SIGN_STEPS * quantisation_step, 1e-9 * float(np.max(np.abs(velocity))))
     return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)
 
 
@@ -113,180 +133,232 @@ def driven_mass(
         noise: by channel.
         mass: known or estimated moving mass, kg; it sets the filter's width, not the fit.
         pull_stiffness: of the pulling spring, N/m.
-        hold: `zero` when each row's drive force is held to the next, `linear` when it runs straight to it.
-        width: of the filter, s, where it is to be the same as another record's.
+        hold: `zero` for a drive force held from each row to the next, `linear` for linear interpolation.
+        width: of the filter, s, where it is shared with another record.
         least_width: s, where another record that shares the filter has longer steps.
+
+    Raises:
+        InputError: a constant force, or a record shorter than the filter.
     """
     time, step, channels, hole = uniform(record)
     n = time.size
-    gap_motion = np.zeros(n, dtype=bool)
-    if "position" in channels:
-        position, gap_motion = filled(channels["position"])
-        sigma_position, correlation = noise["position"].value, noise["position"].correlation
-        velocity_given = None
-    elif "velocity" in channels:
-        velocity_given, gap_motion = filled(channels["velocity"])
-        position = np.concatenate([[0.0], np.cumsum(0.5 * (velocity_given[1:] + velocity_given[:-1]) * step)])
-        sigma_position, correlation = noise["velocity"].value * step, 0.0
-    else:
-        position, velocity_given, sigma_position, correlation = None, None, 0.0, 0.0
-
     if kind == "spring-pull":
         assert pull_stiffness is not None
         pull, gap_pull = filled(channels["pull_position"])
-        gap_motion = gap_motion | gap_pull
-        if position is None:
-            # Only the spring force is measured: the stretch gives the position.
-            spring, gap_force = filled(channels["spring_force"])
-            position = pull - spring / pull_stiffness
-            sigma_position = noise["spring_force"].value / pull_stiffness
-            correlation = noise["spring_force"].correlation
-        if "spring_force" in channels:
-            channel = "spring_force"
-            force, gap_force = filled(channels["spring_force"])
-            sigma_force, force_correlation = noise[channel].value, noise[channel].correlation
-        else:
-            channel = "position"
-            force, gap_force = pull_stiffness * (pull - position), gap_motion
-            sigma_force, force_correlation = pull_stiffness * sigma_position, correlation
+        channel, position, force = _spring_signals(channels, noise, step, pull_stiffness)
+        position = position._replace(gap=position.gap | gap_pull)
     else:
-        pull = None
-        channel = "drive_force"
-        force, gap_force = filled(channels["drive_force"])
-        if hold == "zero":
-            # The force held over the step before and the step after a row: its mean acts at the row.
-            force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
-            gap_force = gap_force | np.concatenate([[False], gap_force[:-1]])
-        known = noise.get(channel)
-        sigma_force = known.value if known is not None else 0.0
-        force_correlation = known.correlation if known is not None else 0.0
-        if hold == "zero":
-            sigma_force /= np.sqrt(2.0)
-    assert position is not None
-
-    scale = float(np.sqrt(np.mean((force - force.mean()) ** 2)))
-    if scale == 0.0:
-        raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
+        pull, channel = None, "drive_force"
+        position, force = _position(channels, noise, step), _drive_force(channels, noise, hold)
+        assert position is not None
+    missing = position.gap | hole | force.gap
     if width is None:
-        target = max(sigma_force, 1e-3 * scale)
-        # Steps that a slow motion takes one by one are no noise that a wider filter would lessen: it only blurs more.
-        smoothed = sigma_position * _part_under_steps(noise, channels)
-        width = max(filter_width(smoothed, step, mass, target, n, correlation), least_width)
+        width = max(_filter_width(record, channels, noise, (position, force), step, mass), least_width)
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
-    if 2 * (reach + 1) >= n:
-        raise InputError(
-            f"{record.file}: its {n * step:.3g} s are too short for the filter of {width:.3g} s, which the "
-            "position's noise and the longest step of all records set; give more, or see that time is in one unit"
-        )
-    law_width = LAW_SHARE * width
-    light, full_filter = GaussianFilter(law_width, step, n), GaussianFilter(width, step, n)
-    rest_of = GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, n)
-    velocity = light(position, 1)
-    sigma_velocity = sigma_position * light.noise_gain(1, correlation)
-    rest = REST_SIGMAS * sigma_velocity
-    load, temperature = _optional(channels, "normal_load"), _optional(channels, "temperature")
-    axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
-    missing = gap_motion | hole | gap_force
-    axis = axis._replace(acceleration=_past_gaps(axis.acceleration, missing, law_width / step))
-    acceleration = full_filter(position, 2)
-    reach_event = max(6, int(np.ceil(1.5 * width / step)))
-    drive = force / mass * step**2 if mass > 0 else np.zeros(n)
-    direction, stick_fraction, reversals, slip_phases = sharp_direction(
-        position,
-        velocity,
+    _require_motion(record, channel, force, (n, reach), step, width)
+
+    prefilter_width = PREFILTER_SHARE * width
+    load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
+    motion = _Motion(time, position, missing, load, temperature)
+    axis, complementary = _prefiltered(motion, prefilter_width, width)
+    prefilter, full = GaussianFilter(prefilter_width, step, n), GaussianFilter(width, step, n)
+    event_reach = max(6, int(np.ceil(1.5 * width / step)))
+    drive = force.values / mass * step**2 if mass > 0 else np.zeros(n)
+    rest = REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.correlation))
+    direction, stick_fraction, reversals, slip_phases = resolve_events(
+        position.values,
+        axis.velocity,
         drive,
-        np.abs(velocity) <= rest,
-        reach_event,
-        min(2.5 * law_width / step + 2.0, reach_event - 2.0),
-        max(3, int(np.ceil(2.0 * law_width / step))),
+        np.abs(axis.velocity) <= rest,
+        event_reach,
+        min(2.5 * prefilter_width / step + 2.0, event_reach - 2.0),
+        max(3, int(np.ceil(2.0 * prefilter_width / step))),
     )
-    kinked = sharpened(velocity * step, axis.acceleration * step**2, drive, slip_phases, law_width / step)
+    kinked = restored_kinks(
+        axis.velocity * step, axis.acceleration * step**2, drive, slip_phases, prefilter_width / step
+    )
     axis = axis._replace(velocity=kinked / step)
 
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
     bad = missing | spread(longer_than(missing, width / step), reach)
     bad[: reach + 1] = True
     bad[n - reach :] = True
-    gain = full_filter.noise_gain(0, force_correlation)
-    acceleration_noise = sigma_position * full_filter.noise_gain(2, correlation)
-    measured = {channel: full_filter(force)}
-    valid = {channel: ~bad}
-    floor = {channel: float(np.hypot(sigma_force * gain, mass * acceleration_noise))}
+    acceleration_noise = position.std * full.noise_gain(2, position.correlation)
+    force_noise = force.std * full.noise_gain(0, force.correlation)
+    measured = {channel: full(force.values)}
+    floor = {channel: float(np.hypot(force_noise, mass * acceleration_noise))}
     inputs: dict[str, np.ndarray] = {}
-    if kind == "spring-pull":
-        assert pull is not None
-        inputs["pull_position"] = full_filter(pull)
-        inputs["spring_force"] = full_filter(force)
+    if pull is not None:
+        inputs = {"pull_position": full(pull), "spring_force": full(force.values)}
         if channel == "spring_force" and "position" in channels:
             assert pull_stiffness is not None
-            measured["position"] = full_filter(position)
-            valid["position"] = ~bad
-            floor["position"] = float(
-                np.hypot(sigma_position * full_filter.noise_gain(0, correlation), sigma_force * gain / pull_stiffness)
-            )
-    prefiltered_noise = sigma_position * light.noise_gain(0, correlation)
-    stick_phases = None
-    of_spring = kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
-    told_by = noise.get("spring_force" if of_spring else "position")
-    # Steps of a coarse sensor are no displacement, and a velocity added up wanders.
-    if (
-        told_by is not None
-        and (told_by.quantisation_step or 0.0) <= told_by.value
-        and (of_spring or "position" in channels)
-    ):
-        stick_phases = find_stick_phases(
-            axis.position, full_filter(force), stick_fraction, axis.direction, ~bad, reach_event, prefiltered_noise,
-            1.0 / pull_stiffness if of_spring and pull_stiffness else 0.0,
-        )  # fmt: skip
-    return ForceBalanceRecord(
-        name=record.name, role=record.role, kind=kind, step=step, axis=axis, measured=measured, valid=valid,
-        noise=floor, acceleration=acceleration, stick_fraction=stick_fraction, complementary_filter=rest_of,
-        full_filter=full_filter, direction=direction, reversals=reversals, slip_phases=slip_phases,
-        prefilter_samples=law_width / step, force_channel=channel, timing_uncertainty=0.15 * step, inputs=inputs,
-        applied=force, acceleration_noise=acceleration_noise, position_noise=sigma_position, stretch=12.0 *
-        prefiltered_noise, prefiltered_noise=prefiltered_noise, pull_stiffness=pull_stiffness or 0.0,
-        stick_phases=stick_phases, raw_position=position, interpolated=missing,
-        half_width_variant=partial(_lightly_filtered, time, position, missing, load, temperature, 0.5 * law_width,
-        width,
-                      REST_SIGMAS * sigma_position, correlation),
-    )  # fmt: skip
+            measured["position"] = full(position.values)
+            own = position.std * full.noise_gain(0, position.correlation)
+            floor["position"] = float(np.hypot(own, force_noise / pull_stiffness))
+    prepared = ForceBalanceRecord(
+        name=record.name,
+        role=record.role,
+        kind=kind,
+        step=step,
+        axis=axis,
+        measured=measured,
+        valid=dict.fromkeys(measured, ~bad),
+        noise=floor,
+        acceleration=full(position.values, 2),
+        stick_fraction=stick_fraction,
+        complementary_filter=complementary,
+        full_filter=full,
+        direction=direction,
+        reversals=reversals,
+        slip_phases=slip_phases,
+        prefilter_samples=prefilter_width / step,
+        force_channel=channel,
+        timing_uncertainty=0.15 * step,
+        inputs=inputs,
+        applied=force.values,
+        acceleration_noise=acceleration_noise,
+        position_noise=position.std,
+        prefiltered_noise=position.std * prefilter.noise_gain(0, position.correlation),
+        pull_stiffness=pull_stiffness or 0.0,
+        half_width_variant=partial(_prefiltered, motion, 0.5 * prefilter_width, width),
+        raw_position=position.values,
+        interpolated=missing,
+    )
+    prepared.stretch = 12.0 * prepared.prefiltered_noise
+    prepared.stick_phases = _stick_phases(prepared, channels, noise, ~bad, event_reach)
+    return prepared
 
 
-def _past_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) -> np.ndarray:
-    """Acceleration (n,) that runs straight across gaps: the line that bridges the position has kinks at its ends, and
-    whatever rings would ring with them long after.
+def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> _Signal | None:
+    """The measured position, or the integral of the measured velocity; none where neither is recorded."""
+    if "position" in channels:
+        return _Signal(*filled(channels["position"]), noise["position"].value, noise["position"].correlation)
+    if "velocity" in channels:
+        velocity, gap = filled(channels["velocity"])
+        return _Signal(_integral(velocity, step), gap, noise["velocity"].value * step, 0.0)
+    return None
+
+
+def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], hold: str) -> _Signal:
+    """The drive force at the rows."""
+    force, gap = filled(channels["drive_force"])
+    known = noise.get("drive_force")
+    std, correlation = (known.value, known.correlation) if known is not None else (0.0, 0.0)
+    if hold == "zero":
+        # The force is held over the step before a row and over that after it: its mean acts at the row.
+        force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
+        gap = gap | np.concatenate([[False], gap[:-1]])
+        std /= np.sqrt(2.0)
+    return _Signal(force, gap, std, correlation)
+
+
+def _spring_signals(
+    channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float, stiffness: float
+) -> tuple[str, _Signal, _Signal]:
+    """Name of the scored channel, position and spring force of a body pulled by a spring; one may give the other."""
+    pull, gap_pull = filled(channels["pull_position"])
+    position = _position(channels, noise, step)
+    if "spring_force" not in channels:
+        assert position is not None
+        gap = position.gap | gap_pull
+        force = _Signal(stiffness * (pull - position.values), gap, stiffness * position.std, position.correlation)
+        return "position", position, force
+    spring = noise["spring_force"]
+    force = _Signal(*filled(channels["spring_force"]), spring.value, spring.correlation)
+    if position is None:
+        none = np.zeros(pull.size, dtype=bool)
+        position = _Signal(pull - force.values / stiffness, none, spring.value / stiffness, spring.correlation)
+    return "spring_force", position, force
+
+
+def _filter_width(
+    record: Record,
+    channels: Mapping[str, np.ndarray],
+    noise: Mapping[str, Noise],
+    signals: tuple[_Signal, _Signal],
+    step: float,
+    mass: float,
+) -> float:
+    """Width of the filter, s, from the noise of position and force (`signals`)."""
+    position, force = signals
+    of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
+    # Quantisation steps of a slow motion are no noise that a wider filter would reduce: it only blurs more.
+    unquantised = 1.0 if of is None or of.without_quantisation is None else of.without_quantisation / of.value
+    target = max(force.std, 1e-3 * _scale(force.values))
+    return filter_width(position.std * unquantised, step, mass, target, position.values.size, position.correlation)
+
+
+def _scale(values: np.ndarray) -> float:
+    return float(np.sqrt(np.mean((values - values.mean()) ** 2)))
+
+
+def _require_motion(
+    record: Record, channel: str, force: _Signal, rows: tuple[int, int], step: float, width: float
+) -> None:
+    """Refuse a constant force, and a record without rows between the ends that the filter needs."""
+    if _scale(force.values) == 0.0:
+        raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
+    if 2 * (rows[1] + 1) >= rows[0]:
+        raise InputError(
+            f"{record.file}: its {rows[0] * step:.3g} s are too short for the filter of {width:.3g} s, which the "
+            "position's noise and the longest step of all records set; give more, or see that time is in one unit"
+        )
+
+
+def _prefiltered(motion: _Motion, width: float, full_width: float) -> tuple[Axis, GaussianFilter]:
+    """The axis from a motion filtered by `width` (s), and the filter that complements it to the `full_width`."""
+    position = motion.position
+    step, n = float(motion.time[1] - motion.time[0]), motion.time.size
+    prefilter = GaussianFilter(width, step, n)
+    axis = make_axis(
+        motion.time,
+        prefilter(position.values),
+        prefilter(position.values, 1),
+        _across_gaps(prefilter(position.values, 2), motion.missing, width / step),
+        motion.load,
+        motion.temperature,
+        REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.correlation)),
+    )
+    return axis, GaussianFilter(float(np.sqrt(full_width**2 - width**2)), step, n)
+
+
+def _across_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) -> np.ndarray:
+    """Acceleration (n,) with linear interpolation across gaps: the line that bridges the position has kinks at its
+    ends, and a structural mode would ring with them long after.
 
     Args:
         acceleration: by a filter of `width` samples, (n,).
-        missing: samples (n,) where the motion was made up.
+        missing: samples (n,) where the motion was interpolated.
     """
     interpolated = spread(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
     return filled(np.where(interpolated, np.nan, acceleration))[0] if interpolated.any() else acceleration
 
 
-def _lightly_filtered(
-    time: np.ndarray,
-    position: np.ndarray,
-    missing: np.ndarray,
-    load: np.ndarray | None,
-    temperature: np.ndarray | None,
-    law_width: float,
-    width: float,
-    rest: float,
-    correlation: float,
-) -> tuple[Axis, GaussianFilter]:
-    """The axis from a motion filtered by `law_width` (s), and the filter that makes up the whole `width`."""
-    step = float(time[1] - time[0])
-    light = GaussianFilter(law_width, step, time.size)
-    velocity = light(position, 1)
-    axis = make_axis(
-        time, light(position), velocity, _past_gaps(light(position, 2), missing, law_width / step), load, temperature,
-        rest * light.noise_gain(1, correlation),
-    )  # fmt: skip
-    return axis, GaussianFilter(float(np.sqrt(width**2 - law_width**2)), step, time.size)
+def _stick_phases(
+    record: ForceBalanceRecord,
+    channels: Mapping[str, np.ndarray],
+    noise: Mapping[str, Noise],
+    usable: np.ndarray,
+    edge: int,
+) -> StickPhases | None:
+    """Stick phases of a driven mass, where its displacement in them was measured, or follows from the spring's force.
 
-
-def _part_under_steps(noise: Mapping[str, Noise], channels: Mapping[str, np.ndarray]) -> float:
-    """Part of the motion's noise that is none of a grid's steps; 1 where those are not counted as noise."""
-    of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
-    return 1.0 if of is None or of.without_quantisation is None else of.without_quantisation / of.value
+    Steps of a coarse sensor are no displacement, and an integrated velocity drifts.
+    """
+    by_spring = record.kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
+    sensor = noise.get("spring_force" if by_spring else "position")
+    if sensor is None or (sensor.quantisation_step or 0.0) > sensor.value:
+        return None
+    if not by_spring and "position" not in channels:
+        return None
+    assert record.full_filter is not None and record.applied is not None and record.stick_fraction is not None
+    return find_stick_phases(
+        record.axis.position,
+        record.full_filter(record.applied),
+        record.stick_fraction,
+        record.axis.direction,
+        usable,
+        edge,
+        record.prefiltered_noise,
+        1.0 / record.pull_stiffness if by_spring and record.pull_stiffness else 0.0,
+    )

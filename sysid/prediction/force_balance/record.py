@@ -7,7 +7,7 @@ enough that mass times acceleration is no noisier than the force.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,14 +18,14 @@ from sysid.prediction.force_balance.sticking import SlipPhases
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.intervals import runs
 
-LAW_SHARE = 0.4
+PREFILTER_SHARE = 0.4
 """Part of the whole filter's width that the motion has passed before a law sees it."""
 
 EDGE_WIDTHS = 4.0
 """Samples this many filter widths from the ends or from a gap are not scored: they lean on a guess."""
 
 
-@dataclass
+@dataclass(eq=False)
 class ForceBalanceRecord:
     """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
 
@@ -73,7 +73,6 @@ class ForceBalanceRecord:
     stick_phases: StickPhases | None = None
     raw_position: np.ndarray | None = None
     interpolated: np.ndarray | None = None
-    memo: dict[tuple[object, ...], object] = field(default_factory=dict)
 
     @property
     def size(self) -> int:
@@ -196,3 +195,9 @@ def filled(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     bridged = values.copy()
     bridged[gap] = np.interp(index[gap], index[~gap], values[~gap])
     return bridged, gap
+
+
+def optional_channel(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
+    """A channel (n,) with its gaps bridged; none where it is not recorded."""
+    values = channels.get(name)
+    return None if values is None or not np.isfinite(values).any() else filled(values)[0]

@@ -109,7 +109,7 @@ def event_times(position: np.ndarray, drive: np.ndarray, events: np.ndarray, rea
     return out
 
 
-def sharp_direction(
+def resolve_events(
     position: np.ndarray,
     velocity: np.ndarray,
     drive: np.ndarray,
@@ -177,10 +177,10 @@ def sharp_direction(
 def at_times(
     direction: np.ndarray, rest: np.ndarray, stops: SlipPhases, times: np.ndarray, leaves: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`direction` (n,), `rest` (n,) and `turns` (k,) of `sharp_direction` with its stops and departures moved.
+    """`direction` (n,), `rest` (n,) and `turns` (k,) of `resolve_events` with its stops and departures moved.
 
     Args:
-        direction, rest, stops: as `sharp_direction` gave them.
+        direction, rest, stops: as `resolve_events` gave them.
         times: of the stops, in samples, (k,).
         leaves: of the departures, in samples, (k,); not looked at where the body turned without a rest.
     """

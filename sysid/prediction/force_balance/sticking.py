@@ -93,7 +93,7 @@ def _followed(
     return end
 
 
-def sharpened(
+def restored_kinks(
     velocity: np.ndarray, acceleration: np.ndarray, drive: np.ndarray, stops: SlipPhases, light: float
 ) -> np.ndarray:
     """Velocity (n,) with its kinks at stops and departures, which a filter rounds off.

@@ -1,282 +1,556 @@
-"""The pass of `follow_exactly` over a record, in compiled code: states between events, and the events."""
+"""Event-driven simulation of a stage driven by friction along one axis: pads and contact stick or slip.
+
+Pads resist up to their friction limit; the contact is a spring and a dashpot up to its own. Between two events the
+stage is an oscillator on the contact, a body under constant-rate forces, or at rest. Each regime is solved in closed
+form while tip, limits and other forces run linearly from row to row, and by the classical Runge-Kutta method of order
+four, with steps of a fifth of a radian, where friction depends on the velocity. Events are located by the Illinois
+variant of regula falsi (Dowell and Jarratt, BIT 11 (1971) 168). The result depends smoothly on every parameter.
+"""
 
 from __future__ import annotations
 
-from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from sim.numerics.compilation import compile_function
-from sysid.prediction.friction_drive import sliding_motion
-from sysid.prediction.friction_drive.sliding_motion import holds, moved_on, resists
+from sim.numerics.compilation import compiled, inlined
+from sysid.prediction.friction_drive.simulation_inputs import (
+    DrivenStage,
+    FrictionLimit,
+    Nudging,
+    TipMotion,
+    VelocityTable,
+    resolved_stage,
+)
 
-LOOKS_BY_SPEED = 3
-"""Looks in the place of one, each a step of Runge and Kutta's method, where friction goes by the speed: as the level
-rises while a slip slows down, a contact may slip and hold again within less than a row."""
+LONGEST_PHASE = 0.6
+"""rad of the oscillation on the contact between two event checks."""
+
+CHECKS_WITH_TABLES = 3
+"""Event checks in place of one, each a Runge-Kutta step, where friction depends on the velocity: as the limit rises
+while a slip slows down, a contact may slip and stick again within less than a row."""
+
+MOST_EVENTS = 40
+MOST_ITERATIONS = 60
+PADS_SWITCH, CONTACT_SLIPS, CONTACT_STICKS, SPRING_AT_LIMIT, SPRING_BELOW_LIMIT = 1, 2, 3, 4, 5
 
 
-@partial(compile_function, also=(sliding_motion.__file__,))
-def follow_events(
-    tip: np.ndarray,
-    push: np.ndarray,
-    load: np.ndarray,
-    level: np.ndarray,
-    stiffness: float,
-    damping: float,
-    pads: np.ndarray,
-    mass: float,
-    step: float,
-    parts: int,
-    share: np.ndarray,
-    slip_curves: np.ndarray,
-    slip_top: float,
-    pad_share: np.ndarray,
-    pad_curves: np.ndarray,
-    pad_top: float,
-    seen: np.ndarray,
-    part_of_place: float,
-    part_of_speed: float,
-) -> np.ndarray:
-    """Position (n,) of the stage, m: arguments as of `follow_exactly`, curves as (6, k) and their highest speeds.
+class Transition(NamedTuple):
+    """Propagator of a free damped oscillation: displacement and velocity after a time from those before."""
 
-    With `part_of_place` above zero each row is told from the one before, which goes on from nearer to where the stage
-    was `seen`, m, (n,).
+    xx: float
+    xv: float
+    vx: float
+    vv: float
+
+
+class Constants(NamedTuple):
+    """Constants of a simulation: the stage, its velocity tables, and the oscillation on the contact."""
+
+    stiffness: float
+    damping: float
+    mass: float
+    contact: VelocityTable
+    pads: VelocityTable
+    tabulated: bool
+    decay: float
+    square: float
+    frequency: float
+    longest: float
+    soon: float
+    resolution: float
+
+
+class Inputs(NamedTuple):
+    """Inputs of the simulation at an instant, SI, and the rates at which they change until the next row."""
+
+    tip_velocity: float
+    push: float
+    push_rate: float
+    limit: float
+    limit_rate: float
+    factor: float
+    factor_rate: float
+    pad_limit: float
+    pad_limit_rate: float
+    pad_factor: float
+    pad_factor_rate: float
+
+
+class State(NamedTuple):
+    """State of the stage.
+
+    Args:
+        x, v: position, m, and velocity, m/s.
+        spring: force of the contact's spring, N.
+        pad_side, slip_side: direction in which the pads slide and the contact slips, 0 while they stick.
+        below: a contact that slips transmits its limit by spring and dashpot; whether its spring alone is below that.
+        touching: whether the tip touches the stage.
     """
-    n = tip.size
-    out = np.zeros(n)
-    k, c, m = stiffness, damping, mass
-    sigma = 0.5 * c / m
-    square = k / m - sigma * sigma
-    swing = np.sqrt(max(abs(square), 1e-12 * k / m))
-    natural = np.sqrt(k / m)
-    by_speed = slip_curves.shape[1] > 0 or pad_curves.shape[1] > 0
-    if by_speed:
-        parts *= LOOKS_BY_SPEED
-    regular = step / parts
-    # How a free oscillation goes on over one regular part of a row.
-    e = np.exp(-sigma * regular)
-    if square > 0.0:
-        cosine, sine = np.cos(swing * regular), np.sin(swing * regular) / swing
+
+    x: float
+    v: float
+    spring: float
+    pad_side: float
+    slip_side: float
+    below: bool
+    touching: bool
+
+
+class Event(NamedTuple):
+    """Motion up to an event, or to the end of a segment where `happened` is false."""
+
+    x: float
+    v: float
+    spring: float
+    force: float
+    time: float
+    kind: int
+    happened: bool
+
+
+def simulate_event_driven(
+    tip: TipMotion,
+    push: np.ndarray,
+    contact: FrictionLimit,
+    pads: FrictionLimit,
+    stage: DrivenStage,
+    nudging: Nudging | None = None,
+) -> np.ndarray:
+    """Position (n,) of the stage from rest at the first row, m.
+
+    Args:
+        tip: its motion along the axis and the load of the contact, each (n,).
+        push: other forces on the stage, N, (n,).
+        contact: friction limit of the contact while it touches; infinite where it never slips.
+        pads: friction limit of the pads.
+        stage: contact stiffness and damping, mass and sampling time.
+        nudging: correction towards a measured position after every row; none for a free simulation.
+    """
+    stage = resolved_stage(stage)
+    checks = max(1, int(np.ceil(np.sqrt(stage.stiffness / stage.mass) * stage.step / LONGEST_PHASE)))
+    tables = contact.table, pads.table
+    tabulated = any(table.values.shape[1] > 0 for table in tables)
+    checks *= CHECKS_WITH_TABLES if tabulated else 1
+    regular = stage.step / checks
+    decay = 0.5 * stage.damping / stage.mass
+    square = stage.stiffness / stage.mass - decay * decay
+    frequency = float(np.sqrt(max(abs(square), 1e-12 * stage.stiffness / stage.mass)))
+    constants = Constants(
+        *(stage.stiffness, stage.damping, stage.mass, *tables, tabulated, decay, square, frequency),
+        *(regular * 1.000001, 1e-3 * regular, 1e-10 * stage.step),
+    )
+    nudged = Nudging(tip.along, 0.0, 0.0) if nudging is None else nudging
+    return _simulate(constants, tip, push, contact, pads, nudged, stage.step, checks)
+
+
+@inlined
+def _looked_up(curve: np.ndarray, speed: float, top: float) -> float:
+    """Value of a curve (k,) over speeds that grow with the square of their index, at a speed, m/s."""
+    place = np.sqrt(abs(speed) / top) * (curve.size - 1)
+    k = min(int(place), curve.size - 2)
+    low, high = (k / (curve.size - 1.0)) ** 2 * top, ((k + 1.0) / (curve.size - 1.0)) ** 2 * top
+    part = min((abs(speed) - low) / (high - low), 1.0)
+    return curve[k] + part * (curve[k + 1] - curve[k])
+
+
+@inlined
+def _limit(table: VelocityTable, limit: float, factor: float, side: float, velocity: float) -> float:
+    """Friction limit, N, at a velocity; `side` is the direction of slip."""
+    if table.values.shape[1] == 0:
+        return limit
+    row = 0 if side > 0.0 else 1
+    total = limit * _looked_up(table.values[row], velocity, table.top)
+    total += factor * _looked_up(table.values[2 + row], velocity, table.top)
+    return max(total, 0.0)
+
+
+@inlined
+def _velocity_force(table: VelocityTable, velocity: float) -> float:
+    """Velocity-dependent force beside the friction limit, N."""
+    if table.values.shape[1] == 0:
+        return 0.0
+    return _looked_up(table.values[4 if velocity > 0.0 else 5], velocity, table.top)
+
+
+@inlined
+def _contact_limit(constants, now, side, velocity):  # type: ignore[no-untyped-def]
+    return _limit(constants.contact, now.limit, now.factor, side, velocity)
+
+
+@inlined
+def _pad_limit(constants, now, side, velocity):  # type: ignore[no-untyped-def]
+    return _limit(constants.pads, now.pad_limit, now.pad_factor, side, velocity)
+
+
+@inlined
+def _at(now: Inputs, t: float) -> Inputs:
+    """Inputs a time t later, within the same row."""
+    return Inputs(
+        now.tip_velocity,
+        now.push + now.push_rate * t,
+        now.push_rate,
+        now.limit + now.limit_rate * t,
+        now.limit_rate,
+        now.factor + now.factor_rate * t,
+        now.factor_rate,
+        now.pad_limit + now.pad_limit_rate * t,
+        now.pad_limit_rate,
+        now.pad_factor + now.pad_factor_rate * t,
+        now.pad_factor_rate,
+    )
+
+
+@inlined
+def _transition(constants: Constants, t: float) -> Transition:
+    """Propagator of the free oscillation on the contact over a time t."""
+    decayed = np.exp(-constants.decay * t)
+    phase = constants.frequency * t
+    if constants.square > 0.0:
+        cosine, sine = np.cos(phase), np.sin(phase) / constants.frequency
     else:
-        cosine, sine = np.cosh(swing * regular), np.sinh(swing * regular) / swing
-    r11, r12 = e * (cosine + sigma * sine), e * sine
-    r21, r22 = -e * k / m * sine, e * (cosine - sigma * sine)
+        cosine, sine = np.cosh(phase), np.sinh(phase) / constants.frequency
+    return Transition(
+        decayed * (cosine + constants.decay * sine),
+        decayed * sine,
+        -decayed * constants.stiffness / constants.mass * sine,
+        decayed * (cosine - constants.decay * sine),
+    )
 
-    longest = regular * 1.000001
-    soon = 1e-3 * regular
 
-    x, v, q = 0.0, 0.0, 0.0
-    pad_side, slip_side = 0.0, 0.0  # 0: sticks; else the way it slides
-    # A contact that slips holds its most, by spring and dashpot; its spring alone may still be behind that.
-    behind = False
-    touching = load[0] > 0.0
-    for i in range(1, n):
-        u = (tip[i] - tip[i - 1]) / step
-        f_rate = (push[i] - push[i - 1]) / step
-        pad_share_rate = (pad_share[i] - pad_share[i - 1]) / step
-        share_rate = (share[i] - share[i - 1]) / step
-        pad_rate = (pads[i] - pads[i - 1]) / step
-        slips = level[i] < np.inf and level[i - 1] < np.inf
-        level_rate = (level[i] - level[i - 1]) / step if slips else 0.0
-        crossing = load[i - 1] * load[i] < 0.0
-        change = step * load[i - 1] / (load[i - 1] - load[i]) if crossing else step
+@inlined
+def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, float]:
+    """State and contact force, N, where a segment begins: inputs that change their slope may change the regime."""
+    sliding = now.tip_velocity - state.v
+    spring, slip_side, below, pad_side = state.spring, state.slip_side, state.below, state.pad_side
+    elastic = spring + constants.damping * sliding
+    force, beside = 0.0, 0.0
+    if state.touching:
+        beside = _velocity_force(constants.contact, sliding)
+        force = elastic
+        if slip_side != 0.0:
+            limit = _contact_limit(constants, now, slip_side, sliding)
+            force = slip_side * limit
+            # A limit that rises at once, because the slip slows down, is not followed by the spring.
+            below = below or slip_side * spring < limit * (1.0 - 1e-12)
+            if slip_side * sliding < 0.0:
+                # A tip that reverses from row to row ends the slip at once.
+                spring = slip_side * min(slip_side * spring, limit)
+                slip_side, force, below = 0.0, spring + constants.damping * sliding, True
+            elif below and slip_side * elastic <= limit:
+                slip_side, force = 0.0, elastic
+        else:
+            side = 1.0 if force > 0.0 else -1.0
+            limit = _contact_limit(constants, now, side, sliding)
+            if abs(force) > limit:
+                force, slip_side, below = side * limit, side, True
+    pull = force + beside + now.push
+    side = 1.0 if pull > 0.0 else -1.0
+    if pad_side == 0.0 and abs(pull) > _pad_limit(constants, now, side, 0.0):
+        pad_side = side
+    return State(state.x, state.v, spring, pad_side, slip_side, below, state.touching), force
+
+
+@inlined
+def _limited_spring(constants: Constants, now: Inputs, spring: float, sliding: float) -> float:
+    """Spring force, N, cut at the friction limit: the dashpot may pull back what the spring has beyond it."""
+    side = 1.0 if spring > 0.0 else -1.0
+    return side * min(side * spring, _contact_limit(constants, now, side, sliding))
+
+
+@compiled(_nrt=False)
+def _rates(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> tuple[float, float]:
+    """Acceleration, m/s^2, and rate of the spring force, N/s, where friction depends on the velocity."""
+    sliding = now.tip_velocity - v
+    force, spring_rate = 0.0, 0.0
+    if state.touching:
+        if state.slip_side != 0.0:
+            force = state.slip_side * _contact_limit(constants, now, state.slip_side, sliding)
+        else:
+            limited = _limited_spring(constants, now, spring, sliding)
+            force, spring_rate = limited + constants.damping * sliding, constants.stiffness * sliding
+        force += _velocity_force(constants.contact, sliding)
+    friction = state.pad_side * _pad_limit(constants, now, state.pad_side, v) + _velocity_force(constants.pads, v)
+    return (force + now.push - friction) / constants.mass, spring_rate
+
+
+@compiled(_nrt=False)
+def _runge_kutta(constants: Constants, now: Inputs, state: State, t: float) -> tuple[float, float, float]:
+    """Position, velocity and spring force after a time t within one regime, friction depending on the velocity."""
+    count = max(1, int(np.ceil(t / constants.longest)))
+    h = t / count
+    x, v, q = state.x, state.v, state.spring
+    sticks = state.touching and state.slip_side == 0.0
+    if sticks:
+        # A tip that reverses from row to row may lower the limit at once.
+        q = _limited_spring(constants, now, q, now.tip_velocity - v)
+    for n in range(count):
+        begin, middle, end = _at(now, n * h), _at(now, n * h + 0.5 * h), _at(now, n * h + h)
+        a1, w1 = _rates(constants, begin, state, v, q)
+        a2, w2 = _rates(constants, middle, state, v + 0.5 * h * a1, q + 0.5 * h * w1)
+        a3, w3 = _rates(constants, middle, state, v + 0.5 * h * a2, q + 0.5 * h * w2)
+        a4, w4 = _rates(constants, end, state, v + h * a3, q + h * w3)
+        x += h * (v + h / 6.0 * (a1 + a2 + a3))
+        v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+        q += h / 6.0 * (w1 + 2.0 * w2 + 2.0 * w3 + w4)
+        if sticks:
+            q = _limited_spring(constants, end, q, now.tip_velocity - v)
+    return x, v, q
+
+
+@inlined
+def _moved(
+    constants: Constants, now: Inputs, state: State, force: float, t: float, free: Transition
+) -> tuple[float, float, float]:
+    """Position, velocity and spring force after a time t within the regime of `state`.
+
+    Args:
+        force: of the contact at the start, N.
+        free: propagator of the free oscillation over t.
+    """
+    k, wound = constants.stiffness, now.tip_velocity * t
+    if state.pad_side == 0.0:
+        x, v, q = state.x, 0.0, state.spring + k * now.tip_velocity * t
+    elif constants.tabulated:
+        x, v, q = _runge_kutta(constants, now, state, t)
+    elif state.touching and state.slip_side == 0.0:
+        # Particular solution: a constant velocity and offset.
+        velocity = now.tip_velocity + (now.push_rate - state.pad_side * now.pad_limit_rate) / k
+        loaded = state.spring + constants.damping * now.tip_velocity + now.push - state.pad_side * now.pad_limit
+        offset = (loaded - constants.damping * velocity) / k
+        y0, y1 = -offset, state.v - velocity
+        moved = offset + velocity * t + free.xx * y0 + free.xv * y1
+        x, v = state.x + moved, velocity + free.vx * y0 + free.vv * y1
+        q = state.spring + k * (wound - moved)
+    else:
+        a = (force + now.push - state.pad_side * now.pad_limit) / constants.mass
+        limit_rate = state.slip_side * now.limit_rate if state.touching else 0.0
+        jerk = (limit_rate + now.push_rate - state.pad_side * now.pad_limit_rate) / constants.mass
+        v = state.v + t * (a + 0.5 * jerk * t)
+        x = state.x + t * (state.v + t * (0.5 * a + jerk * t / 6.0))
+        q = state.spring
+    if state.slip_side != 0.0:
+        q = state.spring + k * (wound - (x - state.x))
+    return x, v, q
+
+
+@compiled(_nrt=False)
+def _limit_rise(constants: Constants, now: Inputs, state: State, v: float, force: float) -> float:
+    """Rate, N/s, at which the limit of a slipping contact changes by its load and by its velocity."""
+    if not constants.tabulated:
+        return now.limit_rate
+    sliding = now.tip_velocity - v
+    acceleration = 0.0
+    if state.pad_side != 0.0:
+        friction = _velocity_force(constants.pads, v) + state.pad_side * _pad_limit(constants, now, state.pad_side, v)
+        beside = _velocity_force(constants.contact, sliding)
+        acceleration = -(force + beside + now.push - friction) / constants.mass
+    soon = constants.soon
+    later = sliding + acceleration * soon
+    limit = _contact_limit(constants, now, state.slip_side, sliding)
+    return (_contact_limit(constants, _at(now, soon), state.slip_side, later) - limit) / soon
+
+
+@inlined
+def _overshoot(
+    constants: Constants, now: Inputs, state: State, v: float, spring: float
+) -> tuple[float, float, float, int]:
+    """Contact force and spring force, N, how far (m) the motion is past the next event, and which event that is."""
+    k = constants.stiffness
+    natural = np.sqrt(k / constants.mass)
+    past, kind = -1.0, 0
+    sliding = now.tip_velocity - v
+    force, beside = 0.0, 0.0
+    if state.touching:
+        beside = _velocity_force(constants.contact, sliding)
+        elastic = spring + constants.damping * sliding
+        if state.slip_side != 0.0:
+            limit = _contact_limit(constants, now, state.slip_side, sliding)
+            force = state.slip_side * limit
+            if state.below:
+                over = (limit - state.slip_side * elastic) / k
+                if over > past:
+                    past, kind = over, CONTACT_STICKS
+                over = (state.slip_side * spring - limit) / k
+                if over > past:
+                    past, kind = over, SPRING_AT_LIMIT
+            else:
+                spring = force
+                rise = _limit_rise(constants, now, state, v, force)
+                over = (rise - state.slip_side * k * sliding) / (k * natural)
+                if constants.contact.values.shape[1] > 0:
+                    # A slip ends before it reverses, however its limit falls with the velocity; one whose limit falls
+                    # with the load may reverse slipping.
+                    over = max(over, -state.slip_side * sliding / natural)
+                if over > past:
+                    past, kind = over, SPRING_BELOW_LIMIT
+        else:
+            force = elastic
+            side = 1.0 if force > 0.0 else -1.0
+            over = (abs(force) - _contact_limit(constants, now, side, sliding)) / k
+            if over > past:
+                past, kind = over, CONTACT_SLIPS
+    pull = force + beside + now.push
+    if state.pad_side == 0.0:
+        side = 1.0 if pull > 0.0 else -1.0
+        over = (abs(pull) - _pad_limit(constants, now, side, 0.0)) / k
+    else:
+        over = -state.pad_side * v / natural
+    if over > past:
+        past, kind = over, PADS_SWITCH
+    return force, spring, past, kind
+
+
+@inlined
+def _next_event(
+    constants: Constants, now: Inputs, state: State, force: float, left: float, regular: Transition
+) -> Event:
+    """The motion up to the first event within a time `left`, located by regula falsi, or over all of it.
+
+    Args:
+        force: of the contact at the start, N.
+        regular: propagator of the free oscillation over `left`.
+    """
+    low, high, t = 0.0, left, left
+    past_low, past_high, weight = 0.0, 0.0, 0
+    free, found = regular, Event(state.x, state.v, state.spring, force, 0.0, 0, False)
+    for iteration in range(MOST_ITERATIONS):
+        if iteration > 0:
+            free = _transition(constants, t)
+        x, v, spring = _moved(constants, now, state, force, t, free)
+        contact, spring, past, kind = _overshoot(constants, _at(now, t), state, v, spring)
+        found = Event(x, v, spring, contact, t, kind, past > 1e-18 or iteration > 0)
+        if iteration == 0:
+            if not found.happened:
+                break
+            past_high = past
+        elif past > 0.0:
+            high, past_high = t, past
+            past_low *= 0.5 if weight == 1 else 1.0
+            weight = 1
+        else:
+            low, past_low = t, past
+            past_high *= 0.5 if weight == -1 else 1.0
+            weight = -1
+        if high - low <= constants.resolution or 0.0 < past < 1e-16:
+            if t == high:
+                break
+            t = high
+        elif past_low < 0.0:
+            t = low + (high - low) * past_low / (past_low - past_high)
+            t = min(max(t, low + 0.02 * (high - low)), high - 0.02 * (high - low))
+        else:
+            t = 0.5 * (low + high)
+    return found
+
+
+@compiled(_nrt=False)
+def _switched(constants: Constants, now: Inputs, state: State, event: Event) -> State:
+    """State in the regime that follows an event."""
+    v, pad_side, slip_side, below = event.v, state.pad_side, state.slip_side, state.below
+    if event.kind == PADS_SWITCH:
+        elastic = event.spring + constants.damping * now.tip_velocity
+        held = event.force if slip_side != 0.0 or not state.touching or pad_side == 0.0 else elastic
+        beside = _velocity_force(constants.contact, now.tip_velocity) if state.touching else 0.0
+        pull = held + now.push + beside
+        side = 1.0 if pull > 0.0 else -1.0
+        sticks = pad_side != 0.0 and abs(pull) <= _pad_limit(constants, now, side, 0.0)
+        v = v if pad_side == 0.0 else 0.0
+        pad_side = 0.0 if sticks else side
+    elif event.kind == CONTACT_SLIPS:
+        slip_side, below = (1.0 if event.force > 0.0 else -1.0), True
+    elif event.kind == CONTACT_STICKS:
+        slip_side = 0.0
+    elif event.kind == SPRING_AT_LIMIT:
+        below = False
+    elif event.kind == SPRING_BELOW_LIMIT:
+        below = True
+    return State(event.x, v, event.spring, pad_side, slip_side, below, state.touching)
+
+
+@inlined
+def _advanced(
+    constants: Constants, row: Inputs, state: State, now: float, until: float, regular: Transition, evenly: bool
+) -> State:
+    """State at `until`, s after the row, from that at `now`: from event to event.
+
+    Args:
+        row: inputs at the row.
+        regular: propagator over one regular interval between event checks.
+        evenly: whether the first interval is such a one.
+    """
+    for number in range(MOST_EVENTS):
+        left = until - now
+        if left <= 0.0:
+            break
+        here = _at(row, now)
+        state, force = _entered(constants, here, state)
+        free = regular if evenly and number == 0 else _transition(constants, left)
+        event = _next_event(constants, here, state, force, left, free)
+        now += event.time
+        if not event.happened:
+            return State(event.x, event.v, event.spring, state.pad_side, state.slip_side, state.below, state.touching)
+        state = _switched(constants, _at(here, event.time), state, event)
+    return state
+
+
+@inlined
+def _row_inputs(tip: TipMotion, push: np.ndarray, contact: FrictionLimit, pads: FrictionLimit, i: int, step: float):
+    """Inputs at row i - 1 and their rates until row i, and whether the contact can slip."""
+    slips = contact.at_rest[i] < np.inf and contact.at_rest[i - 1] < np.inf
+    inputs = Inputs(
+        (tip.along[i] - tip.along[i - 1]) / step,
+        push[i - 1],
+        (push[i] - push[i - 1]) / step,
+        contact.at_rest[i - 1] if slips else np.inf,
+        (contact.at_rest[i] - contact.at_rest[i - 1]) / step if slips else 0.0,
+        contact.factor[i - 1],
+        (contact.factor[i] - contact.factor[i - 1]) / step,
+        pads.at_rest[i - 1],
+        (pads.at_rest[i] - pads.at_rest[i - 1]) / step,
+        pads.factor[i - 1],
+        (pads.factor[i] - pads.factor[i - 1]) / step,
+    )
+    return inputs, slips
+
+
+@compiled
+def _simulate(
+    constants: Constants,
+    tip: TipMotion,
+    push: np.ndarray,
+    contact: FrictionLimit,
+    pads: FrictionLimit,
+    nudging: Nudging,
+    step: float,
+    checks: int,
+) -> np.ndarray:
+    """Positions (n,) of `simulate_event_driven`, with so many event `checks` in a row."""
+    load, out = tip.load, np.zeros(tip.along.size)
+    regular = _transition(constants, step / checks)
+    state = State(0.0, 0.0, 0.0, 0.0, 0.0, False, load[0] > 0.0)
+    for i in range(1, out.size):
+        row, slips = _row_inputs(tip, push, contact, pads, i, step)
+        lifts = load[i - 1] * load[i] < 0.0
+        change = step * load[i - 1] / (load[i - 1] - load[i]) if lifts else step
         now = 0.0
-        for segment in range(2 if crossing else 1):
-            end = step if segment == 1 or not crossing else change
-            touches = (load[i - 1] if segment == 0 and crossing else load[i]) > 0.0
-            if touches and not touching:
-                q, slip_side = 0.0, 0.0
-            touching = touches
+        for segment in range(2 if lifts else 1):
+            end = step if segment == 1 or not lifts else change
+            touching = (load[i - 1] if segment == 0 and lifts else load[i]) > 0.0
+            again = touching and not state.touching
+            spring, slip_side = (0.0, 0.0) if again else (state.spring, state.slip_side)
+            state = State(state.x, state.v, spring, state.pad_side, slip_side, state.below, touching)
             begin = now
-            for part in range(parts):
-                until = end if part == parts - 1 else begin + (end - begin) * (part + 1) / parts
-                whole = not crossing
-                for _ in range(40):
-                    left = until - now
-                    if left <= 0.0:
-                        break
-                    level_now = level[i - 1] + level_rate * now if slips else np.inf
-                    share_now = share[i - 1] + share_rate * now
-                    pad_now, pad_share_now = pads[i - 1] + pad_rate * now, pad_share[i - 1] + pad_share_rate * now
-                    f = push[i - 1] + f_rate * now
-                    # Where a row begins tip, levels and push may ask for another state at once.
-                    w = u - v
-                    beside = resists(slip_curves, w, slip_top) if touching else 0.0
-                    if not touching:
-                        force = 0.0
-                    elif slip_side != 0.0:
-                        most = holds(slip_curves, level_now, share_now, slip_side, slip_side * w, slip_top)
-                        force = slip_side * most
-                        if slip_side * w < 0.0:
-                            # A tip that turned round from row to row ends the slip at once.
-                            q = slip_side * min(slip_side * q, most)
-                            slip_side, force, behind = 0.0, q + c * w, True
-                        # One that slows down may raise the most at once, and no spring follows that.
-                        behind = behind or slip_side * q < most * (1.0 - 1e-12)
-                        if slip_side != 0.0 and behind and slip_side * (q + c * w) <= most:
-                            slip_side, force = 0.0, q + c * w
-                    else:
-                        force = q + c * w
-                        side = 1.0 if force > 0.0 else -1.0
-                        most = holds(slip_curves, level_now, share_now, side, side * w, slip_top)
-                        if abs(force) > most:
-                            force, slip_side, behind = side * most, side, True
-                    pulled = force + beside + f
-                    side = 1.0 if pulled > 0.0 else -1.0
-                    if pad_side == 0.0 and abs(pulled) > holds(
-                        pad_curves, pad_now, pad_share_now, side, 0.0, pad_top
-                    ):  # fmt: skip
-                        pad_side = side
-                    # The state after a time t, and by how much (m) it is past the next event.
-                    low, high, t = 0.0, left, left
-                    past_low, past_high = 0.0, 0.0
-                    weight = 0
-                    happened = False
-                    xt, vt, qt, past, kind = x, v, q, 0.0, 0
-                    for look in range(60):
-                        if pad_side == 0.0:
-                            xt, vt, qt = x, 0.0, q + k * u * t
-                        elif by_speed:
-                            xt, vt, qt = moved_on(
-                                x, v, q, t, longest, u, k, c, m, touching, slip_side, pad_side, level_now, level_rate,
-                                share_now, share_rate, slip_curves, slip_top, pad_now, pad_rate, pad_share_now,
-                                pad_share_rate, pad_curves, pad_top, f, f_rate,
-                            )  # fmt: skip
-                        elif touching and slip_side == 0.0:
-                            slope = u + (f_rate - pad_side * pad_rate) / k
-                            shift = (q + c * u + f - pad_side * pad_now - c * slope) / k
-                            if look == 0 and whole:
-                                m11, m12, m21, m22 = r11, r12, r21, r22
-                            else:
-                                e = np.exp(-sigma * t)
-                                if square > 0.0:
-                                    cosine, sine = np.cos(swing * t), np.sin(swing * t) / swing
-                                else:
-                                    cosine, sine = np.cosh(swing * t), np.sinh(swing * t) / swing
-                                m11, m12 = e * (cosine + sigma * sine), e * sine
-                                m21, m22 = -e * k / m * sine, e * (cosine - sigma * sine)
-                            y0, y1 = -shift, v - slope
-                            moved = shift + slope * t + m11 * y0 + m12 * y1
-                            xt, vt = x + moved, slope + m21 * y0 + m22 * y1
-                            qt = q + k * (u * t - moved)
-                        else:
-                            a = (force + f - pad_side * pad_now) / m
-                            rate = ((slip_side * level_rate if touching else 0.0) + f_rate - pad_side * pad_rate) / m
-                            vt = v + t * (a + 0.5 * rate * t)
-                            xt = x + t * (v + t * (0.5 * a + rate * t / 6.0))
-                            qt = q
-                        if slip_side != 0.0:
-                            qt = q + k * (u * t - (xt - x))
-                        past, kind = -1.0, 0
-                        wt = u - vt
-                        level_t, share_t = level_now + level_rate * t, share_now + share_rate * t
-                        pad_t, pad_share_t = pad_now + pad_rate * t, pad_share_now + pad_share_rate * t
-                        f_t = f + f_rate * t
-                        beside_t = resists(slip_curves, wt, slip_top) if touching else 0.0
-                        if not touching:
-                            force_t = 0.0
-                        elif slip_side != 0.0:
-                            most_t = holds(slip_curves, level_t, share_t, slip_side, slip_side * wt, slip_top)
-                            force_t = slip_side * most_t
-                            if behind:
-                                over = (most_t - slip_side * (qt + c * wt)) / k
-                                if over > past:
-                                    past, kind = over, 3
-                                over = (slip_side * qt - most_t) / k
-                                if over > past:
-                                    past, kind = over, 4
-                            else:
-                                qt = force_t
-                                rising = level_rate
-                                if by_speed:
-                                    speeding = 0.0
-                                    if pad_side != 0.0:
-                                        held = resists(pad_curves, vt, pad_top) + pad_side * holds(
-                                            pad_curves, pad_t, pad_share_t, pad_side, pad_side * vt, pad_top
-                                        )
-                                        speeding = -(force_t + beside_t + f_t - held) / m
-                                    rising = holds(
-                                        slip_curves, level_t + level_rate * soon, share_t + share_rate * soon,
-                                        slip_side, slip_side * (wt + speeding * soon), slip_top,
-                                    )  # fmt: skip
-                                    rising = (rising - most_t) / soon
-                                over = (rising - slip_side * k * wt) / (k * natural)
-                                if slip_curves.shape[1] > 0:
-                                    # A slip ends before it goes back, however the level falls there by the speed; one
-                                    # whose level falls by the load may go back slipping.
-                                    over = max(over, -slip_side * wt / natural)
-                                if over > past:
-                                    past, kind = over, 5
-                        else:
-                            force_t = qt + c * wt
-                            side = 1.0 if force_t > 0.0 else -1.0
-                            over = (abs(force_t) - holds(slip_curves, level_t, share_t, side, side * wt, slip_top)) / k
-                            if over > past:
-                                past, kind = over, 2
-                        pulled_t = force_t + beside_t + f_t
-                        if pad_side == 0.0:
-                            side = 1.0 if pulled_t > 0.0 else -1.0
-                            over = (abs(pulled_t) - holds(pad_curves, pad_t, pad_share_t, side, 0.0, pad_top)) / k
-                        else:
-                            over = -pad_side * vt / natural
-                        if over > past:
-                            past, kind = over, 1
-                        if look == 0:
-                            if past <= 1e-18:
-                                break
-                            happened = True
-                            past_high = past
-                        elif past > 0.0:
-                            high, past_high = t, past
-                            if weight == 1:
-                                past_low *= 0.5
-                            weight = 1
-                        else:
-                            low, past_low = t, past
-                            if weight == -1:
-                                past_high *= 0.5
-                            weight = -1
-                        if high - low <= 1e-10 * step or 0.0 < past < 1e-16:
-                            if t == high:
-                                break
-                            t = high
-                            continue
-                        if past_low < 0.0:
-                            t = low + (high - low) * past_low / (past_low - past_high)
-                            t = min(max(t, low + 0.02 * (high - low)), high - 0.02 * (high - low))
-                        else:
-                            t = 0.5 * (low + high)
-                    whole = False
-                    x, v, q = xt, vt, qt
-                    now += t
-                    if not happened:
-                        break
-                    if kind == 1:
-                        if pad_side == 0.0:
-                            pad_side = 1.0 if pulled_t > 0.0 else -1.0
-                        else:
-                            v = 0.0
-                            held = force_t if slip_side != 0.0 or not touching else q + c * u
-                            pulled = held + f_t + (resists(slip_curves, u, slip_top) if touching else 0.0)
-                            side = 1.0 if pulled > 0.0 else -1.0
-                            room = holds(pad_curves, pad_t, pad_share_t, side, 0.0, pad_top)
-                            pad_side = 0.0 if abs(pulled) <= room else side
-                    elif kind == 2:
-                        slip_side, behind = (1.0 if force_t > 0.0 else -1.0), True
-                    elif kind == 3:
-                        slip_side = 0.0
-                    elif kind == 4:
-                        behind = False
-                    elif kind == 5:
-                        behind = True
+            for check in range(checks):
+                until = end if check == checks - 1 else begin + (end - begin) * (check + 1) / checks
+                state = _advanced(constants, row, state, now, until, regular, not lifts)
                 now = until
-        out[i] = x
-        if part_of_place > 0.0:
-            miss = seen[i] - x
-            x += part_of_place * miss
-            if pad_side != 0.0:
-                v += part_of_speed * miss / step
-            if touching and not slips:
-                # A contact that never slips is wound by what lies between tip and stage.
-                q -= k * part_of_place * miss
+        out[i] = state.x
+        if nudging.position_gain > 0.0:
+            miss = nudging.measured[i] - state.x
+            x = state.x + nudging.position_gain * miss
+            v = state.v + (nudging.velocity_gain * miss / step if state.pad_side != 0.0 else 0.0)
+            # A contact that never slips carries the displacement between tip and stage.
+            wound = constants.stiffness * nudging.position_gain * miss if state.touching and not slips else 0.0
+            state = State(x, v, state.spring - wound, state.pad_side, state.slip_side, state.below, state.touching)
     return out

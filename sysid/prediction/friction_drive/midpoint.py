@@ -1,185 +1,236 @@
-"""The stage that follows a tip through friction: one compiled pass over a record.
+"""Simulation of a driven stage with bristles along one axis by the implicit midpoint rule.
 
-The implicit midpoint rule; in each step the balance at its middle
+In each step the force balance at its middle
 
     m x'' + (bristles of the pads) + (friction of rigid pads) - (bristles of the contact) = push
 
-is a piecewise linear function that rises with the displacement, solved exactly by Newton's method within a bracket.
-Rigid pads hold wherever their level is enough to stop the stage by the end of the step: no spring stands for them,
-which would give way by a part of what the contact does, and slips add that up. Second order in the step.
+is a piecewise linear, increasing function of the displacement, solved exactly by Newton's method within a bracket.
+Rigid pads hold the stage wherever their limit suffices to stop it by the end of the step: a spring in their place
+would yield by a part of what the contact does, and slips would accumulate that. Second order in the step.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from sim.numerics.compilation import compiled
-from sysid.prediction.friction_drive.event_driven_simulation import swinging_visibly
+from sim.numerics.compilation import compiled, inlined
+from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, resolved_stage
 
 LONGEST_STEP = 5e-5
 """s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""
 MOST_STEPS = 50
-"""Of a row, at the most."""
-FINER = 8
-"""Parts of a step in which rigid pads hold or let go."""
+"""Steps in a row, at the most."""
+REFINEMENT = 8
+"""Parts of a step in which rigid pads stick or break away: there the rule is of first order only."""
 
 
-def follow(
+class Bristles(NamedTuple):
+    """Parallel elasto-plastic springs (Iwan elements) of a contact.
+
+    Args:
+        limit: friction limit of all together, N, (n,); infinite where it never slips, 0 where nothing touches.
+        stretches: at which each yields, m, (b,).
+        weights: part of the limit that each carries, (b,).
+    """
+
+    limit: np.ndarray
+    stretches: np.ndarray
+    weights: np.ndarray
+
+
+NO_BRISTLES = np.empty(0)
+
+
+class Step(NamedTuple):
+    """One step: length, s, displacement of the tip, m, initial velocity, m/s, push and pad limit, N, and dashpot over
+    the length, N/m, per bristle of the contact."""
+
+    length: float
+    tip: float
+    velocity: float
+    mass: float
+    push: float
+    pad_limit: float
+    lossy: float
+
+
+class Contact(NamedTuple):
+    """Force, N, stiffness, N/m, and limit, N, of each bristle of the contact, and its direction of slip, each (b,)."""
+
+    force: np.ndarray
+    stiffness: np.ndarray
+    limit: np.ndarray
+    slip_side: np.ndarray
+
+
+def simulate_midpoint(
     tip: np.ndarray,
     push: np.ndarray,
-    contact_level: np.ndarray,
-    contact_reach: np.ndarray,
-    contact_weights: np.ndarray,
-    contact_stiffness: float,
-    contact_damping: float,
-    pad_level: np.ndarray,
-    pad_reach: np.ndarray,
-    pad_weights: np.ndarray,
-    mass: float,
-    step: float,
-    finer: int = 1,
+    contact: Bristles,
+    pads: Bristles,
+    stage: DrivenStage,
+    refinement: int = 1,
 ) -> np.ndarray:
-    """Position (n,) of the stage from its rest at the first row, m.
+    """Position (n,) of the stage from rest at the first row, m.
 
     Args:
         tip: along the axis, m, (n,).
         push: other forces on the stage, N, (n,).
-        contact_level: most that the contact holds, N, (n,); infinite where it never slips, 0 where the tip is off.
-        contact_reach, contact_weights: stretch (m) and part of the level of each of its bristles; with one bristle or
-            none, it is a spring of `contact_stiffness`, N/m, that holds up to the level.
-        contact_damping: of the contact, N s/m, shared by its bristles, within what each holds.
-        pad_level: most that the pads hold, N, (n,).
-        pad_reach, pad_weights: stretch and part of the level of each of their bristles; rigid pads have none.
-        mass: kg.
-        step: of the record, s.
-        finer: times more steps than `LONGEST_STEP` asks for.
+        contact: with one bristle or none it is the spring of the stage, up to its limit. Its bristles share the
+            dashpot, within the limit of each.
+        pads: rigid without bristles.
+        stage: contact stiffness and damping, mass and sampling time.
+        refinement: times more steps than `LONGEST_STEP` requires.
     """
-    stiffness = contact_stiffness
-    if contact_weights.size > 1:
-        stiffness = float(np.max(contact_level)) * float(np.sum(contact_weights / contact_reach))
-    mass, contact_damping = swinging_visibly(stiffness, contact_damping, mass, step)
-    substeps = finer * min(max(1, int(np.ceil(step / LONGEST_STEP))), MOST_STEPS)
-    return _steps(
-        tip, push, contact_level, contact_reach, contact_weights, contact_stiffness, contact_damping, pad_level,
-        pad_reach, pad_weights, mass, step, substeps,
-    )  # fmt: skip
+    stiffness = stage.stiffness
+    if contact.weights.size > 1:
+        stiffness = float(np.max(contact.limit)) * float(np.sum(contact.weights / contact.stretches))
+    resolved = resolved_stage(stage._replace(stiffness=stiffness))._replace(stiffness=stage.stiffness)
+    substeps = refinement * min(max(1, int(np.ceil(stage.step / LONGEST_STEP))), MOST_STEPS)
+    return _simulate(tip, push, contact, pads, resolved, substeps)
+
+
+@inlined
+def _scaled(contact: Contact, bristles: Bristles, stiffness: float, limit: float) -> None:
+    """Stiffness, limit and force of the contact's bristles at a friction limit, N, written in place."""
+    for e in range(contact.force.size):
+        if bristles.weights.size > 1:
+            # Elements that yield at a stretch of their own keep their stretch when the limit changes.
+            cap = limit * bristles.weights[e]
+            contact.force[e] = contact.force[e] * cap / contact.limit[e] if contact.limit[e] > 0.0 else 0.0
+            contact.stiffness[e], contact.limit[e] = cap / bristles.stretches[e], cap
+        else:
+            contact.stiffness[e], contact.limit[e] = stiffness if limit > 0.0 else 0.0, limit
+        contact.force[e] = min(max(contact.force[e], -contact.limit[e]), contact.limit[e])
+
+
+@inlined
+def _pad_force(pads: Bristles, bent: np.ndarray, limit: float, d: float) -> tuple[float, float, float, float]:
+    """Mean force of the pads' bristles over a displacement d, N, its slope, and the range of d of the same regime."""
+    force, slope, since, until = 0.0, 0.0, -1e300, 1e300
+    for e in range(bent.size):
+        back, ahead = -2.0 * (pads.stretches[e] + bent[e]), 2.0 * (pads.stretches[e] - bent[e])
+        if d > ahead:
+            force += limit * pads.weights[e]
+            since = max(since, ahead)
+        elif d < back:
+            force -= limit * pads.weights[e]
+            until = min(until, back)
+        else:
+            rate = limit * (pads.weights[e] / pads.stretches[e])
+            force += rate * (bent[e] + 0.5 * d)
+            slope += 0.5 * rate
+            since, until = max(since, back), min(until, ahead)
+    return force, slope, since, until
+
+
+@inlined
+def _contact_force(contact: Contact, step: Step, d: float) -> tuple[float, float]:
+    """Mean force of the contact's bristles over a displacement d, N, and its slope; writes which of them slip."""
+    force, slope = 0.0, 0.0
+    for e in range(contact.force.size):
+        rate = 0.5 * contact.stiffness[e] + step.lossy
+        f = contact.force[e] + rate * (step.tip - d)
+        if f > contact.limit[e]:
+            force += contact.limit[e]
+            contact.slip_side[e] = 1.0
+        elif f < -contact.limit[e]:
+            force -= contact.limit[e]
+            contact.slip_side[e] = -1.0
+        else:
+            force += f
+            slope += rate
+            contact.slip_side[e] = 0.0
+    return force, slope
+
+
+@inlined
+def _same_slip(contact: Contact, step: Step, d: float) -> bool:
+    """Whether the same bristles of the contact slip at a displacement d."""
+    same = True
+    for e in range(contact.force.size):
+        f = contact.force[e] + (0.5 * contact.stiffness[e] + step.lossy) * (step.tip - d)
+        side = 1.0 if f > contact.limit[e] else (-1.0 if f < -contact.limit[e] else 0.0)
+        same = same and contact.slip_side[e] == side
+    return same
+
+
+@inlined
+def _displacement(step: Step, contact: Contact, pads: Bristles, bent: np.ndarray) -> tuple[float, float]:
+    """Displacement, m, in a step, and the direction in which the stage slides on rigid pads, 0 where they hold it."""
+    inertia = 2.0 * step.mass / (step.length * step.length)
+    free = step.length * step.velocity
+    # First the displacement that stops the stage: rigid pads may hold it there, or else resist with their limit.
+    stopping = bent.size == 0
+    d = 0.5 * free if stopping else free
+    rigid, side = 0.0, 0.0
+    low, high = -1e300, 1e300
+    for _ in range(60):
+        pad, pad_slope, since, until = _pad_force(pads, bent, step.pad_limit, d)
+        driven, contact_slope = _contact_force(contact, step, d)
+        force = inertia * (d - free) - step.push + rigid + pad - driven
+        slope = inertia + pad_slope + contact_slope
+        if stopping:
+            if abs(force) <= step.pad_limit:
+                break
+            stopping = False
+            side = 1.0 if force < 0.0 else -1.0
+            rigid = side * step.pad_limit
+            force += rigid
+        if force > 0.0:
+            high = min(high, d)
+        else:
+            low = max(low, d)
+        nearer = d - force / slope
+        # The balance is linear as long as the same bristles stick and slip: then its root is exact.
+        near = since <= nearer <= until and _same_slip(contact, step, nearer)
+        if not near and (nearer <= low or nearer >= high):
+            nearer = 0.5 * (low + high) if low > -1e299 and high < 1e299 else nearer
+        near = near or abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
+        d = nearer
+        if near:
+            break
+    return d, side
 
 
 @compiled
-def _steps(
-    tip, push, contact_level, contact_reach, contact_weights, contact_stiffness, contact_damping, pad_level, pad_reach,
-    pad_weights, mass, step, substeps,
-):  # fmt: skip
-    """Positions of `follow` in so many `substeps` of each row."""
-    n = tip.size
-    out = np.zeros(n)
-    springs = max(1, contact_weights.size)
-    bristles = pad_weights.size
-    held = np.zeros(springs)  # force of each contact bristle, N
-    bent = np.zeros(bristles)  # stretch of each pad bristle, m
-    per_reach = pad_weights / pad_reach
-    slipping = np.zeros(springs)  # the way each contact bristle slips, zero while it sticks
-    x, v = 0.0, 0.0
-    side = 0.0  # the way the stage slides on rigid pads, zero while they hold
-    stiff = np.zeros(springs)
-    most = np.zeros(springs)
-    for i in range(1, n):
-        # Levels go straight from row to row; where one is infinite, or the tip off, the new row's holds at once.
-        changes = 0.0 < contact_level[i] < np.inf and 0.0 < contact_level[i - 1] < np.inf
-        done, parts, first = 0, substeps, True
+def _simulate(
+    tip: np.ndarray, push: np.ndarray, contact: Bristles, pads: Bristles, stage: DrivenStage, substeps: int
+) -> np.ndarray:
+    """Positions (n,) of `simulate_midpoint` in so many `substeps` of each row."""
+    out, count = np.zeros(tip.size), max(1, contact.weights.size)
+    springs = Contact(np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count))
+    bent = np.zeros(pads.weights.size)  # stretch of each pad bristle, m
+    x, v, side = 0.0, 0.0, 0.0
+    for i in range(1, out.size):
+        # Limits are linear from row to row; where one is infinite, or the tip off, the new row's holds at once.
+        changes = 0.0 < contact.limit[i] < np.inf and 0.0 < contact.limit[i - 1] < np.inf
+        done, parts, coarse = 0, substeps, True
         while done < parts:
-            h = step / parts
-            dtip = (tip[i] - tip[i - 1]) / parts
-            lossy = contact_damping / springs / h
-            inertia = 2.0 * mass / (h * h)
-            part = (done + 0.5) / parts
-            pushed = push[i - 1] + part * (push[i] - push[i - 1])
-            level = contact_level[i]
+            h, part = stage.step / parts, (done + 0.5) / parts
+            limit = contact.limit[i]
             if changes:
-                level = contact_level[i - 1] + part * (level - contact_level[i - 1])
-            pad = pad_level[i - 1] + part * (pad_level[i] - pad_level[i - 1])
-            for e in range(springs):
-                if contact_weights.size > 1:
-                    # Bristles that yield at stretches of their own keep their stretch when the level changes.
-                    cap = level * contact_weights[e]
-                    held[e] = held[e] * cap / most[e] if most[e] > 0.0 else 0.0
-                    stiff[e], most[e] = cap / contact_reach[e], cap
-                else:
-                    stiff[e], most[e] = contact_stiffness if level > 0.0 else 0.0, level
-                held[e] = min(max(held[e], -most[e]), most[e])
-            # First the displacement that stops the stage: rigid pads may hold it there. Else they hold their level.
-            d = 0.5 * h * v
-            rigid, after = 0.0, 0.0
-            stopping = bristles == 0
-            low, high = -1e300, 1e300
-            if bristles > 0:
-                d = h * v
-            for _ in range(60):
-                force = inertia * (d - h * v) - pushed + rigid
-                slope = inertia
-                # Displacements between which every pad bristle does as it does at this one.
-                since, until = -1e300, 1e300
-                for e in range(bristles):
-                    back, ahead = -2.0 * (pad_reach[e] + bent[e]), 2.0 * (pad_reach[e] - bent[e])
-                    if d > ahead:
-                        force += pad * pad_weights[e]
-                        since = max(since, ahead)
-                    elif d < back:
-                        force -= pad * pad_weights[e]
-                        until = min(until, back)
-                    else:
-                        rate = pad * per_reach[e]
-                        force += rate * (bent[e] + 0.5 * d)
-                        slope += 0.5 * rate
-                        since, until = max(since, back), min(until, ahead)
-                for e in range(springs):
-                    f = held[e] + (0.5 * stiff[e] + lossy) * (dtip - d)
-                    if f > most[e]:
-                        force -= most[e]
-                        slipping[e] = 1.0
-                    elif f < -most[e]:
-                        force += most[e]
-                        slipping[e] = -1.0
-                    else:
-                        force -= f
-                        slope += 0.5 * stiff[e] + lossy
-                        slipping[e] = 0.0
-                if stopping:
-                    if abs(force) <= pad:
-                        break
-                    stopping = False
-                    after = 1.0 if force < 0.0 else -1.0
-                    rigid = after * pad
-                    force += rigid
-                if force > 0.0:
-                    high = min(high, d)
-                else:
-                    low = max(low, d)
-                nearer = d - force / slope
-                # The balance is a straight line as long as nothing sticks or slips that did not: its root is the root.
-                near = since <= nearer <= until
-                for e in range(springs):
-                    f = held[e] + (0.5 * stiff[e] + lossy) * (dtip - nearer)
-                    near = near and slipping[e] == (1.0 if f > most[e] else (-1.0 if f < -most[e] else 0.0))
-                if not near and (nearer <= low or nearer >= high):
-                    nearer = 0.5 * (low + high) if low > -1e299 and high < 1e299 else nearer
-                near = near or abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
-                d = nearer
-                if near:
-                    break
-            if after != side and first:
-                # Pads that hold or let go within a step: what it tells is of the first order only, so it is divided.
-                done, parts, first = done * FINER, parts * FINER, False
+                limit = contact.limit[i - 1] + part * (limit - contact.limit[i - 1])
+            pad_limit = pads.limit[i - 1] + part * (pads.limit[i] - pads.limit[i - 1])
+            pushed = push[i - 1] + part * (push[i] - push[i - 1])
+            step = Step(h, (tip[i] - tip[i - 1]) / parts, v, stage.mass, pushed, pad_limit, stage.damping / count / h)
+            _scaled(springs, contact, stage.stiffness, limit)
+            d, after = _displacement(step, springs, pads, bent)
+            if after != side and coarse:
+                done, parts, coarse = done * REFINEMENT, parts * REFINEMENT, False
                 continue
             side = after
-            for e in range(bristles):
-                bent[e] = min(max(bent[e] + d, -pad_reach[e]), pad_reach[e])
-            for e in range(springs):
-                held[e] = min(max(held[e] + stiff[e] * (dtip - d), -most[e]), most[e])
+            for e in range(bent.size):
+                bent[e] = min(max(bent[e] + d, -pads.stretches[e]), pads.stretches[e])
+            for e in range(count):
+                force = springs.force[e] + springs.stiffness[e] * (step.tip - d)
+                springs.force[e] = min(max(force, -springs.limit[e]), springs.limit[e])
             v = 2.0 * d / h - v
             x += d
             done += 1
-            if not first and done % FINER == 0:
-                done, parts, first = done // FINER, substeps, True
+            if not coarse and done % REFINEMENT == 0:
+                done, parts, coarse = done // REFINEMENT, substeps, True
         out[i] = x
     return out

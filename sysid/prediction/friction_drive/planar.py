@@ -1,93 +1,107 @@
-"""The stage that follows a tip over a plane: contact and pads hold in the direction in which they are pulled.
+"""Simulation of a driven stage in the plane: friction of contact and pads acts along the direction of pull or motion.
 
-    m x'' = T - P v/|v| + push,   |T| <= level   (vectors along and across; pads at rest hold up to P any way)
+    m x'' = T - P v/|v| + push,   |T| <= limit   (vectors along and across; pads at rest hold up to P in any direction)
 
-A guide (teeth, or nothing) pulls back across. Position Verlet at a fixed step: half a step on, the forces there, and
-half a step more; friction takes away what speed it can, and no more. Second order between events.
+A guide (teeth, or nothing) pulls back across. Position Verlet at a fixed step: half a step, the forces there, and half
+a step; friction takes away what speed it can, and no more. Second order between events.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from sim.numerics.compilation import compiled
-from sysid.prediction.friction_drive.event_driven_simulation import swinging_visibly
+from sim.numerics.compilation import compiled, inlined
+from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, resolved_stage
 
 LONGEST_PHASE = 0.06
-"""rad of the stage's oscillation on its contact in one step: its phase is then off by some 1e-4 of itself."""
+"""rad of the oscillation on the contact in one step: its phase is then off by some 1e-4 of itself."""
 
 
-def follow_plane(
-    along: np.ndarray,
-    across: np.ndarray,
+class PlanarTipMotion(NamedTuple):
+    """Motion of the tip along and across, m, and load of the contact over its mean, each (n,); it touches above 0."""
+
+    along: np.ndarray
+    across: np.ndarray
+    load: np.ndarray
+
+
+class Guide(NamedTuple):
+    """Stiffness, N/m, and viscous damping, N s/m, of the stage across the travel."""
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+
+def simulate_planar(
+    tip: PlanarTipMotion,
     push: np.ndarray,
-    load: np.ndarray,
-    level: np.ndarray,
-    stiffness: float,
-    damping: float,
-    pads: np.ndarray,
-    viscous: float,
-    guide: float,
-    mass: float,
-    step: float,
-    finer: int = 1,
+    contact_limit: np.ndarray,
+    pad_limit: np.ndarray,
+    stage: DrivenStage,
+    guide: Guide,
+    refinement: int = 1,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Position (n,) of the stage along and across, from its rest at the first row, m.
-
-    Where rows are so far apart that the stage swings more than five times between two, a heavier one is followed.
+    """Position (n,) of the stage along and across, from rest at the first row, m.
 
     Args:
-        along, across: motion of the tip, m, (n,).
+        tip: its motion and load.
         push: other forces along the axis, N, (n,).
-        load: of the contact over its mean, (n,); the tip touches where it is above zero.
-        level: most that the contact holds while it touches, N, (n,); infinite where it never slips.
-        stiffness, damping: of the contact, any way, N/m and N s/m.
-        pads: friction of the pads, N, (n,).
-        viscous: of the pads, across, N s/m.
-        guide: stiffness across, N/m.
-        mass: kg.
-        step: of the record, s.
-        finer: times more steps than a phase of `LONGEST_PHASE` asks for.
+        contact_limit: friction limit of the contact while it touches, N, (n,); infinite where it never slips.
+        pad_limit: friction of the pads, N, (n,).
+        stage: contact stiffness and damping in any direction, mass and sampling time.
+        guide: across the travel.
+        refinement: times more steps than `LONGEST_PHASE` requires.
     """
-    mass, damping = swinging_visibly(stiffness + guide, damping, mass, step)
-    parts = finer * max(1, int(np.ceil(np.sqrt((stiffness + guide) / mass) * step / LONGEST_PHASE)))
-    return _steps(
-        along, across, push, load, level, stiffness, damping, pads, viscous, guide, mass, step, parts
-    )  # fmt: skip
+    stage = resolved_stage(stage, guide.stiffness)
+    frequency = np.sqrt((stage.stiffness + guide.stiffness) / stage.mass)
+    parts = refinement * max(1, int(np.ceil(frequency * stage.step / LONGEST_PHASE)))
+    return _simulate(tip, push, contact_limit, pad_limit, stage, guide, parts)
+
+
+@inlined
+def _cut(x: float, y: float, limit: float) -> tuple[float, float]:
+    """A vector cut at a length."""
+    size = np.sqrt(x * x + y * y)
+    return (x * limit / size, y * limit / size) if size > limit else (x, y)
 
 
 @compiled
-def _steps(
-    along, across, push, load, level, stiffness, damping, pads, viscous, guide, mass, step, parts
-):  # fmt: skip
-    """Positions of `follow_plane` in so many `parts` of each row."""
-    n = along.size
+def _simulate(
+    tip: PlanarTipMotion,
+    push: np.ndarray,
+    contact_limit: np.ndarray,
+    pad_limit: np.ndarray,
+    stage: DrivenStage,
+    guide: Guide,
+    parts: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions of `simulate_planar` in so many `parts` of each row."""
+    n, k, c, mass = push.size, stage.stiffness, stage.damping, stage.mass
     out_x, out_y = np.zeros(n), np.zeros(n)
-    h = step / parts
+    h = stage.step / parts
     x, y, vx, vy = 0.0, 0.0, 0.0, 0.0
     qx, qy = 0.0, 0.0
     for i in range(1, n):
-        ux, uy = (along[i] - along[i - 1]) / step, (across[i] - across[i - 1]) / step
-        finite = level[i] < np.inf and level[i - 1] < np.inf
+        ux, uy = (tip.along[i] - tip.along[i - 1]) / stage.step, (tip.across[i] - tip.across[i - 1]) / stage.step
+        finite = contact_limit[i] < np.inf and contact_limit[i - 1] < np.inf
         for part in range(parts):
             share = (part + 0.5) / parts
-            touches = load[i - 1] + share * (load[i] - load[i - 1]) > 0.0
-            most = level[i - 1] + share * (level[i] - level[i - 1]) if finite else np.inf
-            pad = pads[i - 1] + share * (pads[i] - pads[i - 1])
+            touches = tip.load[i - 1] + share * (tip.load[i] - tip.load[i - 1]) > 0.0
+            limit = contact_limit[i - 1] + share * (contact_limit[i] - contact_limit[i - 1]) if finite else np.inf
+            pad = pad_limit[i - 1] + share * (pad_limit[i] - pad_limit[i - 1])
             wx, wy = ux - vx, uy - vy
             tx, ty = 0.0, 0.0
             if touches:
-                qx += 0.5 * h * stiffness * wx
-                qy += 0.5 * h * stiffness * wy
-                tx, ty = qx + damping * wx, qy + damping * wy
-                size = np.sqrt(tx * tx + ty * ty)
-                if size > most:
-                    tx, ty = tx * most / size, ty * most / size
+                qx += 0.5 * h * k * wx
+                qy += 0.5 * h * k * wy
+                tx, ty = _cut(qx + c * wx, qy + c * wy, limit)
             else:
                 qx, qy = 0.0, 0.0
             # Halfway through the step: forces there, then friction.
             fx = tx + push[i]
-            fy = ty - guide * (y + 0.5 * h * vy) - viscous * vy
+            fy = ty - guide.stiffness * (y + 0.5 * h * vy) - guide.damping * vy
             free_x, free_y = vx + h / mass * fx, vy + h / mass * fy
             speed = np.sqrt(free_x * free_x + free_y * free_y)
             lost = h * pad / mass
@@ -97,10 +111,6 @@ def _steps(
             y += 0.5 * h * (vy + new_y)
             vx, vy = new_x, new_y
             if touches:
-                qx += 0.5 * h * stiffness * (ux - vx)
-                qy += 0.5 * h * stiffness * (uy - vy)
-                size = np.sqrt(qx * qx + qy * qy)
-                if size > most:
-                    qx, qy = qx * most / size, qy * most / size
+                qx, qy = _cut(qx + 0.5 * h * k * (ux - vx), qy + 0.5 * h * k * (uy - vy), limit)
         out_x[i], out_y[i] = x, y
     return out_x, out_y

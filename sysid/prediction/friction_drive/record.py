@@ -1,21 +1,22 @@
-"""A friction-drive record: voltages of one actuator in, position of the stage out, along one axis.
+"""A friction-drive record: voltages of one actuator in, position of the stage out, along one axis or in the plane.
 
     tip:      along = -h (d2 - d1)/D,   up = (d1 + d2)/2  (with a third piezo, the mean of all three),
               d_i = gain * (voltage_i - bias_voltage), after every effect on drive and piezo
-    contact:  force T on the stage while the tip touches, 1 + up/press > 0; without a contact effect a spring and a
-              dashpot that never slip, T = k (tip - x) + c (tip' - x'); with one, friction between tip and stage
+    contact:  force T on the stage while the tip touches, 1 + up/press > 0, with `press` the preload indentation;
+              without a contact effect a spring and a dashpot that never slip, T = k (tip - x) + c (tip' - x'); with
+              one, friction between tip and stage
     stage:    m x'' = T - (friction of the pads) - (other forces of the pads' effects)
 
-With `position_y` logged the stage moves in the plane: the third stack leans the tip across,
--h [d3 - (d1 + d2)/2]/(D sqrt(3)/2), a guide holds the stage across, and the sensors may stand turned to the tip.
+With `position_y` logged the stage moves in the plane: the third stack tilts the tip across,
+-h [d3 - (d1 + d2)/2]/(D sqrt(3)/2), a guide holds the stage across, and the sensors may be rotated against the tip.
 
-The stage's motion is predicted, from rest, and compared with the measured position: the form is `output`. Friction
-sticks and slips: rigid for `coulomb`, as bristles that yield at their share of a level for `presliding`; their
-stretch follows the predicted motion, and so does a level that goes by the speed. What else sets a level (position,
-load, distance) is read off the measured motion: it is known far better than any level changes with it, and the
-prediction stays one pass. Where a level grows at rest, a second pass reads the motion of the first.
+The motion of the stage is simulated from rest and compared with the measured position: the form is `output`. Friction
+sticks and slips: rigid for `coulomb`, as parallel elasto-plastic bristles for `presliding`, whose stretch follows the
+simulated motion, as a friction limit does that depends on the velocity. Other dependences of a limit (position, load,
+distance) are evaluated along the measured motion: it is known far better than any limit changes with it, and one
+simulation suffices. Where a limit grows with the time at rest, a second one takes the motion of the first.
 
-The motion tells forces and mass over the contact's stiffness k (`friction_drive_parameters`).
+The motion determines forces and mass over the contact stiffness k only (`friction_drive_parameters`).
 """
 
 from __future__ import annotations
@@ -32,46 +33,49 @@ from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import piezo_stretch
 from sysid.prediction.effect_terms import Values, axis_force, friction_level, values_of
-from sysid.prediction.force_balance.record import ForceBalanceRecord, filled, make_axis
-from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
+from sysid.prediction.force_balance.record import ForceBalanceRecord, filled, make_axis, optional_channel
+from sysid.prediction.friction_drive.event_driven import simulate_event_driven
 from sysid.prediction.friction_drive.friction import (
     CONTACT,
-    LIGHT,
+    PREFILTER_STEPS,
     bristles_of,
-    contact_level,
-    core_of,
-    pads_friction,
-    slipping_contact,
+    contact_friction,
+    contact_limit,
+    depends_on_time_at_rest,
+    friction_state_of,
+    pad_friction,
+    simulated_axis,
 )
-from sysid.prediction.friction_drive.midpoint import follow
-from sysid.prediction.friction_drive.motion import ages_at_rest, as_it_moved
-from sysid.prediction.friction_drive.planar import follow_plane
+from sysid.prediction.friction_drive.midpoint import Bristles, simulate_midpoint
+from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
+from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, Nudging, TipMotion
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
 
 TRANSVERSE = "position_y"
-"""The channel across the travel: where it is measured, the stage's motion is predicted in the plane."""
+"""The channel across the travel: where it is measured, the motion is simulated in the plane."""
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
-"""Friction over weight of a run-in pad: where a fit of the pads' level begins."""
+"""Friction over weight of a run-in pad: initial value of the pads' friction level."""
 REST_SIGMAS = 5.0
-LIGHTEST = 1.0
-"""The same of the position itself: its noise is far below any pitch, its turns are not wider than a few rows."""
-TOP = 1.5
-"""Over the largest speeds of tip and stage: how far curves of speed go."""
+POSITION_STEPS = 1.0
+"""Width in steps of the filter of the position: its noise is far below any pitch, its reversals take a few rows."""
+TABLE_RANGE = 1.5
+"""Range of the velocity tables over the largest speeds of tip and stage together."""
+LEAST_TIP_SPEED = 0.02
+"""Part of the largest speed of the tip from which a row counts for the gain from tip to stage."""
 
 
-@dataclass
+@dataclass(eq=False)
 class FrictionDriveRecord(ForceBalanceRecord):
-    """One friction-drive record, prepared; the axis is the pads'.
+    """One friction-drive record, prepared; its axis is that of the pads.
 
     Args:
         drives: voltages from the bias, V, each (n,).
         lever: h/D.
-        force_scale: size of a pad friction, N.
-        nudging_gain: part of the way to where it was measured that the predicted stage is brought after every row; zero
-        for
-            a prediction that is one.
+        force_scale: typical friction of the pads, N.
+        nudging_gain: part of its distance to the measured position by which the simulated stage is corrected after
+            every row (`Nudging`); zero for a free simulation.
     """
 
     drives: list[np.ndarray] = field(default_factory=list)
@@ -104,24 +108,28 @@ def friction_drive_record(
     for scored in valid.values():
         scored[0] = False
     sigma = noise["position"].value
-    light = GaussianFilter(LIGHT * step, step, time.size)
+    light = GaussianFilter(PREFILTER_STEPS * step, step, time.size)
     velocity = light(position, 1)
     rest = REST_SIGMAS * sigma * light.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
-    load, temperature = (_optional(channels, name) for name in ("normal_load", "temperature"))
+    load, temperature = (optional_channel(channels, name) for name in ("normal_load", "temperature"))
     axis = make_axis(time, light(position), velocity, light(position, 2), load, temperature, rest)
     return FrictionDriveRecord(
-        name=record.name, role=record.role, kind="friction-drive", step=step,
-        axis=axis._replace(position=GaussianFilter(LIGHTEST * step, step, time.size)(position)),
-        measured=measured, valid=valid, noise={name: noise[name].value for name in measured},
-        acceleration=None, stick_fraction=None, complementary_filter=GaussianFilter(0.0, step, time.size),
-        force_channel="position", drives=drives, lever=known["tip_height"] / known["piezo_spacing"],
+        name=record.name,
+        role=record.role,
+        kind="friction-drive",
+        step=step,
+        axis=axis._replace(position=GaussianFilter(POSITION_STEPS * step, step, time.size)(position)),
+        measured=measured,
+        valid=valid,
+        noise={name: noise[name].value for name in measured},
+        acceleration=None,
+        stick_fraction=None,
+        complementary_filter=GaussianFilter(0.0, step, time.size),
+        force_channel="position",
+        drives=drives,
+        lever=known["tip_height"] / known["piezo_spacing"],
         force_scale=PAD_FRICTION * GRAVITY * known.get("mass", 1.0),
-    )  # fmt: skip
-
-
-def _optional(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
-    values = channels.get(name)
-    return None if values is None or not np.isfinite(values).any() else filled(values)[0]
+    )
 
 
 def tip_motion(
@@ -138,9 +146,7 @@ def tip_motion(
     for effect in effects:
         if effect.acts_on == "structure" and effect.signal is not None:
             p = values_of(effect, values)
-            along, across, up = (
-                u + p.mass_ratio * (effect.signal(u, record.step, p) - u) for u in (along, across, up)
-            )  # fmt: skip
+            along, across, up = [u + p.mass_ratio * (effect.signal(u, record.step, p) - u) for u in (along, across, up)]
     return along, across, up
 
 
@@ -150,13 +156,13 @@ def predict_friction_drive(
     """Predicted position of the stage (n,), m, and `position_y` where it is measured."""
     stretches = [piezo_stretch(record, effects, values, k) for k in range(len(record.drives))]
     if TRANSVERSE in record.measured:
-        return _seen(record, effects, values, _follow_plane(record, effects, values, stretches))
+        return _sensed_from_start(record, effects, values, _planar_motion(record, effects, values, stretches))
     along, _, up = tip_motion(record, effects, values, stretches)
-    position = _follow(record, effects, values, along, 1.0 + up / values.get("rig.press", np.inf))
-    return _seen(record, effects, values, {"position": position})
+    tip = TipMotion(along, 1.0 + up / values.get("rig.press", np.inf))
+    return _sensed_from_start(record, effects, values, {"position": _motion(record, effects, values, tip)})
 
 
-def _seen(
+def _sensed_from_start(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, moved: Mapping[str, np.ndarray]
 ) -> dict[str, np.ndarray]:
     """The channels (n,), m, as their sensors show a stage that `moved` from its rest at the first row."""
@@ -167,74 +173,77 @@ def _seen(
     return {name: x + float(np.mean((record.measured[name] - x)[ok[name]])) for name, x in seen.items()}
 
 
-def _follow_plane(
+def _planar_motion(
     record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, stretches: Sequence[np.ndarray]
 ) -> dict[str, np.ndarray]:
-    """Motion of the stage along and across, m, each (n,), from its rest at the first row, as the sensors stand to it.
+    """Motion of the stage along and across, m, each (n,), from rest at the first row, in the frame of the sensors.
 
     Raises:
-        InputError: a core other than `coulomb`.
+        InputError: a friction state model other than `coulomb`.
     """
     along, across, up = tip_motion(record, effects, values, stretches)
     load = 1.0 + up / values.get("rig.press", np.inf)
-    pads = [e for e in effects if not e.name.startswith(CONTACT)]
-    contact = [e for e in effects if e.name.startswith(CONTACT)]
-    for core in (core_of(pads), core_of(contact)):
-        if core is not None and core.friction_state.name != "coulomb":
+    pads, contact = _by_contact(effects)
+    for effect in (friction_state_of(pads), friction_state_of(contact)):
+        if effect is not None and effect.friction_state.name != "coulomb":
             raise InputError(
-                f"model.effects: '{core.name}' cannot be used where position_y is recorded; the core of a plane is "
-                "'coulomb'"
+                f"model.effects: '{effect.name}' cannot be used where position_y is recorded; allowed: 'coulomb'"
             )
-    pad_level = np.zeros(record.size)
-    if core_of(pads) is not None:
-        pad_level = pad_level + friction_level(record, pads, values)
-    level, extra = contact_level(record, contact, values, along, load)
-    push = extra - axis_force(record, pads, values)
-    stiffness, guide, mass = values["rig.contact_stiffness"], values["rig.guide_stiffness"], values["rig.mass"]
-    x, y = follow_plane(
-        along, across, push, load, level, stiffness, values["rig.contact_damping"], pad_level,
-        values.get("viscous.coefficient", 0.0), guide, mass, record.step,
-    )  # fmt: skip
-    turn = values["rig.turn"]
-    cosine, sine = np.cos(turn), np.sin(turn)
+    pad_limit = _pad_limit(record, pads, values)
+    limit, push = contact_limit(record, contact, values, TipMotion(along, load))
+    push = push - axis_force(record, pads, values)
+    guide = Guide(values["rig.guide_stiffness"], values.get("viscous.coefficient", 0.0))
+    tip = PlanarTipMotion(along, across, load)
+    x, y = simulate_planar(tip, push, limit, pad_limit, _stage(record, values), guide)
+    cosine, sine = np.cos(values["rig.turn"]), np.sin(values["rig.turn"])
     return {"position": cosine * x - sine * y, TRANSVERSE: sine * x + cosine * y}
 
 
-def _follow(
-    record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, along: np.ndarray, load: np.ndarray
-) -> np.ndarray:
-    """Position of the stage (n,), m, from its rest at the first row, for a tip `along` the axis under a `load`."""
-    pads = [e for e in effects if not e.name.startswith(CONTACT)]
-    contact = [e for e in effects if e.name.startswith(CONTACT)]
-    pad_core, contact_core = core_of(pads), core_of(contact)
-    stiffness, damping, mass = values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"]
-    if all(core is None or core.friction_state.name == "coulomb" for core in (pad_core, contact_core)):
-        top = TOP * (float(np.max(np.abs(np.diff(along)))) / record.step + float(np.max(np.abs(record.axis.velocity))))
-        level, share, contact_push, contact_curves = slipping_contact(record, contact, values, along, load, top)
+def _by_contact(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
+    """Effects of the pads (and of everything else), and those between tip and stage."""
+    return (
+        [e for e in effects if not e.name.startswith(CONTACT)],
+        [e for e in effects if e.name.startswith(CONTACT)],
+    )
 
-        def followed(seen: FrictionDriveRecord) -> np.ndarray:
-            pad_level, pad_share, pad_push, pad_curves = pads_friction(seen, pads, values, top)
-            return follow_exactly(
-                along, contact_push + pad_push, load, level, stiffness, damping, pad_level, mass, record.step,
-                contact_curves, share, pad_curves, pad_share,
-                record.measured["position"] - record.measured["position"][0], record.nudging_gain,
-            )  # fmt: skip
 
-        moved = followed(record)
-        if record.nudging_gain > 0.0 or not ages_at_rest(pads):
-            return moved
-        return followed(replace(record, axis=as_it_moved(record.axis, moved, record.step), memo={}))
-    pad_level = np.zeros(record.size)
-    if pad_core is not None:
-        pad_level = pad_level + friction_level(record, pads, values)
-    level, extra = contact_level(record, contact, values, along, load)
-    push = extra - axis_force(record, pads, values)
-    pad_reach, pad_weights = bristles_of(pad_core, values)
-    reach, weights = bristles_of(contact_core, values)
-    return follow(
-        along, push, np.where(load > 0.0, level, 0.0), reach, weights, stiffness, damping, pad_level, pad_reach,
-        pad_weights, mass, record.step,
-    )  # fmt: skip
+def _stage(record: FrictionDriveRecord, values: Values) -> DrivenStage:
+    return DrivenStage(values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"], record.step)
+
+
+def _pad_limit(record: FrictionDriveRecord, pads: Sequence[Effect], values: Values) -> np.ndarray:
+    """Friction limit of the pads (n,), N."""
+    limit = np.zeros(record.size)
+    return limit + friction_level(record, pads, values) if friction_state_of(pads) is not None else limit
+
+
+def _motion(record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, tip: TipMotion) -> np.ndarray:
+    """Position of the stage (n,), m, from rest at the first row."""
+    pads, contact = _by_contact(effects)
+    states = friction_state_of(pads), friction_state_of(contact)
+    stage = _stage(record, values)
+    if any(state is not None and state.friction_state.name != "coulomb" for state in states):
+        limit, push = contact_limit(record, contact, values, tip)
+        push = push - axis_force(record, pads, values)
+        pad_bristles = Bristles(_pad_limit(record, pads, values), *bristles_of(states[0], values))
+        bristles = Bristles(np.where(tip.load > 0.0, limit, 0.0), *bristles_of(states[1], values))
+        return simulate_midpoint(tip.along, push, bristles, pad_bristles, stage)
+    fastest = float(np.max(np.abs(np.diff(tip.along)))) / record.step + float(np.max(np.abs(record.axis.velocity)))
+    top = TABLE_RANGE * fastest
+    between = contact_friction(record, contact, values, tip, top)
+    nudging = None
+    if record.nudging_gain > 0.0:
+        gain, measured = record.nudging_gain, record.measured["position"]
+        nudging = Nudging(measured - measured[0], gain, gain * gain / (2.0 - gain))
+
+    def simulated(along: FrictionDriveRecord) -> np.ndarray:
+        friction = pad_friction(along, pads, values, top)
+        return simulate_event_driven(tip, between.push + friction.push, between.limit, friction.limit, stage, nudging)
+
+    position = simulated(record)
+    if nudging is not None or not depends_on_time_at_rest(pads):
+        return position
+    return simulated(replace(record, axis=simulated_axis(record.axis, position, record.step)))
 
 
 def leading_segment(record: FrictionDriveRecord, rows: int) -> FrictionDriveRecord:
@@ -243,22 +252,44 @@ def leading_segment(record: FrictionDriveRecord, rows: int) -> FrictionDriveReco
         return record
     rows = min(rows, record.size)
     return replace(
-        record, axis=Axis(*[values[:rows] for values in record.axis]), drives=[u[:rows] for u in record.drives],
-        measured={"position": record.measured["position"][:rows]}, valid={"position": record.valid["position"][:rows]},
-        complementary_filter=GaussianFilter(0.0, record.step, rows), memo={},
-    )  # fmt: skip
+        record,
+        axis=Axis(*[values[:rows] for values in record.axis]),
+        drives=[u[:rows] for u in record.drives],
+        measured={"position": record.measured["position"][:rows]},
+        valid={"position": record.valid["position"][:rows]},
+        complementary_filter=GaussianFilter(0.0, record.step, rows),
+    )
 
 
 def with_voltages(record: FrictionDriveRecord, name: str, step: float, drives: list[np.ndarray]) -> FrictionDriveRecord:
-    """A record as if the rig had been given other voltages, its stage following the tip; V, each (n,)."""
+    """A record as if the rig had been driven by other voltages, its stage following the tip; V, each (n,)."""
     n = drives[0].size
-    time = np.arange(n) * step
-    follows = -record.lever * (drives[1] - drives[0])
-    axis = make_axis(
-        time, follows, np.gradient(follows, step), np.zeros(n), np.full(n, np.mean(record.axis.load)),
-        np.full(n, np.mean(record.axis.temperature)), 1e-9,
-    )  # fmt: skip
+    position = -record.lever * (drives[1] - drives[0])
+    load, temperature = (np.full(n, np.mean(values)) for values in (record.axis.load, record.axis.temperature))
+    velocity = np.gradient(position, step)
     return replace(
-        record, name=name, step=step, axis=axis, drives=drives, memo={}, complementary_filter=GaussianFilter(0.0, step,
-        n), measured={"position": np.zeros(n)}, valid={"position": np.arange(n) >= 1},
-    )  # fmt: skip
+        record,
+        name=name,
+        step=step,
+        axis=make_axis(np.arange(n) * step, position, velocity, np.zeros(n), load, temperature, 1e-9),
+        drives=drives,
+        complementary_filter=GaussianFilter(0.0, step, n),
+        measured={"position": np.zeros(n)},
+        valid={"position": np.arange(n) >= 1},
+    )
+
+
+def sliding_speed(record: FrictionDriveRecord) -> float:
+    """Upper bound of the speed of the tip over the stage, m/s: the largest speeds of both added.
+
+    While the contact sticks, in most rows, the stage moves as fast as the tip: the median of its speed over that of the
+    tip, in volts, is the gain.
+    """
+    tip = record.lever * np.abs(np.diff(record.drives[1] - record.drives[0])) / record.step
+    fastest = float(np.max(tip))
+    speed = np.abs(record.axis.velocity)
+    if fastest == 0.0:
+        return float(np.max(speed))
+    moves = tip > LEAST_TIP_SPEED * fastest
+    gain = float(np.median(speed[1:][moves] / tip[moves]))
+    return gain * fastest + float(np.max(speed))

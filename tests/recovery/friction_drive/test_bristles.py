@@ -7,8 +7,9 @@ import pytest
 from driven_stage.truth import HEIGHT, SPACING, Truth, motion
 from driven_stage.voltages import MOTIONS
 
-from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
-from sysid.prediction.friction_drive.midpoint import follow
+from sysid.prediction.friction_drive.event_driven import simulate_event_driven
+from sysid.prediction.friction_drive.midpoint import Bristles, simulate_midpoint
+from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, TipMotion, velocity_independent
 
 NONE = np.empty(0)
 STEP = 5e-4
@@ -31,10 +32,13 @@ def test_slips_of_a_bristled_tip_on_rigid_pads_add_up_to_where_the_generator_has
     truth = Truth(mass=3.9, stiffness=1.4e7, damping=730.0, pads=1.1, slip=3.5, contact_presliding=6.8e-7)
     rest, tip, stage = _driven(kind, truth)
     reach = 0.15 * 1.6 ** np.arange(6) * truth.contact_presliding
-    followed = follow(
-        tip, rest, rest + truth.slip, reach, np.ones(6) / 6, truth.stiffness, truth.damping, rest + truth.pads, NONE,
-        NONE, truth.mass, STEP,
-    )  # fmt: skip
+    followed = simulate_midpoint(
+        tip,
+        rest,
+        Bristles(rest + truth.slip, reach, np.ones(6) / 6),
+        Bristles(rest + truth.pads, NONE, NONE),
+        DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
+    )
     assert np.ptp(stage) > 1000 * NOISE
     assert np.std(followed - stage) < 1.0 * NOISE
 
@@ -44,13 +48,24 @@ def test_without_bristles_it_is_the_pass_in_closed_form(slip):
     truth = Truth(pads=1.3, stiffness=8e6, damping=300.0, mass=2.5)
     rest, tip, _ = _driven("sawtooth", truth)
     level, pads = rest + slip, rest + truth.pads
-    exact = follow_exactly(tip, rest, rest + 1.0, level, truth.stiffness, truth.damping, pads, truth.mass, STEP)
+    exact = simulate_event_driven(
+        TipMotion(tip, rest + 1.0),
+        rest,
+        velocity_independent(level),
+        velocity_independent(pads),
+        DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
+    )
     followed = [
-        follow(
-            tip, rest, level, NONE, NONE, truth.stiffness, truth.damping, pads, NONE, NONE, truth.mass, STEP, finer
+        simulate_midpoint(
+            tip,
+            rest,
+            Bristles(level, NONE, NONE),
+            Bristles(pads, NONE, NONE),
+            DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
+            finer,
         )
         for finer in (1, 4)
-    ]  # fmt: skip
+    ]
     errors = [float(np.std(x - exact)) for x in followed]
     assert errors[0] < 2.0 * NOISE
     # Second order, but for the moments of events.
@@ -61,10 +76,13 @@ def test_bristles_of_the_pads_are_the_generator_s():
     truth = Truth(pads=1.3, stiffness=8e6, damping=300.0, mass=2.5, presliding=5e-7)
     rest, tip, stage = _driven("lean", truth)
     reach = 0.15 * 1.6 ** np.arange(6) * truth.presliding
-    followed = follow(
-        tip, rest, rest + np.inf, NONE, NONE, truth.stiffness, truth.damping, rest + truth.pads, reach, np.ones(6) / 6,
-        truth.mass, STEP,
-    )  # fmt: skip
+    followed = simulate_midpoint(
+        tip,
+        rest,
+        Bristles(rest + np.inf, NONE, NONE),
+        Bristles(rest + truth.pads, reach, np.ones(6) / 6),
+        DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
+    )
     assert np.std(followed - stage) < 0.2 * NOISE
 
 
@@ -75,8 +93,12 @@ def test_rows_far_apart_show_a_stage_that_lags_by_its_bristles_alone(step):
     time = np.arange(400) * step
     tip = 3e-6 * np.sin(2.0 * np.pi * time / (100.0 * step))
     rest = np.zeros(tip.size)
-    stage = follow(
-        tip, rest, rest + np.inf, NONE, NONE, stiffness, 300.0, rest + pads, np.array([stretch]), np.ones(1), 2.0, step
+    stage = simulate_midpoint(
+        tip,
+        rest,
+        Bristles(rest + np.inf, NONE, NONE),
+        Bristles(rest + pads, np.array([stretch]), np.ones(1)),
+        DrivenStage(stiffness, 300.0, 2.0, step),
     )
     expected, bent = np.zeros(tip.size), 0.0
     both = pads / stiffness + stretch

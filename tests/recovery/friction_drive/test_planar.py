@@ -10,8 +10,9 @@ import pytest
 
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
-from sysid.prediction.friction_drive.planar import follow_plane
+from sysid.prediction.friction_drive.event_driven import simulate_event_driven
+from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
+from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, TipMotion, velocity_independent
 from sysid.prediction.problem import load_problem
 
 STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5
@@ -27,13 +28,22 @@ def test_in_a_plane_without_a_guide_no_direction_is_special(slip):
     tip = waves if slip == math.inf else teeth
     one, rest = np.ones(time.size), np.zeros(time.size)
     level, pads = np.full(time.size, slip), np.full(time.size, PADS)
-    line = follow_exactly(
-        tip, rest, one, level, STIFFNESS, DAMPING, pads, MASS, step
-    )  # fmt: skip
-    along, across = follow_plane(
-        0.6 * tip, 0.8 * tip, rest, one, level, STIFFNESS, DAMPING, pads, 0.0, 0.0, MASS, step,
-        finer=4,
-    )  # fmt: skip
+    line = simulate_event_driven(
+        TipMotion(tip, one),
+        rest,
+        velocity_independent(level),
+        velocity_independent(pads),
+        DrivenStage(STIFFNESS, DAMPING, MASS, step),
+    )
+    along, across = simulate_planar(
+        PlanarTipMotion(0.6 * tip, 0.8 * tip, one),
+        rest,
+        level,
+        pads,
+        DrivenStage(STIFFNESS, DAMPING, MASS, step),
+        Guide(0.0, 0.0),
+        4,
+    )
     assert np.abs(along - 0.6 * line).max() < 1e-3 * np.ptp(line)
     assert np.abs(across - 0.8 * line).max() < 1e-3 * np.ptp(line)
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.friction_drive.event_driven_simulation import follow_exactly
-from sysid.prediction.friction_drive.planar import follow_plane
+from sysid.prediction.friction_drive.event_driven import simulate_event_driven
+from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
+from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, TipMotion, velocity_independent
 
 STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
 
@@ -16,7 +17,13 @@ def _followed(step: float, pads: float) -> tuple[np.ndarray, np.ndarray]:
     tip = 3e-6 * np.sin(2.0 * np.pi * time / (100.0 * step))
     n = tip.size
     held = np.full(n, np.inf)
-    return tip, follow_exactly(tip, np.zeros(n), np.ones(n), held, STIFFNESS, DAMPING, np.full(n, pads), MASS, step)
+    return tip, simulate_event_driven(
+        TipMotion(tip, np.ones(n)),
+        np.zeros(n),
+        velocity_independent(held),
+        velocity_independent(np.full(n, pads)),
+        DrivenStage(STIFFNESS, DAMPING, MASS, step),
+    )
 
 
 @pytest.mark.parametrize("step", [0.05, 0.5, 50.0])
@@ -38,9 +45,13 @@ def test_so_does_one_that_moves_in_the_plane(step):
     pads = 1.2
     tip, line = _followed(step, pads)
     n = tip.size
-    along, across = follow_plane(
-        0.6 * tip, 0.8 * tip, np.zeros(n), np.ones(n), np.full(n, np.inf), STIFFNESS, DAMPING, np.full(n, pads), 0.0,
-        0.0, MASS, step,
-    )  # fmt: skip
+    along, across = simulate_planar(
+        PlanarTipMotion(0.6 * tip, 0.8 * tip, np.ones(n)),
+        np.zeros(n),
+        np.full(n, np.inf),
+        np.full(n, pads),
+        DrivenStage(STIFFNESS, DAMPING, MASS, step),
+        Guide(0.0, 0.0),
+    )
     assert np.abs(0.6 * along + 0.8 * across - line).max() < 2e-3 * np.ptp(tip)
     assert np.abs(0.8 * along - 0.6 * across).max() < 1e-3 * np.ptp(tip)

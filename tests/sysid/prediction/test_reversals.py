@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.reversals import event_times, sharp_direction, sharp_friction
+from sysid.prediction.force_balance.reversals import event_times, resolve_events, sharp_friction
 
 
 def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> np.ndarray:
@@ -71,7 +71,7 @@ def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
     position = 1e-6 * np.arange(float(n))
     velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
     resting[95:97] = True
-    direction, rest, turns, stops = sharp_direction(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
+    direction, rest, turns, stops = resolve_events(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
     assert turns.size == 0
     assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
     assert np.all(direction + rest == pytest.approx(1.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.sticking import SlipPhases, departures, sharpened, stop_times
+from sysid.prediction.force_balance.sticking import SlipPhases, departures, restored_kinks, stop_times
 from sysid.signals.gaussian_filter import GaussianFilter
 
 MASS, LEVEL, STEP = 0.5, 1.2, 1e-3
@@ -61,7 +61,9 @@ def test_a_rest_lasts_until_the_push_reaches_the_level() -> None:
 
 def test_the_velocity_gets_back_the_kinks_that_a_filter_rounds_off() -> None:
     velocity, blurred = _velocity(), _smooth(_velocity())
-    found = sharpened(blurred * STEP, _smooth(velocity, 1) * STEP**2, _force() / MASS * STEP**2, STOPS, LIGHT) / STEP
+    found = (
+        restored_kinks(blurred * STEP, _smooth(velocity, 1) * STEP**2, _force() / MASS * STEP**2, STOPS, LIGHT) / STEP
+    )
     near = np.abs(ROWS - STOP) < 8
     assert np.max(np.abs(blurred - velocity)[near]) > 2e-3
     assert np.max(np.abs(found - velocity)[near]) < 1e-4
