@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -195,6 +196,7 @@ def driven_mass(
             measured["position"] = full(position.values)
             own = position.std * full.noise_gain(0, position.correlation)
             floor["position"] = float(np.hypot(own, force_noise / pull_stiffness))
+    prefiltered_noise = position.std * prefilter.noise_gain(0, position.correlation)
     prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
@@ -218,15 +220,14 @@ def driven_mass(
         applied=force.values,
         acceleration_noise=acceleration_noise,
         position_noise=position.std,
-        prefiltered_noise=position.std * prefilter.noise_gain(0, position.correlation),
+        prefiltered_noise=prefiltered_noise,
+        stretch=12.0 * prefiltered_noise,
         pull_stiffness=pull_stiffness or 0.0,
         half_width_variant=partial(_prefiltered, motion, 0.5 * prefilter_width, width),
         raw_position=position.values,
         interpolated=missing,
     )
-    prepared.stretch = 12.0 * prepared.prefiltered_noise
-    prepared.stick_phases = _stick_phases(prepared, channels, noise, ~bad, event_reach)
-    return prepared
+    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, ~bad, event_reach))
 
 
 def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> _Signal | None:
