@@ -24,8 +24,8 @@ _BALLS = {"steel": "materials.steel", "ceramic": "materials.alumina", "polymer":
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A way to hold the stage up, with the numbers its rank rests on. SI; smaller is better but for the stiffness."""
+class Suspension:
+    """A suspension with the numbers of its rank. SI; smaller is better except for the stiffness."""
 
     name: str
     stiffness: float
@@ -207,7 +207,7 @@ def ball_smoothness(r: DesignInputs) -> Check:
     )
 
 
-def ranking(r: DesignInputs) -> list[Candidate]:
+def ranking(r: DesignInputs) -> list[Suspension]:
     """The suspensions by the criteria of thesis 2.3.2: stiffness, smoothness, resolution, repeatability, cost.
 
     Places in each are added up; what cannot stand (Earnshaw) or does not go with the drive comes after what can.
@@ -219,27 +219,54 @@ def ranking(r: DesignInputs) -> list[Candidate]:
     steel = _ball_modulus(r, "steel")
     ball = float(point_contact(load / 3, r("candidates.ball_spring.large_diameter") / 2, np.inf, steel).stiffness)
     air = "candidates.air_bearing"
+    pads = "candidates.sliding_pads"
+    balls, magnets = "candidates.ball_spring", "candidates.magnetic_levitation"
     entries = [
-        Candidate(
-            "sliding pads", pads_stiffness(r).normal, slide, r("bearing.static_friction") * load,
-            r("candidates.sliding_pads.repeatability"), int(r("candidates.sliding_pads.cost_rank")), True, True,
-            "way lapped as proposed; friction limits its resolution",
+        Suspension(
+            name="sliding pads",
+            stiffness=pads_stiffness(r).normal,
+            smoothness=slide,
+            friction=r("bearing.static_friction") * load,
+            repeatability=r(f"{pads}.repeatability"),
+            cost=int(r(f"{pads}.cost_rank")),
+            stable=True,
+            fits_drive=True,
+            why="way lapped as proposed; friction limits its resolution",
         ),
-        Candidate(
-            "porous air bearing", count * r(f"{air}.stiffness"), r(f"{air}.gap") * r(f"{air}.averaging"), 0.0,
-            r(f"{air}.repeatability"), int(r(f"{air}.cost_rank")), True, False,
-            "no friction; 1 in thick pads clash with magnets and tip",
+        Suspension(
+            name="porous air bearing",
+            stiffness=count * r(f"{air}.stiffness"),
+            smoothness=r(f"{air}.gap") * r(f"{air}.averaging"),
+            friction=0.0,
+            repeatability=r(f"{air}.repeatability"),
+            cost=int(r(f"{air}.cost_rank")),
+            stable=True,
+            fits_drive=False,
+            why="no friction; 1 in thick pads clash with magnets and tip",
         ),
-        Candidate(
-            "ball on spring", 3 * ball, r("candidates.ball_spring.roundness"),
-            r("candidates.ball_spring.rolling_friction") * load, r("candidates.ball_spring.repeatability"),
-            int(r("candidates.ball_spring.cost_rank")), True, False, "tilts as the load moves; its balls are not round",
+        Suspension(
+            name="ball on spring",
+            stiffness=3 * ball,
+            smoothness=r(f"{balls}.roundness"),
+            friction=r(f"{balls}.rolling_friction") * load,
+            repeatability=r(f"{balls}.repeatability"),
+            cost=int(r(f"{balls}.cost_rank")),
+            stable=True,
+            fits_drive=False,
+            why="tilts as the load moves; its balls are not round",
         ),
-        Candidate(
-            "passive magnets", 0.0, np.inf, 0.0, np.inf, int(r("candidates.magnetic_levitation.cost_rank")), False,
-            False, "Earnshaw: unstable in a direction",
+        Suspension(
+            name="passive magnets",
+            stiffness=0.0,
+            smoothness=np.inf,
+            friction=0.0,
+            repeatability=np.inf,
+            cost=int(r(f"{magnets}.cost_rank")),
+            stable=False,
+            fits_drive=False,
+            why="Earnshaw: unstable in a direction",
         ),
-    ]  # fmt: skip
+    ]
     scores = [(-c.stiffness, c.smoothness, c.friction, c.repeatability, c.cost) for c in entries]
-    placed = [Candidate(**{**vars(c), "places": float(p)}) for c, p in zip(entries, rank_sum(scores), strict=True)]
+    placed = [Suspension(**{**vars(c), "places": float(p)}) for c, p in zip(entries, rank_sum(scores), strict=True)]
     return sorted(placed, key=lambda c: (not c.stable, not c.fits_drive, c.places))

@@ -127,14 +127,14 @@ def repeatability(r: DesignInputs) -> list[Contribution]:
     linearity = r("sensors.probe.linearity") * r("sensors.probe.range")
     # A tenth of the pitch does not come back: pads settle anew on their film.
     turn = 0.1 * 4 * bow / length
+    slip = friction / holding_stiffness(r)
     return [
         Contribution("growth of the base", "half the travel from its middle", (growth, 0, 0), random=False),
         Contribution("growth of the stage", "target on its end face", (plate, 0, 0), random=False),
-        Contribution("wind-up by the pads' friction", "tip and contact give before the stage moves",
-                     (friction / holding_stiffness(r), 0, 0)),
+        Contribution("wind-up by the pads' friction", "tip and contact give before the stage moves", (slip, 0, 0)),
         Contribution("linearity of the probe", "over its range", (linearity, 0, 0)),
         Contribution("pitch that does not come back", "payload off the line of measurement", rotation=(0, turn, 0)),
-    ]  # fmt: skip
+    ]
 
 
 _KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs], list[Contribution]]]] = {

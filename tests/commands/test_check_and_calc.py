@@ -31,9 +31,18 @@ def test_calc_hertz_reaches_a_gigapascal_where_the_thesis_ball_does(capsys):
     assert found["results"]["peak_pressure"]["value"] == pytest.approx(1e9, rel=2e-3)
     assert found["results"]["semi_axis_major"] == found["results"]["semi_axis_minor"]
     assert set(found["results"]) == {
-        "semi_axis_major", "semi_axis_minor", "peak_pressure", "approach", "stiffness",
-        "peak_shear", "peak_shear_depth", "secant_stiffness", "first_yield_pressure", "yield_margin", "edge_tension",
-    }  # fmt: skip
+        "semi_axis_major",
+        "semi_axis_minor",
+        "peak_pressure",
+        "approach",
+        "stiffness",
+        "peak_shear",
+        "peak_shear_depth",
+        "secant_stiffness",
+        "first_yield_pressure",
+        "yield_margin",
+        "edge_tension",
+    }
     # F ~ delta^1.5, and a sphere with nu = 0.3 yields first at 1.61 times its yield strength (Johnson, section 6.1)
     results = found["results"]
     assert results["secant_stiffness"]["value"] == pytest.approx(results["stiffness"]["value"] / 1.5)

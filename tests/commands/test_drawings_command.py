@@ -28,9 +28,16 @@ def test_sheets_and_scales_are_the_thesis_s(design: Design) -> None:
 
 
 PARTS_SCALES = {
-    "tip": 1.0, "holder": 1.0, "height_pin_1": 1.0, "height_pin_2": 1.0, "stage": 0.5, "bearing_way": 0.25,
-    "base_1": 0.2, "base_2": 0.2, "base_3": 0.35,
-}  # fmt: skip
+    "tip": 1.0,
+    "holder": 1.0,
+    "height_pin_1": 1.0,
+    "height_pin_2": 1.0,
+    "stage": 0.5,
+    "bearing_way": 0.25,
+    "base_1": 0.2,
+    "base_2": 0.2,
+    "base_3": 0.35,
+}
 PARTS = {name.rstrip("_123") if name.startswith("base") else name for name in PARTS_SCALES}
 
 

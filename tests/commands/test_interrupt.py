@@ -50,9 +50,13 @@ def test_an_interrupt_of_side_by_side_runs_ends_their_processes(tmp_path):
     """As a terminal sends it: to the program and to every process it has started."""
     words = [*PROGRAM, "simulate", "stick-slip", "--draws", "100000", "--set", "friction.breakaway=1.5 +- 0.01 N"]
     started = subprocess.Popen(
-        [*words, "--out", str(tmp_path)], stderr=subprocess.PIPE, text=True, start_new_session=True,
-        env=_environment(tmp_path), preexec_fn=_heed_interrupts,
-    )  # fmt: skip
+        [*words, "--out", str(tmp_path)],
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env=_environment(tmp_path),
+        preexec_fn=_heed_interrupts,
+    )
     try:
         deadline = time.monotonic() + 120.0
         while _children(started.pid) < 3 and time.monotonic() < deadline:

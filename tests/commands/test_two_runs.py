@@ -36,10 +36,12 @@ def test_of_two_runs_at_once_each_is_whole_or_did_nothing(rig: Path) -> None:
     runs = [
         subprocess.Popen(
             [sys.executable, "-m", "workbench.cli", "add", str(rig), effect],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
         for effect in ("viscous", "constant_bias")
-    ]  # fmt: skip
+    ]
     said = [one.communicate(timeout=300)[1] for one in runs]
     codes = [one.returncode for one in runs]
 
@@ -84,7 +86,9 @@ def test_adding_after_undo_goes_on_from_the_rung_restored(rig: Path, capsys: pyt
     assert run(["ladder", str(rig), "--no-figures", "--json"]) == 0
     rungs = json.loads(capsys.readouterr().out)
     assert [r["effects"] for r in rungs] == [
-        ["coulomb"], ["coulomb", "viscous"], ["coulomb", "viscous", "constant_bias"]
-    ]  # fmt: skip
+        ["coulomb"],
+        ["coulomb", "viscous"],
+        ["coulomb", "viscous", "constant_bias"],
+    ]
     assert [len(r["added"]) for r in rungs] == [0, 1, 1]
     assert len(list((rig / "ladder" / "undone").iterdir())) == 1

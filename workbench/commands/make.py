@@ -42,7 +42,7 @@ def command(run: Run, simulations: bool) -> None:
     from workbench.commands.parts import write_parts
     from workbench.machine.artefacts import stored_values
     from workbench.report.checks import write_check_files
-    from workbench.report.machine import write_report
+    from workbench.report.machine import MachineResults, write_report
 
     design = run.design
     document = write_parts(run, chosen((), design))
@@ -70,9 +70,18 @@ def command(run: Run, simulations: bool) -> None:
     figures = _simulate(run) if simulations else []
     bill = machine.bill_of_materials
     steps = procedure(design, bill, stored_values(store, design, masses))
-    page = write_report(
-        run, document, pictures, checks, check_figures, figures, bill_document(bill), interferences, steps, drawings
+    results = MachineResults(
+        parts=document,
+        pictures=pictures,
+        checks=checks,
+        check_figures=check_figures,
+        simulation_figures=figures,
+        bill=bill_document(bill),
+        interferences=interferences,
+        procedure=steps,
+        drawings=drawings,
     )
+    page = write_report(run, results)
     run.say(f"report: {page}")
     run.emit(
         {

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import base64
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.analysis import report
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
 from workbench.options import finite
+from workbench.report.html import embedded, render
 
 if TYPE_CHECKING:
     from designcalc.checks import Check
+    from designcalc.checks.alternatives import Suspension
+    from designcalc.checks.budget import Budget
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
 
@@ -29,61 +32,54 @@ def write_check_files(
 
     Args:
         checks: every check, in the order of the report.
-        design: what was checked; suspensions and error budgets are worked out on it.
-        masses: what its solids weigh, or None.
+        design: what was checked; suspensions and error budgets are computed for it.
+        masses: of its solids, or None.
         folder: where to.
         figures: PNG by title, to be put into the page.
     """
     from designcalc.checks.alternatives import ranking
-    from designcalc.checks.analysis.report import markdown
     from designcalc.checks.budget import budgets
     from designcalc.machine.inputs import DesignInputs
 
     ranked = ranking(DesignInputs(design, masses))
     found = budgets(DesignInputs(design, masses))
-    atomic_write_text(folder / "checks.md", markdown(checks, ranked, found))
+    atomic_write_text(folder / "checks.md", report.markdown(checks, ranked, found))
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
     atomic_write_text(folder / "checks.html", _page(checks, design, ranked, found, figures or {}))
 
 
-def _page(checks, design, ranked, found, figures) -> str:
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]]:
+    """Checks by subject, each with its value, limit and margin as text."""
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for check in checks:
+        row = {"check": check, "value": report.shown(check.value, check.unit), "limit": report.shown_limit(check)}
+        rows.setdefault(check.subject, []).append({**row, "margin": report.shown_margin(check)})
+    return list(rows.items())
 
-    from designcalc.checks.analysis import report
 
-    environment = Environment(
-        loader=PackageLoader("workbench"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
-    rows = [
-        {
-            "check": check,
-            "value": report.shown(check.value, check.unit),
-            "limit": report.shown_limit(check),
-            "margin": report.shown_margin(check),
-        }
-        for check in checks
-    ]
-    subjects = list(dict.fromkeys(check.subject for check in checks))
-    return environment.get_template("checks.html").render(
+def _page(
+    checks: Sequence[Check],
+    design: Design,
+    suspensions: Sequence[Suspension],
+    found: Sequence[Budget],
+    figures: Mapping[str, Path],
+) -> str:
+    return render(
+        "checks.html",
         title=design.file,
         counted=report.counted(checks),
         failing=sum(check.verdict == "fails" for check in checks),
-        subjects=[(subject, [row for row in rows if row["check"].subject == subject]) for subject in subjects],
+        subjects=check_rows(checks),
         requirements=[
             (name, report.REQUIREMENTS[name], bearing) for name, bearing in report.requirements(checks).items()
         ],
         corrections=report.corrections(checks),
         ranking=report.RANKING,
-        candidate_headings=report.CANDIDATE_HEADINGS,
-        candidates=[report.candidate_cells(candidate) for candidate in ranked],
+        suspension_headings=report.SUSPENSION_HEADINGS,
+        suspensions=[report.suspension_cells(suspension) for suspension in suspensions],
         budgets=[(one, report.budget_cells(one)) for one in found],
-        figures=[(name, _embedded(path)) for name, path in figures.items()],
+        figures=[(name, embedded(path)) for name, path in figures.items()],
         digest=design.digest,
         version=__version__,
     )
-
-
-def _embedded(path: Path) -> str:
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")

@@ -227,11 +227,17 @@ def coordinate_unit(coordinate: str, rotary: bool, tip: bool) -> str:
     length = "rad" if rotary else "m"
     if tip:
         length = {"velocity": "V", "acceleration": "V"}.get(coordinate, length)
-    return {
-        "time": "s", "frequency": "Hz", "position": length, "velocity": f"{length}/s", "direction": "1",
-        "acceleration": f"{length}/s^2", "distance_since_reversal": length, "distance_travelled": length,
-        "contact_age": "s", "normal_load": "N", "temperature": "degC", "input": "V",
-    }.get(coordinate, "1")  # fmt: skip
+    units = {
+        "time": "s",
+        "frequency": "Hz",
+        "contact_age": "s",
+        "normal_load": "N",
+        "temperature": "degC",
+        "input": "V",
+    }
+    units |= dict.fromkeys(("position", "distance_since_reversal", "distance_travelled"), length)
+    units |= {"velocity": f"{length}/s", "acceleration": f"{length}/s^2"}
+    return units.get(coordinate, "1")
 
 
 def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:

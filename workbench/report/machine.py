@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import base64
-import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from designcalc.checks.analysis.report import counted
 from stagecad import __version__
 from stagecad.parameters.atomic import atomic_write_text
+from workbench.report.checks import check_rows
+from workbench.report.html import data_url, embedded, link, render
 
 if TYPE_CHECKING:
     from designcalc.checks.check import Check
@@ -26,23 +28,12 @@ SIMULATIONS = {
 }
 
 
-def write_report(
-    run: Run,
-    document: Mapping[str, Any],
-    pictures: Mapping[str, Path],
-    checks: Sequence[Check],
-    check_figures: Mapping[str, Path],
-    simulation_figures: Sequence[Path],
-    bill: Sequence[Mapping[str, Any]],
-    interferences: Sequence[Interference],
-    procedure: Procedure,
-    drawings: Mapping[str, Any],
-) -> Path:
-    """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked.
+@dataclass(frozen=True)
+class MachineResults:
+    """What the page shows.
 
     Args:
-        run: of the command; the page goes to its folder.
-        document: of `write_parts`: parts, moving body, measures.
+        parts: document of `write_parts`: parts, moving body, measures.
         pictures: PNG by name (`stagecad.solids.assembly.pictures`).
         checks: every design check.
         check_figures: figures of the checks by title.
@@ -51,64 +42,61 @@ def write_report(
         interferences: pairs of parts that touch, fit, or overlap.
         procedure: steps of the assembly.
         drawings: document of `write_drawings`.
-
-    Returns:
-        The page.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
+    parts: Mapping[str, Any]
+    pictures: Mapping[str, Path]
+    checks: Sequence[Check]
+    check_figures: Mapping[str, Path]
+    simulation_figures: Sequence[Path]
+    bill: Sequence[Mapping[str, Any]]
+    interferences: Sequence[Interference]
+    procedure: Procedure
+    drawings: Mapping[str, Any]
 
-    environment = Environment(
-        loader=PackageLoader("workbench"), autoescape=True, undefined=StrictUndefined, trim_blocks=True,
-        lstrip_blocks=True,
-    )  # fmt: skip
+
+def write_report(run: Run, results: MachineResults) -> Path:
+    """Write `OUT/report.html`, which opens without server or network: pictures are in it, files are linked."""
     target = run.out / REPORT
-    rows = [
-        {
-            "name": check.name, "value": shown(check.value, check.unit), "limit": shown_limit(check),
-            "margin": shown_margin(check), "verdict": check.verdict, "source": check.source,
-            "formula": check.formula, "substituted": check.substituted, "proposal": check.proposal,
-            "thesis": check.thesis, "note": check.note, "subject": check.subject,
-        }
-        for check in checks
-    ]  # fmt: skip
-    subjects = list(dict.fromkeys(row["subject"] for row in rows))
-    parts = [
-        {
-            "name": name, "title": name.replace("_", " "), "mass": _mass(part["mass"]["value"]),
-            "size": _size(part["bounding_box"]["value"]), "picture": _embedded(pictures[name]),
-            "below": _embedded(pictures[f"{name}_below"]) if f"{name}_below" in pictures else "",
-            "files": [_link(Path(file), target) for file in part["files"]],
-        }
-        for name, part in document["parts"].items()
-        if name in pictures and name != "assembly"
-    ]  # fmt: skip
-    page = environment.get_template("machine.html").render(
+    document, pictures = results.parts, results.pictures
+    page = render(
+        "machine.html",
         title=run.design.file,
-        assembly=_embedded(pictures["assembly"]),
-        exploded=_embedded(pictures["assembly_exploded"]),
-        interferences=_by_kind(interferences),
-        clashes=sum(pair.clash for pair in interferences),
-        assembly_files=[_link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
+        assembly=embedded(pictures["assembly"]),
+        exploded=embedded(pictures["assembly_exploded"]),
+        interferences=_by_kind(results.interferences),
+        clashes=sum(pair.clash for pair in results.interferences),
+        assembly_files=[link(Path(file), target) for file in document["parts"]["assembly"]["files"]],
         moving_mass=_mass(document["moving_body"]["mass"]["value"]),
         whole_mass=_mass(document["parts"]["assembly"]["mass"]["value"]),
         measures=[(k.replace("_", " "), _measure(q)) for k, q in document["measures"].items()],
-        parts=parts,
-        bill=bill,
-        procedure=procedure,
-        sheets=_sheets(drawings, target),
-        subjects=[(subject, [row for row in rows if row["subject"] == subject]) for subject in subjects],
-        counted=counted(checks),
-        failing=sum(check.verdict == "fails" for check in checks),
-        check_figures=[(name, _embedded(path)) for name, path in check_figures.items()],
-        simulation_figures=[(_caption(path), _embedded(path)) for path in simulation_figures],
+        parts=_parts(document["parts"], pictures, target),
+        bill=results.bill,
+        procedure=results.procedure,
+        sheets=_sheets(results.drawings, target),
+        subjects=check_rows(results.checks),
+        counted=counted(results.checks),
+        failing=sum(check.verdict == "fails" for check in results.checks),
+        check_figures=[(name, embedded(path)) for name, path in results.check_figures.items()],
+        simulation_figures=[(_caption(path), embedded(path)) for path in results.simulation_figures],
         entries=_by_table(run),
         digest=run.design.digest,
         versions=versions(),
     )
     atomic_write_text(target, page)
     return target
+
+
+def _parts(parts: Mapping[str, Any], pictures: Mapping[str, Path], page: Path) -> list[dict[str, Any]]:
+    shown = []
+    for name, part in parts.items():
+        if name in pictures and name != "assembly":
+            entry = {"title": name.replace("_", " "), "mass": _mass(part["mass"]["value"])}
+            entry["size"] = _size(part["bounding_box"]["value"])
+            entry["picture"] = embedded(pictures[name])
+            entry["below"] = embedded(pictures[f"{name}_below"]) if f"{name}_below" in pictures else ""
+            shown.append({**entry, "files": [link(Path(file), page) for file in part["files"]]})
+    return shown
 
 
 def versions() -> dict[str, str]:
@@ -129,13 +117,10 @@ def _sheets(drawings: Mapping[str, Any], page: Path) -> list[dict[str, Any]]:
     shown = []
     for name, sheet in drawings["sheets"].items():
         files = {Path(file).suffix: Path(file) for file in sheet["files"]}
-        shown.append(
-            {
-                "title": name.replace("_", " "), "paper": sheet["paper"], "scale": sheet["scale"],
-                "picture": _reduced(files[".png"]), "opens": _link(files[".svg"], page)["href"],
-                "files": [_link(Path(file), page) for file in sheet["files"]], "hits": sheet["hits"],
-            }
-        )  # fmt: skip
+        entry = {key: sheet[key] for key in ("paper", "scale", "hits")}
+        entry |= {"title": name.replace("_", " "), "picture": _reduced(files[".png"])}
+        entry |= {"opens": link(files[".svg"], page)["href"], "files": [link(file, page) for file in files.values()]}
+        shown.append(entry)
     return shown
 
 
@@ -149,15 +134,7 @@ def _reduced(path: Path, width: int = 900) -> str:
         small = picture.resize((width, round(picture.height * width / picture.width)), Image.Resampling.BOX)
     stream = io.BytesIO()
     small.quantize(16).save(stream, "png", optimize=True)
-    return "data:image/png;base64," + base64.b64encode(stream.getvalue()).decode("ascii")
-
-
-def _embedded(path: Path) -> str:
-    return "data:image/png;base64," + base64.b64encode(path.read_bytes()).decode("ascii")
-
-
-def _link(file: Path, page: Path) -> dict[str, str]:
-    return {"name": file.name, "href": Path(os.path.relpath(file, page.parent)).as_posix()}
+    return data_url(stream.getvalue())
 
 
 def _mass(kilograms: float) -> str:

@@ -57,8 +57,14 @@ def draw_speed(folder: Path, study: SpeedStudy) -> list[Path]:
     for law, factor in LAWS.items():
         asked = factor * study.travel * f * 1e3
         speed.plot(f, asked, color=GREY, linewidth=0.8, linestyle="--")
-        speed.annotate(LAW_TEXT[law].partition(":")[0], (f[-1], asked[-1]), (5, 0), textcoords="offset points",
-                       va="center", color=GREY)  # fmt: skip
+        speed.annotate(
+            LAW_TEXT[law].partition(":")[0],
+            (f[-1], asked[-1]),
+            (5, 0),
+            textcoords="offset points",
+            va="center",
+            color=GREY,
+        )
         ratio.axhline(factor, color=GREY, linewidth=0.8, linestyle="--")
         ratio.annotate(LAW_TEXT[law], (1.01, factor), xycoords=("axes fraction", "data"), va="center", color=GREY)
     for ink, height in zip(INK, study.points):
@@ -108,8 +114,12 @@ def draw_ellipse(folder: Path, study: EllipseSearch) -> list[Path]:
     paths, speeds = axes[0]
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     for ink, phase, path in zip(TRAVEL_INK, study.phases, study.ellipses):
-        paths.plot(-path.along * np.cos(angle) * 1e6, path.normal * np.sin(angle) * 1e6, color=ink,
-                   label=f"{np.degrees(phase):.0f}°")  # fmt: skip
+        paths.plot(
+            -path.along * np.cos(angle) * 1e6,
+            path.normal * np.sin(angle) * 1e6,
+            color=ink,
+            label=f"{np.degrees(phase):.0f}°",
+        )
     paths.set_aspect("equal", "datalim")
     paths.set(xlabel="x (µm)", ylabel="y, up (µm)", title="paths asked for")
     paths.legend(title="phase", fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -165,8 +175,15 @@ def draw_planar(folder: Path, study: PlanarStudy) -> list[Path]:
     for ink, drive in zip(INK, study.runs):
         thirds = "thirds" in drive
         label = f"{study.frequencies[drive]:.0f} Hz" + (", in thirds" if thirds else ", in step")
-        errors.plot(np.degrees(study.directions), np.degrees(study.direction_errors(drive)), color=ink, markersize=4,
-                    marker="x" if thirds else "o", linestyle=":" if thirds else "-", label=label)  # fmt: skip
+        errors.plot(
+            np.degrees(study.directions),
+            np.degrees(study.direction_errors(drive)),
+            color=ink,
+            markersize=4,
+            marker="x" if thirds else "o",
+            linestyle=":" if thirds else "-",
+            label=label,
+        )
     errors.set(xlabel="direction asked (°)", ylabel="error (°)", title="error of direction")
     errors.set_xticks(np.arange(0.0, 361.0, 60.0))
     figure.legend(loc="outside lower right", ncols=3, fontsize=7)
@@ -188,8 +205,9 @@ def draw_positioning(folder: Path, study: PositioningStudy) -> list[Path]:
         axes[1, column].set_xlabel("time (s)")
         if move.taken_over is not None:
             axes[1, column].axvline(move.taken_over, color=GREY, linewidth=0.8)
-            axes[1, column].annotate("fine", (move.taken_over, 2e5), xytext=(3, 0), textcoords="offset points",
-                                     color=GREY, fontsize=8)  # fmt: skip
+            axes[1, column].annotate(
+                "fine", (move.taken_over, 2e5), xytext=(3, 0), textcoords="offset points", color=GREY, fontsize=8
+            )
     axes[0, 0].set_ylabel("x (mm)")
     axes[1, 0].set_ylabel("true error (nm); dashed: 1 nm")
     figure.suptitle("Coarse run and fine settling")
@@ -224,8 +242,9 @@ def _ring() -> Any:
     """What an open ring says, for a legend."""
     from matplotlib.lines import Line2D
 
-    return Line2D([], [], linestyle="", marker="o", markersize=6, color="white", markeredgecolor=GREY,
-                  label=LIFTED_TEXT)  # fmt: skip
+    return Line2D(
+        [], [], linestyle="", marker="o", markersize=6, color="white", markeredgecolor=GREY, label=LIFTED_TEXT
+    )
 
 
 def _cross() -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from designcalc.checks.alternatives import Candidate
+from designcalc.checks.alternatives import Suspension
 from designcalc.checks.budget import Budget
 from designcalc.checks.check import Check
 from stagecad.parameters.units import format_quantity
@@ -22,7 +22,7 @@ def counted(checks: Sequence[Check]) -> str:
 
 
 def shown(value: float | None, unit: str) -> str:
-    """A number of the table; a dash where there is none."""
+    """A number of the table; a dash for none."""
     return "-" if value is None else format_quantity(value, unit, 4)
 
 
@@ -61,28 +61,28 @@ REQUIREMENTS: dict[str, str] = {
     "Section 2.3.2: straightness (Table 1 has none)": "similar bearings reach 5 to 10 um, submicron when hand finished",
     "Section 2.3.2: repeatability (Table 1 has none)": "similar bearings reach 0.1 to 1 um",
 }
-"""What the thesis asks for, entry by entry: the name that checks give as their requirement, and its words."""
+"""The thesis's requirements: the name that checks refer to, and the text."""
 
 
 def requirements(checks: Sequence[Check]) -> dict[str, list[Check]]:
-    """Every entry of the thesis's Tables 1 and 2 (and what stands beside them) with the checks that bear on it."""
+    """Every requirement of the thesis with the checks that apply to it."""
     return {name: [check for check in checks if check.requirement == name] for name in REQUIREMENTS}
 
 
 def corrections(checks: Sequence[Check]) -> list[Check]:
-    """Checks that say where the thesis is wrong or differs."""
+    """Checks for which the thesis is wrong or differs."""
     return [check for check in checks if check.thesis]
 
 
 def markdown(
     checks: Sequence[Check],
-    candidates: Sequence[Candidate] = (),
+    suspensions: Sequence[Suspension] = (),
     budgets: Sequence[Budget] = (),
     title: str = "Design checks",
 ) -> str:
     """Every check as Markdown.
 
-    Summary, requirements, what the thesis has wrong, suspensions by rank, error budgets, then each check in full with
+    Summary, requirements, errors of the thesis, suspensions by rank, error budgets, then each check in full with
     its formula, numbers and inputs, worst first.
     """
     ordered = sorted(checks, key=lambda c: VERDICTS.index(c.verdict))
@@ -96,7 +96,7 @@ def markdown(
     )
     lines += ["", "## Requirements", ""]
     lines += _table(
-        ("requirement", "asked for", "checks that bear on it"),
+        ("requirement", "required", "checks"),
         [
             (name, REQUIREMENTS[name], "; ".join(f"{c.name}: {c.verdict}" for c in bearing) or "none")
             for name, bearing in requirements(checks).items()
@@ -107,9 +107,9 @@ def markdown(
         lines.append(f"- {check.name}: {check.thesis}. {check.substituted}")
         if check.proposal:
             lines.append(f"  Would pass: {check.proposal}.")
-    if candidates:
+    if suspensions:
         lines += ["", "## Suspensions by rank", "", RANKING, ""]
-        lines += _table(CANDIDATE_HEADINGS, [candidate_cells(c) for c in candidates])
+        lines += _table(SUSPENSION_HEADINGS, [suspension_cells(c) for c in suspensions])
     for found in budgets:
         lines += ["", f"## Error budget: {found.name}, {found.direction}", ""]
         lines += _table(("contribution", "source", "at the payload", "adds"), budget_cells(found))
@@ -123,13 +123,22 @@ RANKING = (
     "Places by stiffness, smoothness, friction (which limits the resolution), repeatability and cost, added up; what "
     "is unstable, or does not go with the drive and its magnets, comes after what does."
 )
-CANDIDATE_HEADINGS = (
-    "suspension", "stiffness", "smoothness", "friction", "repeatability", "cost", "places", "stable", "fits", "why",
-)  # fmt: skip
+SUSPENSION_HEADINGS = (
+    "suspension",
+    "stiffness",
+    "smoothness",
+    "friction",
+    "repeatability",
+    "cost",
+    "places",
+    "stable",
+    "fits",
+    "why",
+)
 
 
-def candidate_cells(c: Candidate) -> tuple[str, ...]:
-    """A suspension as a row below `CANDIDATE_HEADINGS`."""
+def suspension_cells(c: Suspension) -> tuple[str, ...]:
+    """A suspension as a row below `SUSPENSION_HEADINGS`."""
     smooth, again = (
         "-" if value == math.inf else format_quantity(value, "m", 3) for value in (c.smoothness, c.repeatability)
     )

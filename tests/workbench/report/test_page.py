@@ -44,9 +44,16 @@ def test_the_worst_stretch_is_a_bad_patch_and_not_one_wild_sample() -> None:
 
 @pytest.mark.parametrize(
     "largest,unit,factor,shown",
-    [(0.004, "N", 1e3, "mN"), (2e-7, "m", 1e9, "nm"), (0.03, "m/s", 1e3, "mm/s"), (0.02, "N*m", 1e3, "mN·m"),
-     (24.0, "degC", 1.0, "°C"), (0.01, "1", 1.0, ""), (0.0, "N", 1.0, "N")],
-)  # fmt: skip
+    [
+        (0.004, "N", 1e3, "mN"),
+        (2e-7, "m", 1e9, "nm"),
+        (0.03, "m/s", 1e3, "mm/s"),
+        (0.02, "N*m", 1e3, "mN·m"),
+        (24.0, "degC", 1.0, "°C"),
+        (0.01, "1", 1.0, ""),
+        (0.0, "N", 1.0, "N"),
+    ],
+)
 def test_axes_carry_a_readable_unit(largest: float, unit: str, factor: float, shown: str) -> None:
     found, label = axis_scale(np.array([np.nan, -largest]), unit)
     assert found == pytest.approx(factor)
@@ -56,9 +63,13 @@ def test_axes_carry_a_readable_unit(largest: float, unit: str, factor: float, sh
 def rung(number: int, effects: list[str], added: list[str], over: float) -> dict:
     entry = {"rms": {"value": 0.01 * over, "unit": "N"}, "over_noise": over, "fit_percent": 50.0}
     return {
-        "rung": number, "effects": effects, "added": added, "parameters": {}, "noise": {},
+        "rung": number,
+        "effects": effects,
+        "added": added,
+        "parameters": {},
+        "noise": {},
         "before": {"fit": {"friction_force": entry}, "validate": {"friction_force": entry}},
-    }  # fmt: skip
+    }
 
 
 class Links(HTMLParser):
