@@ -38,14 +38,16 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
     print_comparison(run, found, document)
     if bootstrap is not None:
         from workbench.console.tables import rich_table
-        from workbench.identification.bootstrap import bootstrap_case, bootstrap_json, draw_bootstrap
+        from workbench.identification.bootstrap import bootstrap_case, bootstrap_json
         from workbench.identification.tables import bootstrap_table
 
         drawn = bootstrap_case(run, found.problem, found.base.fitted, bootstrap, seed, scheduler)
         document["bootstrap"] = bootstrap_json(found.problem, drawn, seed)
         run.console.print(rich_table(bootstrap_table(document)))
         if figures:
-            run.say(f"figure: {draw_bootstrap(run, found.problem, drawn, document)}")
+            from workbench.report.page import write_bootstrap
+
+            run.say(f"figure: {write_bootstrap(run, found.problem, drawn, document)}")
     if figures:
         from workbench.report.page import write_comparison
 

@@ -1,12 +1,8 @@
-"""The bootstrap of `stagecad compare --bootstrap`: many refits side by side, told beside the linear intervals."""
+"""The bootstrap of `stagecad compare --bootstrap`: many refits in parallel, and their intervals."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.fit import FittedModel
@@ -51,45 +47,3 @@ def bootstrap_json(problem: Problem, drawn: Bootstrap, seed: int) -> dict[str, A
             for k, key in enumerate(drawn.keys)
         },
     }
-
-
-def draw_bootstrap(run: Run, problem: Problem, drawn: Bootstrap, document: Mapping[str, Any]) -> Path:
-    """A histogram of each value over the refits, with the two intervals under it."""
-    from workbench.report.page import report_folder
-    from workbench.simulation.figures import save_figure
-
-    folder = report_folder(run, problem.experiment.folder.name)
-    folder.mkdir(parents=True, exist_ok=True)
-    return save_figure(_figure(drawn, document), folder / "compare_bootstrap.png")
-
-
-def _figure(drawn: Bootstrap, document: Mapping[str, Any]) -> Any:
-    from matplotlib import rc_context
-
-    from workbench.simulation.figures import INK, STYLE, new_figure
-
-    count = len(drawn.keys)
-    columns = min(count, 3)
-    rows = -(-count // columns)
-    with rc_context(STYLE):
-        figure, axes = new_figure(rows, columns, 3.4 * columns, 2.4 * rows + 0.5)
-        for k, panel in enumerate(axes.flat):
-            if k >= count:
-                panel.set_axis_off()
-                continue
-            key = public_key(drawn.keys[k])
-            q, linear = document["bootstrap"]["parameters"][key], document["parameters"][key]
-            values = drawn.values[:, k]
-            bins = min(40, max(10, int(np.sqrt(values.size) * 1.5)))
-            counts, _, _ = panel.hist(values, bins=bins, color=INK[0], alpha=0.35)
-            unit = counts.max() / 12.0
-            panel.plot([q["low"], q["high"]], [-unit, -unit], color=INK[0], linewidth=4, solid_capstyle="butt")
-            if linear.get("low") is not None and linear.get("high") is not None:
-                ends = [linear["low"], linear["high"]]
-                panel.plot(ends, [-2.2 * unit, -2.2 * unit], color=INK[1], linewidth=4, solid_capstyle="butt")
-            panel.axvline(q["value"], color="black", linewidth=0.8)
-            panel.set_yticks([])
-            panel.set_xlabel(f"{key} ({q['unit']})" if q["unit"] != "1" else key)
-            panel.locator_params(axis="x", nbins=5)
-        figure.suptitle("Refitted values (bars: 95 %; blue by refitting, red linear)", fontsize=10)
-    return figure

@@ -17,11 +17,13 @@ import numpy as np
 
 from stagecad.parameters.atomic import atomic_path
 from sysid.diagnosis.residual_maps import ResidualMap
+from sysid.estimation.bootstrap import Bootstrap
+from sysid.estimation.identifiability import public_key
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.report import LEAST_P
 from workbench.identification.tables import revision_text
-from workbench.simulation.figures import STYLE
+from workbench.simulation.figures import INK, STYLE, new_figure
 
 MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#1b4f72", "#b03a2e", "#1e8449", "#c9d6df"
 COLUMNS = 900
@@ -335,3 +337,34 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
 
 def _worst(by_channel: Mapping[str, Mapping[str, Any]]) -> float:
     return max((m["over_noise"] for m in by_channel.values() if m.get("over_noise") is not None), default=float("nan"))
+
+
+def bootstrap_figure(drawn: Bootstrap, document: Mapping[str, Any]) -> Any:
+    """A histogram of each value over the refits, with the two intervals under it."""
+    from matplotlib import rc_context
+
+    count = len(drawn.keys)
+    columns = min(count, 3)
+    rows = -(-count // columns)
+    with rc_context(STYLE):
+        figure, axes = new_figure(rows, columns, 3.4 * columns, 2.4 * rows + 0.5)
+        for k, panel in enumerate(axes.flat):
+            if k >= count:
+                panel.set_axis_off()
+                continue
+            key = public_key(drawn.keys[k])
+            q, linear = document["bootstrap"]["parameters"][key], document["parameters"][key]
+            values = drawn.values[:, k]
+            bins = min(40, max(10, int(np.sqrt(values.size) * 1.5)))
+            counts, _, _ = panel.hist(values, bins=bins, color=INK[0], alpha=0.35)
+            unit = counts.max() / 12.0
+            panel.plot([q["low"], q["high"]], [-unit, -unit], color=INK[0], linewidth=4, solid_capstyle="butt")
+            if linear.get("low") is not None and linear.get("high") is not None:
+                ends = [linear["low"], linear["high"]]
+                panel.plot(ends, [-2.2 * unit, -2.2 * unit], color=INK[1], linewidth=4, solid_capstyle="butt")
+            panel.axvline(q["value"], color="black", linewidth=0.8)
+            panel.set_yticks([])
+            panel.set_xlabel(f"{key} ({q['unit']})" if q["unit"] != "1" else key)
+            panel.locator_params(axis="x", nbins=5)
+        figure.suptitle("Refitted values (bars: 95 %; blue by refitting, red linear)", fontsize=10)
+    return figure

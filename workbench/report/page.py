@@ -17,8 +17,11 @@ from typing import Any
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
+from sysid.estimation.bootstrap import Bootstrap
 from sysid.experiment_design.t_optimal_design import Suggestion, columns_of
+from sysid.prediction.problem import Problem
 from workbench.options import Run, finite
+from workbench.report.figures import bootstrap_figure
 from workbench.report.html import render
 from workbench.report.sections import (
     Section,
@@ -27,6 +30,7 @@ from workbench.report.sections import (
     ladder_section,
     suggestion_section,
 )
+from workbench.simulation.figures import save_figure
 
 SCHEMA = 3
 
@@ -53,6 +57,13 @@ def write_ladder(run: Run, name: str, rungs: Sequence[Mapping[str, Any]]) -> Pat
     section = ladder_section(rungs, folder / "ladder.png")
     atomic_write_text(folder / "ladder.svg", section["figure"])
     return _keep(folder, section)
+
+
+def write_bootstrap(run: Run, problem: Problem, drawn: Bootstrap, document: Mapping[str, Any]) -> Path:
+    """Figure of the intervals by refitting below `run.out`."""
+    return save_figure(
+        bootstrap_figure(drawn, document), report_folder(run, problem.experiment.folder.name) / "compare_bootstrap.png"
+    )
 
 
 def write_suggestion(run: Run, found: Suggestion, motions: Sequence[Mapping[str, Any]]) -> Path:
