@@ -1,4 +1,4 @@
-"""Entry point `stagecad`. Nothing is imported before what catches Ctrl-C stands: imports are most of a short run."""
+"""Entry point `stagecad`. Imports happen after Ctrl-C is caught, since they are most of a short run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ if TYPE_CHECKING:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Run one command line (without the program's name) and return its exit status, as `workbench.dispatch` says.
+    """Run one command line (without the program's name) and return its exit status, see `workbench.dispatch`.
 
     Ctrl-C at any moment: `stopped`, and 130.
     """

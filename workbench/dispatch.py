@@ -25,12 +25,12 @@ COMMANDS = {
     "calc": "One design calculator by itself.",
     "simulate": "The thesis's experiments, and the stage driven by its piezos.",
     "effects": "The library of physical effects.",
-    "compare": "Fit the model as it stands to a measurement; show where it fails.",
-    "diagnose": "Which physical effect is missing, ranked, and what cannot be told apart.",
+    "compare": "Fit the model to a measurement; show on what its residual depends.",
+    "diagnose": "Which physical effect is missing, ranked, and which effects are indistinguishable.",
     "add": "Add effects to an experiment's model, fit, and write the next rung of its ladder.",
     "ladder": "The error after each effect added so far.",
-    "suggest": "The next measurement that would best separate the rivals left.",
-    "demo": "The whole loop on packaged records with a hidden effect, start to end.",
+    "suggest": "The next measurement that would best separate the competing effects.",
+    "demo": "Compare, diagnose and add on packaged records with hidden effects, start to end.",
 }
 
 

@@ -1,4 +1,4 @@
-"""What every command shares: the common options, and where its output goes."""
+"""The common options of every command, and the destination of its output."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Run:
         """Where text for a person goes: standard output, or standard error beside a JSON document."""
         from rich.console import Console
 
-        # Where no terminal says how wide it is, tables are laid out for a wide page rather than cut.
+        # Without a terminal of known width, tables are laid out for a wide page rather than cut.
         plain = sys.stderr if self.json_target is not None else sys.stdout
         return Console(file=plain, soft_wrap=False, highlight=False, width=None if plain.isatty() else 140)
 
@@ -151,7 +151,7 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
     ) -> Any:
         run = Run(params, overrides, out, json_target)
         if params is not None or overrides:
-            # A mistake in them is one for every command, also for one that asks the design for little or nothing.
+            # A mistake in them is reported by every command, also by one that reads little of the design.
             _ = run.design
         if json_target not in (None, "-"):
             _need_writable(Path(json_target))

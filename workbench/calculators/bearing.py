@@ -1,4 +1,4 @@
-"""Calculators of what carries the stage for `stagecad calc`: wear, smoothness, the suspensions passed over."""
+"""Calculators of the stage's support for `stagecad calc`: wear, smoothness, alternative suspensions."""
 
 from __future__ import annotations
 
@@ -138,7 +138,7 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
     "air-bearing": Calculator(
         "Load and stiffness of a round porous air bearing over its gap, its feed fixed by one point of a catalogue.",
         {
-            "gap": Option("m", "asked about", from_key("candidates.air_bearing.gap")),
+            "gap": Option("m", "between bearing and way", from_key("candidates.air_bearing.gap")),
             "known_gap": Option("m", "of the catalogue point", from_key("candidates.air_bearing.gap")),
             "known_load": Option("N", "at that gap", from_key("candidates.air_bearing.load")),
             "diameter": Option("m", "of the porous face", from_key("candidates.air_bearing.diameter")),

@@ -176,7 +176,7 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
         _drive,
     ),
     "stack": Calculator(
-        "What the drive asks of one piezo stack: pull by inertia and drive force, bending, heat, current.",
+        "Load of one piezo stack by the drive: tension by inertia and drive force, bending, heat, current.",
         {
             "mass": Option("kg", "that swings on the stacks", from_model("tip_dynamics", "mass_on_piezos")),
             "frequency": Option("Hz", "of the drive", from_key("actuator.frequency")),

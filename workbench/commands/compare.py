@@ -1,4 +1,4 @@
-"""`stagecad compare`: fits the model as it stands; shows where it fails, and how far above the noise."""
+"""`stagecad compare`: fits the model as it stands; shows its error over noise, and on what the residual depends."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from workbench.options import Run, common_options
     type=click.IntRange(20, 100_000),
     default=None,
     metavar="DRAWS",
-    help="Refit so many times to records whose errors fell otherwise; intervals beside the linear ones.",
+    help="Refit so many times to records with resampled errors; intervals beside the linear ones.",
 )
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the refits of --bootstrap to a cluster.")
 @common_options
 def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, seed: int, scheduler: str | None) -> None:
-    """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show where it fails."""
+    """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show on what its residual depends."""
     if scheduler is not None and bootstrap is None:
         raise InputError("--scheduler: only --bootstrap has many independent runs")
     from sysid.compare import compare

@@ -1,4 +1,4 @@
-"""`stagecad demo`: the whole loop on packaged records with a hidden effect, start to end."""
+"""`stagecad demo`: identification of hidden effects on packaged records, start to end."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from sysid.diagnose import Diagnosis
 
 MOST_ROUNDS = 5
-"""Effects added at most; the packaged records ask for fewer."""
+"""Effects added at most; the packaged records need fewer."""
 
 
 @click.command("demo")
 @common_options
 def command(run: Run) -> None:
-    """Play the whole loop on packaged records of a slide: compare, diagnose, add, until what is left is noise.
+    """Run compare, diagnose and add on packaged records of a slide, until the residual is at the noise level.
 
     The records are copied to OUT/demo, and every step is the very command of that name: repeat any by hand afterwards.
     """
@@ -31,12 +31,12 @@ def command(run: Run) -> None:
     folder = fresh_copy(run.out / "demo")
     say = run.say
     say(f"A slide on its bearing way was driven back and forth and its friction force measured. Records: {folder}")
-    say("The model knows Coulomb and viscous friction. Is that all there is?\n")
+    say("The model contains Coulomb and viscous friction. Is an effect missing?\n")
     document: dict[str, Any] = {"schema": 1, "experiment": str(folder), "compare": _compare(run, folder), "rounds": []}
     last = None
     for _ in range(MOST_ROUNDS):
-        found, told = _diagnose(run, folder)
-        document["rounds"].append({"diagnose": told})
+        found, diagnosis = _diagnose(run, folder)
+        document["rounds"].append({"diagnose": diagnosis})
         if found.effect is None:
             break
         last = found
@@ -46,14 +46,14 @@ def command(run: Run) -> None:
     document.update(_ladder(run, folder))
     document["seconds"] = perf_counter() - began
     say(f"\nDone in {document['seconds']:.0f} s. What was hidden: a Stribeck curve and the cogging of magnetic teeth,")
-    say("put in by a simulator that shares no law with this program.")
+    say("simulated by a program that shares no law with this one.")
     say(f"figure: {document['figure']}")
     say(f"report: {document['report']}")
     run.emit(document)
 
 
 def fresh_copy(folder: Path) -> Path:
-    """The packaged experiment in `folder`, as if nothing had been done to it yet; other files there stay."""
+    """The packaged experiment in `folder` in its initial state; other files there are kept."""
     for left_over in ("ladder", "sections"):
         shutil.rmtree(folder / left_over, ignore_errors=True)
     with as_file(files("workbench") / "demo_records") as packaged:

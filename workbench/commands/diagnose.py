@@ -1,4 +1,4 @@
-"""`stagecad diagnose`: which physical effect is missing, ranked, and what cannot be told apart."""
+"""`stagecad diagnose`: which physical effect is missing, ranked, and which effects are indistinguishable."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from workbench.options import Run, common_options
 
 @click.command("diagnose")
 @click.argument("experiment", type=click.Path(path_type=Path))
-@click.option("--all-effects", is_flag=True, help="Try whatever else the library has, besides the names everyone uses.")
+@click.option("--all-effects", is_flag=True, help="Try every other effect of the library besides the public names.")
 @click.option("--figures/--no-figures", default=True, help="Draw the figures and the HTML report into OUT.")
 @common_options
 def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:

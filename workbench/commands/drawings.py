@@ -1,4 +1,4 @@
-"""`stagecad drawings`: one DXF, SVG, PDF and PNG for each sheet, and what lint has to say about them."""
+"""`stagecad drawings`: one DXF, SVG, PDF and PNG for each sheet, and its lint."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ MANIFEST = "drawings_manifest.json"
 
 @click.command("drawings")
 @click.argument("names", metavar="[NAME]...", nargs=-1)
-@click.option("--lint", is_flag=True, help="Look for texts over texts or lines, and the like; exit status 1 on a hit.")
+@click.option("--lint", is_flag=True, help="Check the sheets for overlapping texts and lines; exit status 1 on a hit.")
 @common_options
 def command(run: Run, names: tuple[str, ...], lint: bool) -> int:
     """Draw the sheets of all parts, or of those NAMEd only (a part, or one of its sheets: base_2)."""
@@ -64,7 +64,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     try:
         sheets, changed = draw()
     except DamagedError as damage:
-        # The cache is the program's own affair: what is damaged there is made again.
+        # A damaged cache entry is built again.
         store.drop(damage.entry)
         run.note("a stored result was damaged; it is made again")
         sheets, changed = draw()

@@ -29,7 +29,7 @@ from workbench.options import Run, common_options
 )
 @common_options
 def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: Path | None) -> None:
-    """List the physical effects, or tell all about one: NAME, NAME:VARIANT."""
+    """List the physical effects, or describe one: NAME, NAME:VARIANT."""
     from sim.effects.catalogue import find, library
     from sim.effects.custom import load_all_custom
 
@@ -101,7 +101,7 @@ def _tell(run: Run, effect: Any) -> None:
     if effect.friction_state is not None:
         lines.append(("core", f"turns the friction level into a force; state: {effect.friction_state.state}"))
     if effect.coordinates:
-        lines.append(("seen against", ", ".join(effect.coordinates)))
+        lines.append(("depends on", ", ".join(effect.coordinates)))
     if effect.needs:
         lines.append(("needs", ", ".join(effect.needs)))
     lines.append(("source", effect.source))

@@ -25,7 +25,7 @@ STAMP = "made_from.json"
 def command(run: Run, simulations: bool) -> None:
     """Make everything from the parameter file: parts, assembly, drawings, list of parts, checks, simulations, report.
 
-    Exit status 0 once all is built, whatever the checks say.
+    Exit status 0 once all is built, whatever the verdicts of the checks.
     """
     from designcalc.checks import run_checks
     from designcalc.checks.analysis.report import counted

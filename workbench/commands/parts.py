@@ -40,7 +40,7 @@ def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
     try:
         return _write(run, machine, wanted)
     except DamagedError as damage:
-        # The cache is the program's own affair: what is damaged there is made again.
+        # A damaged cache entry is built again.
         store.drop(damage.entry)
         run.note("a stored result was damaged; it is made again")
         return _write(run, built_machine(run, store), wanted)
@@ -90,7 +90,7 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
 
 
 def _tell(run: Run, document: dict[str, Any]) -> None:
-    """A line for each part: what it weighs and how large it is."""
+    """A line for each part: mass, volume, size."""
     if run.json_target is not None:
         return
     width = max(len(name) for name in document["parts"])

@@ -1,4 +1,4 @@
-"""`stagecad suggest`: the next measurement that would best separate the rivals left."""
+"""`stagecad suggest`: the next measurement that would best separate the competing effects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from workbench.options import Run, common_options
 @click.option("--figures/--no-figures", default=True, help="Add to the HTML report in OUT.")
 @common_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
-    """Name the motion that would best separate what the records of EXPERIMENT leave open; write it as CSV into OUT."""
+    """Name the motion that would best separate the competing effects of EXPERIMENT; write it as CSV into OUT."""
     from sysid.experiment_design.t_optimal_design import suggest
     from workbench.console.identification import search_progress
     from workbench.console.tables import rich_table

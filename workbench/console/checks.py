@@ -39,7 +39,7 @@ def print_checks(run: Run, checks: Sequence[Check]) -> None:
 
 
 def print_sweep(run: Run, swept: Range, points: Sequence[Point]) -> list[str]:
-    """Margins over the values of a parameter; returns the checks that are worth a curve in the figure."""
+    """Margins over the values of a parameter; returns the checks to be drawn in the figure."""
     names = changing_checks(points)
     table = Table(title=f"margins over {swept.key}", pad_edge=False)
     table.add_column(swept.key, justify="right", no_wrap=True)

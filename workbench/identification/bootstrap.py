@@ -16,7 +16,7 @@ from workbench.options import Run
 def bootstrap_case(
     run: Run, problem: Problem, fitted: FittedModel, draws: int, seed: int, scheduler: str | None
 ) -> Bootstrap:
-    """Refit a case `draws` times, on the local cores or on a cluster; the same values either way.
+    """Refit a problem `draws` times, on the local cores or on a cluster; the same values either way.
 
     Raises:
         InputError: nothing to fit, too few refits that settled, or no cluster.

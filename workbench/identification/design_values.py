@@ -1,4 +1,4 @@
-"""What the design says of an experiment's numbers: for `"design"` in its file, and where fitted values go back to."""
+"""Values of an experiment taken from the design: for `"design"` in its file, and the keys of fitted values."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ ENTRIES = {
     "dwell_strengthening:kato.exponent": "friction.dwell_exponent",
     "magnetic_cogging.pitch": "teeth.pitch",
 }
-"""Numbers of an experiment that stand in the parameter file as they are, by their key there."""
+"""Numbers of an experiment that are entries of the parameter file, by their key there."""
 
 
 def design_values(run: Run) -> Callable[[str], DesignValue]:
-    """A function that gives what the design says of a number, SI, asked only for what a file names.
+    """A function that returns the design's value of a quantity, SI.
 
     A deviation given in the parameter file (`"1.2 +- 0.1 N"`) comes with it, and is a prior of the fit.
     """

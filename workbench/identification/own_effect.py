@@ -1,4 +1,4 @@
-"""A file to start an effect of one's own from: one that loads, fits and is diagnosed as it stands."""
+"""Template of a user's own effect: it loads, fits and is diagnosed without changes."""
 
 from __future__ import annotations
 

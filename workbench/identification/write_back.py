@@ -39,9 +39,9 @@ class Written:
         key: of the parameter file.
         value, std: as measured.
         unit: SI unit.
-        text: as it stands in the file now.
+        text: in the file now.
         before: text that stood there, and where it came from.
-        origin: what the file says now of where the value comes from.
+        origin: of the value, as written in the file.
     """
 
     key: str
@@ -97,7 +97,7 @@ def write_back(run: Run, problem: Problem, fitted: FittedModel, wanted: Sequence
         run: of the command; its `--params` names the file.
         problem, fitted: the experiment and its fit.
         wanted: keys of the parameter file, each alone, or as `KEY=FITTED` where the fit's value has another name there.
-        origin: what the file is to say of where the values come from.
+        origin: of the values, to be written to the file.
 
     Raises:
         InputError: a key that the file or the fit does not have, units that do not match, a value the records do not
@@ -121,7 +121,7 @@ def _lock_of(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class _Measured:
-    """Fitted values by public key with units, their covariance, and those that the records do not tell."""
+    """Fitted values by public key with units, their covariance, and those that the records do not determine."""
 
     values: dict[str, float]
     units: dict[str, str]
@@ -143,7 +143,7 @@ def _measured(run: Run, problem: Problem, fitted: FittedModel) -> _Measured:
         {public_key(key): parameter_unit(problem, key) for key in found.keys},
         covariance,
         {
-            name: "ended at its bound" if interval.at_bound else "is not told by these records"
+            name: "ended at its bound" if interval.at_bound else "is not identifiable from these records"
             for name, interval in by_name.items()
             if interval.at_bound or not isfinite(interval.std)
         },
@@ -163,10 +163,12 @@ def _value(run: Run, item: str, measured: _Measured, known: Mapping[str, list[Te
         options = known.get(key, [])
         terms = next((option for option in options if all(part in measured.values for part in option)), None)
         if terms is None and options:
-            raise InputError(f"--write-back {key}: the model has no {' and '.join(options[0])}, which it stands for")
+            raise InputError(
+                f"--write-back {key}: the model has no {' and '.join(options[0])}, which it corresponds to"
+            )
         if terms is None:
             near = nearest(key, known)
-            raise InputError(f"--write-back {key}: no fitted value stands for it{near}; or write {key}=FITTED")
+            raise InputError(f"--write-back {key}: no fitted value corresponds to it{near}; or write {key}=FITTED")
     assert terms is not None
     for part in terms:
         if part in measured.untold:
@@ -185,7 +187,7 @@ def _value(run: Run, item: str, measured: _Measured, known: Mapping[str, list[Te
 
 
 def _unit_of(text: str, unit: str) -> str:
-    """The unit a quantity is written in, so that `1 mm/s` stays in mm/s; `unit` where it cannot be told."""
+    """The unit a quantity is written in, so that `1 mm/s` stays in mm/s; `unit` where it is unknown."""
     last = text.rpartition(" ")[2]
     try:
         return last if unit and unit_dimension(last) == unit_dimension(unit) else unit

@@ -97,7 +97,7 @@ def speed_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     for (law, speed), colour in zip(speed_of(travel, frequency).items(), ("tab:blue", "tab:orange", "tab:green")):
         axes.plot(frequency / 1e3, 1e3 * speed, color=colour, label=f"{law}")
     axes.axhline(1e3 * wanted, color="0.3", lw=0.8)
-    axes.text(0.1, 1e3 * wanted, " asked for", va="bottom", fontsize=8, color="0.3")
+    axes.text(0.1, 1e3 * wanted, " required", va="bottom", fontsize=8, color="0.3")
     axes.axvspan(0, first / 3e3, color="tab:green", alpha=0.12, lw=0)
     axes.axvline(first / 1e3, color="tab:red", ls="--", lw=1)
     axes.text(first / 1e3, 8, " first resonance of the tip", color="tab:red", fontsize=8)
@@ -125,7 +125,7 @@ def travel_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     r = DesignInputs(design, masses)
     half, places, centre = r("stage.travel") / 2, pad_positions(r), r.centre_of_mass()
     x = np.linspace(-half, half, 161)
-    # The stage at x stands with the tip at -x on it.
+    # With the stage at x the tip acts at -x on it.
     share = np.array([tip_force_limit(places, centre, (-place, 0.0)) for place in x])
     mu, mu_pad, p = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r)
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
@@ -134,7 +134,7 @@ def travel_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     axes.axhline(
         float(acceleration_limit(mu, p)) / GRAVITY, color="tab:orange", ls="--", label="before lift-off, mu (1 + p)"
     )
-    for key, label in (("acceleration_low", "asked for, least"), ("acceleration", "asked for, most")):
+    for key, label in (("acceleration_low", "required, least"), ("acceleration", "required, most")):
         axes.axhline(r(f"requirements.{key}") / GRAVITY, color="0.4", lw=0.8)
         axes.text(-1e3 * half, r(f"requirements.{key}") / GRAVITY, label, va="bottom", fontsize=8, color="0.4")
     axes.axhline(0, color="0.8", lw=0.8)
@@ -166,7 +166,7 @@ def profile_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
     axes.plot(1e3 * x, 1e9 * profiles[0], color="0.75", lw=0.5, label="way, averaged across the contact")
     axes.plot(1e3 * x[first : first + height.size], 1e9 * height, color="tab:blue", lw=1.4, label="pad that rides it")
     limit = 1e9 * r("requirements.smoothness")
-    axes.axhspan(-limit, limit, color="tab:green", alpha=0.15, lw=0, label="smoothness asked for")
+    axes.axhspan(-limit, limit, color="tab:green", alpha=0.15, lw=0, label="required smoothness")
     axes.set_xlabel("along the travel, mm")
     axes.set_ylabel("height, nm")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
@@ -197,7 +197,7 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
         axes.set_xlim(max(min(sizes) / 3, 1e-3))
         axes.tick_params(labelsize=8)
         axes.set_title(f"{one.name}, {one.direction}", fontsize=9, loc="left")
-    axes.set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: asked for)", fontsize=9)
+    axes.set_xlabel("at the payload, nm (blue: by squares; orange: in full; dashed: limit)", fontsize=9)
     _save(figure, path)
     return True
 

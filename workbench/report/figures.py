@@ -1,7 +1,7 @@
-"""Figures of the loop: measured over predicted, what is left, where it fails, and the ladder; as SVG text.
+"""Figures of an identification: measurement and prediction, residual, residual maps, ladder; as SVG text.
 
-A record of any length is drawn by the least and the largest value of each pixel column, so a figure stays small and no
-spike is lost.
+A record of any length is drawn by the minimum and maximum of each pixel column, so a figure stays small and no spike is
+lost.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, 
         panel.plot(t, r, color=ink, linewidth=0.7, label=label)
     first = np.abs(curve.measured - next(iter(curve.predicted.values())))[span]
     if np.isfinite(first).any():
-        # A few samples beside reversals, far above the rest, would flatten all there is to see.
+        # A few samples beside reversals, far above the rest, would hide the rest.
         part = 0.985 if first.size == curve.time.size else 0.93
         reach = max(1.5 * float(np.nanquantile(first, part)), 4.0 * curve.noise) * factor
         panel.set_ylim(-reach, reach)
@@ -218,8 +218,10 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
         for panel in axes[:, 0]:
             panel.axvspan(curve.time[zoom][0], curve.time[zoom][-1], color="#f5e6c8", zorder=0, linewidth=0)
         axes[0, 0].set(ylabel=f"{words} ({unit})", title=f"{words}, record {curve.record}")
-        axes[0, 1].set_title("where it is worst")
-        axes[1, 0].set(ylabel=f"left ({small_unit})", title="measured less predicted; band: two deviations of noise")
+        axes[0, 1].set_title("largest residual")
+        axes[1, 0].set(
+            ylabel=f"residual ({small_unit})", title="measured less predicted; band: two standard deviations of noise"
+        )
         _legend(figure, axes[0, 0])
         return _svg(figure, f"overlay {curve.record} {curve.channel}")
 
@@ -302,7 +304,7 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
     """Error over noise after each effect added, log axis, the noise as a line at one; SVG text, and a PNG file."""
     labels, fit, held = [], [], []
     for rung in rungs:
-        words = revision_text(rung, "as it began").replace("_", " ").replace(":", ": ").split(", ")
+        words = revision_text(rung, "initial model").replace("_", " ").replace(":", ": ").split(", ")
         came = len(rung.get("added") or ())
         signed = [f"+ {word}" if k < came else word for k, word in enumerate(words)]
         labels.append("\n".join(fill(word, LABEL_WIDTH) for word in signed))

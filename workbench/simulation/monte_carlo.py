@@ -159,7 +159,7 @@ def simulate_samples(common: _Common, rows: np.ndarray) -> list[Sample]:
     for row in rows:
         overrides = [f"{one.key}={value!r} {one.unit}".rstrip() for one, value in zip(common.parameters, row.tolist())]
         try:
-            # Rules across values apply to the drawn design, not to a machine within its tolerances.
+            # Rules across values apply to the nominal design, not to a machine within its tolerances.
             design = common.source.design(*overrides, rules=False)
             masses = scaled_masses(design, common.base, common.masses)
             found.append(_simulate(design, common.selection, masses))

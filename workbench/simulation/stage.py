@@ -49,7 +49,7 @@ def run_studies(
 
 
 def _on_cores(drive: StageDrive, names: Sequence[str], cores: int, tally: _Tally) -> dict[str, Any]:
-    """All studies at once, each waiting in a thread for its own cases in one pool of processes: no core stands idle."""
+    """All studies at once, each waiting in a thread for its own cases in one pool of processes: no core is idle."""
     from concurrent.futures import ThreadPoolExecutor, as_completed
 
     from sim.experiments.stage import STUDIES

@@ -42,9 +42,9 @@ def draw_steps(folder: Path, study: StepStudy) -> list[Path]:
         panel.plot(run.time, run.position[:, 0] * 1e9, color=INK[0], linewidth=0.9, label="stage")
         panel.set(xlabel="time (s)", ylabel="x (nm)")
         text = "one count" if name == "1_count" else name.replace("nm", " nm")
-        panel.set_title(f"{text} ({stairs.asked * 1e9:.3g} nm asked): {stairs.mean_step * 1e9:.3g} nm a step")
+        panel.set_title(f"{text} ({stairs.asked * 1e9:.3g} nm commanded): {stairs.mean_step * 1e9:.3g} nm a step")
     axes[0, 0].legend(loc="lower center")
-    figure.suptitle(f"Steps with the tip at rest on the sea; springs in series pass on {study.static:.2f} of it")
+    figure.suptitle(f"Steps with the tip at rest on the stage; springs in series transmit {study.static:.2f} of it")
     return [save_figure(figure, folder / "stage_steps.png")]
 
 
@@ -76,10 +76,10 @@ def draw_speed(folder: Path, study: SpeedStudy) -> list[Path]:
         changing = ~study.lasts(height)
         ratio.plot(f[changing], study.ratio(height)[changing], "x", color=ink, markersize=9)
     speed.set(ylabel="speed (mm/s)", xscale="log", yscale="log")
-    speed.legend(title="apex at mid-stroke over the sea,\nin half heights of the ellipse", loc="upper left")
-    ratio.set(ylabel="speed / (X f), X as the tip makes it", xlabel="frequency (Hz)", ylim=(0.0, 3.5))
+    speed.legend(title="apex at mid-stroke over the surface,\nin half heights of the ellipse", loc="upper left")
+    ratio.set(ylabel="speed / (X f), X as the tip moves", xlabel="frequency (Hz)", ylim=(0.0, 3.5))
     ratio.legend(handles=[_ring(), _cross()], loc="lower left", bbox_to_anchor=(0.0, 1.0), borderaxespad=0.0, ncols=2)
-    figure.suptitle(f"Lasting speed against frequency, X = {study.travel * 1e6:.1f} µm asked for")
+    figure.suptitle(f"Lasting speed against frequency, X = {study.travel * 1e6:.1f} µm commanded")
     return [save_figure(figure, folder / "stage_speed.png")]
 
 
@@ -91,7 +91,7 @@ def draw_travel_map(folder: Path, study: TravelMap) -> list[Path]:
     x, z = study.positions * 1e3, study.heights * 1e6
     for panel, values, title in (
         (lifted, study.lifted, "a pad is off its way (part of the time)"),
-        (off, study.tip_off, "the tip is off the sea (part of the time)"),
+        (off, study.tip_off, "the tip is off the stage (part of the time)"),
     ):
         shown = panel.pcolormesh(x, z, values, cmap="cividis", vmin=0.0, vmax=1.0, shading="nearest")
         panel.grid(False)
@@ -99,7 +99,7 @@ def draw_travel_map(folder: Path, study: TravelMap) -> list[Path]:
         figure.colorbar(shown, ax=panel)
     share.plot(x, study.limit, color=GREY, label="moments about the pads' edge")
     share.plot(x, study.pushed, "o", color=INK[0], markersize=4, label="pushed up slowly: first pad lifts")
-    share.plot(x, study.load_share.max(axis=0), "^", color=INK[1], markersize=4, label="most that a drive carries")
+    share.plot(x, study.load_share.max(axis=0), "^", color=INK[1], markersize=4, label="largest load of a drive")
     share.set(xlabel="position of the stage (mm)", ylabel="tip force / (weight + preload)", title="tip-over")
     share.legend(loc="upper right", fontsize=7)
     share.set_ylim(0.0, 1.3 * share.dataLim.ymax)
@@ -121,7 +121,7 @@ def draw_ellipse(folder: Path, study: EllipseSearch) -> list[Path]:
             label=f"{np.degrees(phase):.0f}°",
         )
     paths.set_aspect("equal", "datalim")
-    paths.set(xlabel="x (µm)", ylabel="y, up (µm)", title="paths asked for")
+    paths.set(xlabel="x (µm)", ylabel="y, up (µm)", title="commanded paths")
     paths.legend(title="phase", fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     for ink, height, speed, lifted, lasts in zip(TRAVEL_INK, study.heights, study.speed, study.lifted, study.lasts):
         degrees = np.degrees(study.phases)
@@ -130,11 +130,11 @@ def draw_ellipse(folder: Path, study: EllipseSearch) -> list[Path]:
         speeds.plot(degrees[lifts], speed[lifts] * 1e3, "o", color="white", markeredgecolor=ink, markersize=6)
         speeds.plot(degrees[~lasts], speed[~lasts] * 1e3, "x", color=ink, markersize=9)
     speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="lasting speed")
-    # Beside the curves: with another design they may lie anywhere.
+    # Beside the curves, which may lie anywhere for another design.
     shown = [*speeds.get_legend_handles_labels()[0], _ring(), _cross()]
-    title = "apex at mid-stroke\nover the sea, in\nhalf heights"
+    title = "apex at mid-stroke\nover the surface, in\nhalf heights"
     speeds.legend(handles=shown, title=title, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    figure.suptitle(f"Which ellipse drives best at {study.frequency:.0f} Hz")
+    figure.suptitle(f"Speed by phase and height of the ellipse at {study.frequency:.0f} Hz")
     return [save_figure(figure, folder / "stage_ellipse.png")]
 
 
@@ -154,7 +154,7 @@ def draw_coupling(folder: Path, study: CouplingStudy) -> list[Path]:
     across.set(xlabel="x (mm)", ylabel="y (µm)", title="across")
     yaw.set(xlabel="x (mm)", ylabel="yaw (µrad)", title="yaw")
     figure.legend(loc="outside lower center", ncols=3, fontsize=7)
-    figure.suptitle("Cross-coupling from rest, one actuator, the magnets' teeth guiding")
+    figure.suptitle("Cross-coupling from rest, one actuator, guided by the magnetic teeth")
     return [save_figure(figure, folder / "stage_coupling.png")]
 
 
@@ -184,7 +184,7 @@ def draw_planar(folder: Path, study: PlanarStudy) -> list[Path]:
             linestyle=":" if thirds else "-",
             label=label,
         )
-    errors.set(xlabel="direction asked (°)", ylabel="error (°)", title="error of direction")
+    errors.set(xlabel="commanded direction (°)", ylabel="error (°)", title="error of direction")
     errors.set_xticks(np.arange(0.0, 361.0, 60.0))
     figure.legend(loc="outside lower right", ncols=3, fontsize=7)
     figure.suptitle("Three actuators, no guide: starts from rest (grey: as commanded)")
@@ -234,12 +234,12 @@ def draw_hunting(folder: Path, study: HuntingStudy) -> list[Path]:
             axes[1, column].set_ylim(-1.1, 1.1)
         axes[1, column].plot(t[late], held.output[late] * (1e6 if fine else 1.0), color=ink, linewidth=0.8)
         axes[1, column].set(xlabel="time (s)", ylabel="loop's output: lean (µm)" if fine else "loop's output (1)")
-    figure.suptitle("Holding a target: stuck, hunting, and ringing on the contact")
+    figure.suptitle("Holding a target: sticking, hunting, and oscillation on the contact")
     return [save_figure(figure, folder / "stage_hunting.png")]
 
 
 def _ring() -> Any:
-    """What an open ring says, for a legend."""
+    """Legend entry of an open ring."""
     from matplotlib.lines import Line2D
 
     return Line2D(
@@ -248,7 +248,7 @@ def _ring() -> Any:
 
 
 def _cross() -> Any:
-    """What a cross says, for a legend."""
+    """Legend entry of a cross."""
     from matplotlib.lines import Line2D
 
     return Line2D([], [], linestyle="", marker="x", markersize=7, color=GREY, label="still changing, or uneven")

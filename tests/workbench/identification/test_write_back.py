@@ -115,7 +115,7 @@ def test_without_a_file_of_ones_own_nothing_is_written_nor_added(rig: Path, caps
     [
         ("friction.colomb", "did you mean 'friction.coulomb'?"),
         ("friction.mass", "the model has no rig.mass"),
-        ("stage.length", "no fitted value stands for it"),
+        ("stage.length", "no fitted value corresponds to it"),
         ("friction.viscous=coulomb.force", "coulomb.force is in N, friction.viscous in N*s/m"),
         ("friction.viscous=coulomb.forse", "did you mean 'coulomb.force'?"),
         ("stage.material", "stage.material is no number"),
