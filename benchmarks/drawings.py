@@ -19,9 +19,6 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from functools import partial
-from itertools import pairwise
 from pathlib import Path
 
 TARGETS = {
@@ -57,105 +54,35 @@ def seconds(arguments: list[str], cache: Path) -> tuple[float, float]:
 def sheet_seconds(runs: int) -> dict[str, float]:
     """Processor time of each sheet, from solids to its files, in one process that has all modules loaded.
 
-    Of a part, with its STEP AP242 file, shared evenly among its sheets. Of the whole machine, with the pictures it
-    shows, one after the other, and with the pictures there.
+    That of a part includes its STEP AP242 file and is divided evenly among its sheets; that of the assembly and of the
+    procedure includes their pictures.
     """
-    from drawings.artefacts.pictures import PICTURES, make_picture
-    from drawings.artefacts.sheets import draw_part, draw_whole
+    from drawings.artefacts.sheets import PICTURES, build_sheets
     from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.registry import ASSEMBLY, MADE, part_names
+    from stagecad.solids.modelling.registry import MADE, part_names
     from workbench.machine.artefacts import procedure_values
 
     design = load_design()
     times: dict[str, float] = {}
-
-    def note(name: str, task: Callable[[], object]) -> None:
-        start = time.process_time()
-        made = task()
-        count = len(made) if isinstance(made, tuple) else 1
-        times[name] = min(times.get(name, math.inf), (time.process_time() - start) / count)
-
-    with tempfile.TemporaryDirectory() as made:
-        parts = {name: build_part(ArtefactStore(Path(made)), name, design) for name in part_names(design)}
-        procedure_values(ArtefactStore(Path(made)), design)
+    with tempfile.TemporaryDirectory() as built:
+        for name in part_names(design):
+            build_part(ArtefactStore(Path(built)), name, design)
+        procedure_values(ArtefactStore(Path(built)), design)
         # The first round loads what is loaded late, and compiles.
         for number in range(runs + 1):
             with tempfile.TemporaryDirectory() as folder:
-                shutil.copytree(made, folder, dirs_exist_ok=True)
+                shutil.copytree(built, folder, dirs_exist_ok=True)
                 store = ArtefactStore(Path(folder))
                 if number == 1:
                     times.clear()
-                for part in MADE:
-                    note(part, partial(draw_part, store, part, design))
-                for whole, pictures in PICTURES.items():
-                    if whole == ASSEMBLY:
-                        for name in pictures:
-                            note(f"picture: {name}", partial(make_picture, store, name, parts, design))
-                    note(f"{whole}, its pictures there", partial(draw_whole, store, whole, design, procedure_values))
-                    shown = sum(times[f"picture: {name}"] for name in pictures)
-                    times[f"{whole}, with its pictures"] = times[f"{whole}, its pictures there"] + shown
+                for subject in (*MADE, *PICTURES):
+                    start = time.process_time()
+                    sheets = build_sheets(store, subject, design, procedure_values)
+                    seconds = (time.process_time() - start) / len(sheets)
+                    times[subject] = min(times.get(subject, math.inf), seconds)
     return times
-
-
-def clocked(runs: int) -> dict[str, float]:
-    """Time of day from nothing but the parts to the files of each sheet of the whole machine, on two processors.
-
-    Two processes work as those of the command do, the pictures first, then the sheet.
-    In their first round they load what is loaded late; the best of the others counts.
-    """
-    from drawings.artefacts.pictures import PICTURES
-    from drawings.artefacts.workers import run_tasks
-    from stagecad.parameters.load import load_design
-    from stagecad.solids.artefacts.part import build_part
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.registry import part_names
-    from workbench.machine.artefacts import procedure_values
-
-    times: dict[str, float] = {}
-    with tempfile.TemporaryDirectory() as folder:
-        design, made = load_design(), Path(folder) / "made"
-        for name in part_names(design):
-            build_part(ArtefactStore(made), name, design)
-        procedure_values(ArtefactStore(made), design)
-        for whole, pictures in PICTURES.items():
-            names: list[str] = []
-            needs: dict[str, list[str]] = {}
-            for number in range(runs + 1):
-                shutil.copytree(made, Path(folder) / f"{whole} {number}")
-                before = names[-1:]
-                own = [f"{whole} {number}/{picture}" for picture in pictures]
-                last = f"{whole} {number}/"
-                needs |= dict.fromkeys(own, before) | {last: own}
-                names += [*own, last]
-            ends: dict[str, float] = {}
-            run_tasks(
-                names, partial(one_of, folder), lambda name, ends=ends: ends.update({name: time.perf_counter()}),
-                workers=2, needs=needs,
-            )  # fmt: skip
-            sheets = [ends[f"{whole} {number}/"] for number in range(runs + 1)]
-            times[whole] = min(end - begin for begin, end in pairwise(sheets))
-    return times
-
-
-def one_of(folder: str, name: str, late: bool) -> None:
-    """A picture of the machine, or its sheet, as `clocked` names it."""
-    from drawings.artefacts.pictures import make_picture
-    from drawings.artefacts.sheets import draw_whole
-    from stagecad.parameters.load import load_design
-    from stagecad.solids.artefacts.part import build_part
-    from stagecad.solids.artefacts.store import ArtefactStore
-    from stagecad.solids.modelling.registry import part_names
-    from workbench.machine.artefacts import procedure_values
-
-    place, _, picture = name.partition("/")
-    store, design = ArtefactStore(Path(folder) / place), load_design()
-    if picture:
-        parts = {part: build_part(store, part, design) for part in part_names(design)}
-        make_picture(store, picture, parts, design, exact=not late)
-    else:
-        draw_whole(store, place.split()[0], design, procedure_values, exact=not late)
 
 
 def rendering_seconds(runs: int) -> tuple[float, float]:
@@ -225,13 +152,7 @@ def main(runs: int) -> None:
         print(f"{name:28} {value:9.2f} {processor:14.2f} {TARGETS[name]:11.2f}   {missed}")
     print(f"\n{'a sheet itself':32} {'processor [s]':>14} {'target [s]':>11}")
     for name, alone in sheet_seconds(runs).items():
-        if name.startswith("picture"):
-            print(f"  {name:30} {alone:14.2f}")
-        else:
-            print(f"{name:32} {alone:14.2f} {SHEET:11.2f}   {'' if alone < SHEET else 'missed'}")
-    print(f"\n{'from parts to files, with pictures':32} {'time [s]':>11} {'target [s]':>11}   (two processes)")
-    for name, whole in clocked(runs).items():
-        print(f"{name:32} {whole:13.2f} {SHEET:11.2f}   {'' if whole < SHEET else 'missed'}")
+        print(f"{name:32} {alone:14.2f} {SHEET:11.2f}   {'' if alone < SHEET else 'missed'}")
     ours, theirs = rendering_seconds(runs)
     print(f"\n{'SVG, PDF and PNG (stage)':34} {ours:12.2f}   ezdxf's drawing add-on, SVG alone: {theirs:.2f}")
 

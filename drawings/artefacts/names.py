@@ -1,4 +1,4 @@
-"""Names of the sheets of a design, known without drawing any or loading the CAD kernel."""
+"""Names of the sheets of a design, without drawing any or loading the CAD kernel."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from stagecad.solids.modelling.registry import ASSEMBLY, MADE, OF_TEETH, PURCHAS
 
 
 def sheet_names(design: Any) -> dict[str, tuple[str, ...]]:
-    """Names of the sheets of each thing that has a drawing."""
+    """Names of the sheets of each subject: the parts that are made, the assembly, the procedure."""
     made = [name for name in part_names(design) if name in MADE]
     sheets = {part: tuple(plan.name for plan in sheet_plans(part, design)) for part in made}
     return {**sheets, ASSEMBLY: (ASSEMBLY,), PROCEDURE: (PROCEDURE,)}
 
 
 def chosen_sheets(names: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
-    """The sheets a user named, by part or one by one, or all of them when none is named.
+    """The sheets that are named, by subject or one by one; all when none is named.
 
     Raises:
         InputError: a name that is neither, with the nearest that is.
@@ -27,17 +27,14 @@ def chosen_sheets(names: Sequence[str], design: Any) -> dict[str, tuple[str, ...
     known = sheet_names(design)
     if not names:
         return known
-    chosen: dict[str, set[str]] = {}
+    chosen: set[str] = set()
     for name in names:
-        part = next((part for part, sheets in known.items() if name == part or name in sheets), None)
-        if part is None:
+        subject = next((subject for subject, sheets in known.items() if name == subject or name in sheets), None)
+        if subject is None:
             raise InputError(_unknown(name, known))
-        chosen.setdefault(part, set()).update(known[part] if name == part else (name,))
-    return {
-        part: tuple(sheet for sheet in sheets if sheet in chosen[part])
-        for part, sheets in known.items()
-        if part in chosen
-    }
+        chosen.update(known[subject] if name == subject else (name,))
+    found = {subject: tuple(sheet for sheet in sheets if sheet in chosen) for subject, sheets in known.items()}
+    return {subject: sheets for subject, sheets in found.items() if sheets}
 
 
 def _unknown(name: str, known: dict[str, tuple[str, ...]]) -> str:

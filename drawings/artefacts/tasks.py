@@ -1,8 +1,4 @@
-"""All sheets that are wanted, drawn side by side: what has to be made before what, and in which order.
-
-A sheet of one part needs that part. A sheet of the whole machine needs every part, and its pictures, which are tasks of
-their own.
-"""
+"""Sheets drawn in several processes: which of them, in which order, and the parts that have to be built first."""
 
 from __future__ import annotations
 
@@ -11,98 +7,72 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from drawings.artefacts.pictures import PICTURES, PROCEDURE, find_picture, make_picture
-from drawings.artefacts.sheets import WHOLE, Calculate, MadeSheet, all_parts, draw_part, draw_whole, find_sheets
+from drawings.artefacts.sheets import PICTURES, PROCEDURE, BuiltSheet, CalculateValues, build_sheets, find_sheets
 from drawings.artefacts.workers import run_tasks
 from stagecad.solids.artefacts.part import build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
-MAKE, SHOW = "make ", "show "
-"""Begin the names of tasks that draw no sheet: one makes a part, the other a picture of the machine."""
+BUILD = "build "
+"""Begins the name of a task that builds a part; the other tasks draw the sheets of their name."""
 
-SLOWEST_FIRST = ("base", "spring", PROCEDURE, ASSEMBLY, "stage", "holder", "tip", "tooth_bar", "bearing_way")
-"""Order in which parts are made and sheets drawn, so that no long one is left for the end."""
+SLOWEST_FIRST = ("base", "spring", ASSEMBLY, PROCEDURE, "stage", "holder", "tip", "tooth_bar", "bearing_way")
+"""Order in which parts are built and sheets drawn, so that no long task is left for the end."""
 
 
-def make_sheets(
+def build_all_sheets(
     store: ArtefactStore,
-    parts: Iterable[str],
+    subjects: Iterable[str],
     design: Any,
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
-    calculate: Calculate | None = None,
-) -> dict[str, tuple[MadeSheet, ...]]:
-    """The sheets of some parts, those that the cache lacks drawn side by side in processes of their own.
+    calculate: CalculateValues | None = None,
+) -> dict[str, tuple[BuiltSheet, ...]]:
+    """The sheets of parts and of the machine; those that the store lacks are drawn in several processes.
 
     Args:
-        store: the cache.
-        parts: names.
-        design: it must pickle.
-        advance: called with each part as it is done.
-        workers: processes; the number of processors when left out.
-        calculate: gives the calculated numbers of the procedure, where its sheet is among them.
+        subjects: parts, `assembly`, `procedure`.
+        design: pickled for the processes.
+        advance: called with each subject when its sheets are there.
+        workers: number of processes; that of the processors when left out.
+        calculate: for the procedure.
     """
-    wanted = tuple(parts)
-    found: dict[str, tuple[MadeSheet, ...]] = {}
-    for part in wanted:
-        sheets = find_sheets(store, part, design, calculate)
+    wanted = tuple(subjects)
+    found: dict[str, tuple[BuiltSheet, ...]] = {}
+    for subject in wanted:
+        sheets = find_sheets(store, subject, design, calculate)
         if sheets is not None:
-            found[part] = sheets
-            advance(part)
-    missing = sorted((part for part in wanted if part not in found), key=_slowness)
-    needs = _needs(store, missing, design) if any(part in WHOLE for part in missing) else {}
-    before = tuple(dict.fromkeys(task for tasks in needs.values() for task in tasks if task not in missing))
+            found[subject] = sheets
+            advance(subject)
+    missing = _slowest_first(subject for subject in wanted if subject not in found)
     if missing:
-        work = partial(_draw_elsewhere, store.folder, design, calculate)
+        before: tuple[str, ...] = ()
+        if any(subject in PICTURES for subject in missing):
+            parts = _slowest_first(name for name in part_names(design) if find_part(store, name, design) is None)
+            before = tuple(f"{BUILD}{name}" for name in parts)
 
-        def tell(task: str) -> None:
+        def report(task: str) -> None:
             if task in missing:
                 advance(task)
 
-        first = sorted((t for t in before if t.startswith(MAKE)), key=lambda task: _slowness(task.removeprefix(MAKE)))
-        # The first sheet, which takes longest, is drawn beside the pictures.
-        shows = [task for task in before if task.startswith(SHOW)]
-        tasks = (*first, *missing[:1], *shows, *missing[1:])
-        drawn = run_tasks(tasks, work, tell, workers=workers, needs=needs)
-        found |= {part: drawn[part] for part in missing}
-    return {part: found[part] for part in wanted}
+        needs = {
+            subject: [task for task in before if subject in PICTURES or task == f"{BUILD}{subject}"]
+            for subject in missing
+        }
+        work = partial(_run, store.folder, design, calculate)
+        built = run_tasks((*before, *missing), work, report, workers=workers, needs=needs)
+        found |= {subject: built[subject] for subject in missing}
+    return {subject: found[subject] for subject in wanted}
 
 
-def _needs(store: ArtefactStore, missing: Sequence[str], design: Any) -> dict[str, tuple[str, ...]]:
-    """What has to be done before each of some sheets, one of the whole machine among them, and before that.
-
-    The whole machine needs every part, and its pictures: they are made first, side by side.
-    """
-    found = {name: find_part(store, name, design) for name in part_names(design)}
-    parts = {name: made for name, made in found.items() if made is not None}
-    makes = tuple(f"{MAKE}{name}" for name in sorted(found, key=_slowness) if name not in parts)
-    pictures = dict.fromkeys(name for part in missing if part in WHOLE for name in PICTURES[part])
-    if not makes:
-        pictures = {name: None for name in pictures if find_picture(store, name, parts, design) is None}
-    shows = {name: f"{SHOW}{name}" for name in pictures}
-    needs = {part: tuple(make for make in makes if make == f"{MAKE}{part}") for part in missing if part not in WHOLE}
-    needs |= dict.fromkeys(shows.values(), makes)
-    for part in WHOLE:
-        if part in missing:
-            needs[part] = (*makes, *(shows[name] for name in PICTURES[part] if name in shows))
-    return needs
+def _slowest_first(names: Iterable[str]) -> Sequence[str]:
+    return sorted(names, key=lambda name: SLOWEST_FIRST.index(name) if name in SLOWEST_FIRST else len(SLOWEST_FIRST))
 
 
-def _slowness(part: str) -> int:
-    return SLOWEST_FIRST.index(part) if part in SLOWEST_FIRST else len(SLOWEST_FIRST)
-
-
-def _draw_elsewhere(
-    folder: Path, design: Any, calculate: Calculate | None, part: str, late: bool
-) -> tuple[MadeSheet, ...]:
-    if part.startswith(MAKE):
-        build_part(ArtefactStore(folder), part.removeprefix(MAKE), design)
+def _run(folder: Path, design: Any, calculate: CalculateValues | None, task: str, late: bool) -> tuple[BuiltSheet, ...]:
+    """Run a task in a worker process; a late one, which exceeded the time limit, without exact hidden-line removal."""
+    store = ArtefactStore(folder)
+    if task.startswith(BUILD):
+        build_part(store, task.removeprefix(BUILD), design)
         return ()
-    if part.startswith(SHOW):
-        store = ArtefactStore(folder)
-        make_picture(store, part.removeprefix(SHOW), all_parts(store, design), design, exact=not late)
-        return ()
-    if part in WHOLE:
-        return draw_whole(ArtefactStore(folder), part, design, calculate, exact=not late)
-    return draw_part(ArtefactStore(folder), part, design, exact=not late)
+    return build_sheets(store, task, design, calculate, exact=not late)

@@ -1,14 +1,14 @@
-"""Views of an assembly: pieces in place that hide one another, and the picture as a JSON document for the cache."""
+"""Views of an assembly: pieces in place that hide one another."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from drawings.views.line_cleaning import cleaned
 from drawings.views.projection import hidden_lines
-from drawings.views.view import Arc, Curve, Cut, Polyline, Projection, Segment, View
+from drawings.views.view import Curve, Projection, View
 from stagecad.solids.modelling.frame import Frame
 
 if TYPE_CHECKING:
@@ -70,47 +70,3 @@ def picture(
     visible, _ = cleaned((curve for piece in lines for curve in piece), chord=chord)
     parts = tuple((piece.part, curves) for piece, curves in zip(pieces, lines, strict=True))
     return Picture(View(name, projection, {"VISIBLE": visible}, scale), parts)
-
-
-def picture_document(shown: Picture) -> dict[str, Any]:
-    """A picture as values that JSON can hold."""
-    view = shown.view
-    return {
-        "name": view.name,
-        "projection": astuple(view.projection),
-        "scale": view.scale,
-        "label": view.label,
-        "cut": astuple(view.cut) if view.cut else None,
-        "curves": {layer: _rows(curves) for layer, curves in view.curves.items()},
-        "pieces": [(part, _rows(curves)) for part, curves in shown.pieces],
-    }
-
-
-def picture_of(document: Mapping[str, Any]) -> Picture:
-    """The picture of a `picture_document`."""
-    view = View(
-        document["name"],
-        Projection(*_tuples(document["projection"])),
-        {layer: _curves(rows) for layer, rows in document["curves"].items()},
-        document["scale"],
-        label=document["label"],
-        cut=Cut(*_tuples(document["cut"])) if document["cut"] else None,
-    )
-    return Picture(view, tuple((part, _curves(rows)) for part, rows in document["pieces"]))
-
-
-_KINDS = {kind.__name__: kind for kind in (Segment, Arc, Polyline)}
-
-
-def _rows(curves: Sequence[Curve]) -> list[tuple[Any, ...]]:
-    """Each curve as the name of its class and its fields."""
-    return [(type(curve).__name__, *vars(curve).values()) for curve in curves]
-
-
-def _curves(rows: Sequence[Sequence[Any]]) -> tuple[Curve, ...]:
-    return tuple(_KINDS[kind](*_tuples(fields)) for kind, *fields in rows)
-
-
-def _tuples(value: Any) -> Any:
-    """JSON arrays as tuples."""
-    return tuple(map(_tuples, value)) if isinstance(value, list) else value

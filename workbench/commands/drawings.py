@@ -9,7 +9,7 @@ import click
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
-    from drawings.artefacts.sheets import MadeSheet
+    from drawings.artefacts.sheets import BuiltSheet
 
 MANIFEST = "drawings_manifest.json"
 
@@ -40,7 +40,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         InputError: a name that is neither a part with a drawing nor one of its sheets.
     """
     from drawings.artefacts.names import chosen_sheets
-    from drawings.artefacts.tasks import make_sheets
+    from drawings.artefacts.tasks import build_all_sheets
     from stagecad.solids.artefacts.outputs import DamagedError, write_manifest, write_stored
     from stagecad.solids.artefacts.store import ArtefactStore
     from workbench.machine.artefacts import procedure_values
@@ -48,10 +48,10 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     wanted = chosen_sheets(names, run.design)
     store = ArtefactStore()
 
-    def draw() -> tuple[list[MadeSheet], list[str]]:
+    def draw() -> tuple[list[BuiltSheet], list[str]]:
         with run.progress() as progress:
             task = progress.add_task("drawings", total=len(wanted))
-            made = make_sheets(
+            made = build_all_sheets(
                 store,
                 wanted,
                 run.design,
@@ -59,7 +59,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
                 calculate=procedure_values,
             )
         sheets = [sheet for part, chosen in wanted.items() for sheet in made[part] if sheet.name in chosen]
-        return sheets, write_stored(run.out, {file: sheet.entry for sheet in sheets for file in _files(sheet)})
+        return sheets, write_stored(run.out, {file: sheet.artefact for sheet in sheets for file in _files(sheet)})
 
     try:
         sheets, changed = draw()
@@ -68,7 +68,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
         store.drop(damage.entry)
         run.note("a stored result was damaged; it is made again")
         sheets, changed = draw()
-    hashes = {file: sheet.entry.hashes[file] for sheet in sheets for file in _files(sheet)}
+    hashes = {file: sheet.artefact.hashes[file] for sheet in sheets for file in _files(sheet)}
     write_manifest(run.out / MANIFEST, hashes)
     return {
         "sheets": {
@@ -87,7 +87,7 @@ def write_drawings(run: Run, names: tuple[str, ...] = ()) -> dict[str, Any]:
     }
 
 
-def _files(sheet: MadeSheet) -> tuple[str, ...]:
+def _files(sheet: BuiltSheet) -> tuple[str, ...]:
     """The sheet in its formats, and its part's model with tolerances where there is one."""
     return (*sheet.files, sheet.model) if sheet.model else sheet.files
 

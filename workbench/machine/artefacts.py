@@ -37,7 +37,7 @@ def built_machine(run: Run, store: Any = None) -> Machine:
 
 
 def procedure_values(store: ArtefactStore, design: Design) -> ProcedureValues:
-    """The values of a design from the masses of its own solids, for `drawings.artefacts.tasks.make_sheets`."""
+    """The values of a design from the masses of its own solids, for `drawings.artefacts.tasks.build_all_sheets`."""
     from stagecad.solids.assembly.machine import body_masses
 
     return stored_values(store, design, body_masses(design))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
-
 import cadquery as cq
 import numpy as np
 import pytest
 
-from drawings.pictures.picture import Picture, Piece, picture, picture_document, picture_of
+from drawings.pictures.picture import Picture, Piece, picture
 from drawings.pictures.scene import meshed, moved, visible_faces
 from drawings.views.bounding_box import extreme_points
 from drawings.views.projection import hidden_lines
@@ -70,7 +68,3 @@ def test_a_piece_behind_another_has_no_visible_face() -> None:
     below = visible_faces([(bolt, Frame(shift=(0.0, 0.0, -20.0))), (plate, UNMOVED)], PROJECTIONS["top"])
     assert below[0] is None
     assert below[1] is not None
-
-
-def test_a_picture_survives_json(shown: Picture) -> None:
-    assert picture_of(json.loads(json.dumps(picture_document(shown)))) == shown

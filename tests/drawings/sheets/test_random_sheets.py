@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from drawings.artefacts.sheets import WHOLE, draw_whole
+from drawings.artefacts.sheets import PICTURES, build_sheets
 from drawings.export.lint import lint
 from drawings.sheets.part import sheets_of
 from stagecad.parameters.derived import COMPUTED
@@ -97,6 +97,6 @@ def test_sheets_of_random_designs_are_free_of_hits(first: int) -> None:
 def test_the_machine_s_sheets_of_some_random_designs_are_free_of_hits(seed: int, tmp_path: Path) -> None:
     design, overrides = random_design(seed)
     store = ArtefactStore(tmp_path)
-    sheets = [sheet for whole in WHOLE for sheet in draw_whole(store, whole, design, procedure_values)]
+    sheets = [sheet for whole in PICTURES for sheet in build_sheets(store, whole, design, procedure_values)]
     assert [sheet.name for sheet in sheets] == ["assembly", "procedure"]
     assert [hit for sheet in sheets for hit in sheet.hits] == [], overrides
