@@ -1,9 +1,8 @@
-"""STEP AP242 of a part with its tolerances as data: what its sheet says, attached to the faces it is said of.
+"""STEP AP242 file of a part with product and manufacturing information (PMI) associated with its faces.
 
-Sizes, distances and angles with their limits, datum letters, form and direction tolerances (ISO 10303-242, semantic
-representation), material and density. Threads, counts and notes go along as `dimensional note` of the dimension they
-belong to, and what belongs to none as a named property of the product. Nothing is drawn: a viewer that shows only
-graphical annotations shows none.
+Sizes, distances and angles with limits, datums, form and orientation tolerances (ISO 10303-242, semantic
+representation), material and density. Threads, counts and notes are a `dimensional note` of their dimension, or a named
+property of the product. There is no graphical representation.
 """
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
@@ -17,10 +16,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from drawings.pmi.content import ManufacturingInformation, ToleratedDimension, manufacturing_information
-from drawings.pmi.faces import Attachment, attachment, faces_at
+from drawings.pmi.content import PartPmi, TolerancedDimension, pmi_of_declarations
+from drawings.pmi.faces import FaceAssociation, face_association, faces_at
 from drawings.pmi.step_text import directed_distances, typed_limits, with_properties
-from drawings.pmi.unique_shapes import Unshared
 from stagecad.parameters.atomic import atomic_write_bytes
 from stagecad.parameters.dimension import Dimension, GeometricTolerance, Point
 from stagecad.solids.export.step_stl_glb import constant_text
@@ -31,46 +29,46 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 NAME, NOTE = "dimension name", "dimensional note"
-"""Names of the texts that go with a dimension: its own name, and what stands beside it on the sheet."""
+"""Names of the texts of a dimension: its name, and its notes on the sheet."""
 
 
-def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, gauge: DimensionVerifier | None = None) -> None:
-    """Write a made part with its tolerances as data.
+def write_ap242(part: str, design: Any, solid: cq.Shape, path: Path, verifier: DimensionVerifier | None = None) -> None:
+    """Write the STEP AP242 file of a part.
 
     Args:
         part: name in `stagecad.solids.modelling.registry.MADE`.
-        design: the design.
         solid: of the part.
         path: of the file; its folder exists.
-        gauge: of the solid, where it has been read before.
+        verifier: of the solid, if there is one already.
 
     Raises:
-        LookupError: a declaration points at nothing on the solid.
-        ValueError: OCCT could not write it.
+        LookupError: a declaration has no feature on the solid.
+        ValueError: OCCT cannot write the file.
     """
     from stagecad.solids.modelling.registry import part_definition
 
-    atomic_write_bytes(path, ap242_bytes(part, part_definition(part), design, solid, gauge))
+    atomic_write_bytes(path, ap242_bytes(part, part_definition(part), design, solid, verifier))
 
 
-def ap242_bytes(part: str, module: Part, design: Any, solid: cq.Shape, gauge: DimensionVerifier | None = None) -> bytes:
+def ap242_bytes(
+    part: str, module: Part, design: Any, solid: cq.Shape, verifier: DimensionVerifier | None = None
+) -> bytes:
     """The STEP file as bytes, the same for the same solid and declarations."""
-    information = information_of(module, design)
+    pmi = pmi_of(module, design)
     material = design.materials[module.material(design)]
-    text = _written(part, solid, gauge or DimensionVerifier(solid), information, material)
+    text = _written(part, solid, verifier or DimensionVerifier(solid), pmi, material)
     text = directed_distances(typed_limits(constant_text(text, part)))
-    return with_properties(text, information.texts).encode()
+    return with_properties(text, pmi.texts).encode()
 
 
-def information_of(module: Part, design: Any) -> ManufacturingInformation:
-    """What the file of a made part says beside its shape."""
+def pmi_of(module: Part, design: Any) -> PartPmi:
+    """The product and manufacturing information of a part."""
     requirements = getattr(module, "requirements", lambda design: ())(design)
-    return manufacturing_information(design, module.dimensions(design), requirements, getattr(module, "NOTES", ()))
+    return pmi_of_declarations(design, module.dimensions(design), requirements, getattr(module, "NOTES", ()))
 
 
-def _written(
-    part: str, solid: cq.Shape, gauge: DimensionVerifier, information: ManufacturingInformation, material: Any
-) -> str:
+def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartPmi, material: Any) -> str:
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
     from OCP.IFSelect import IFSelect_RetDone
     from OCP.Interface import Interface_Static
     from OCP.Message import Message, Message_Gravity
@@ -87,13 +85,15 @@ def _written(
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-    unshared = Unshared(solid.wrapped)
-    label = shapes.AddShape(unshared.solid, False)
+    # Features of a pattern share their faces up to the place, and the writer looks up faces without their place: in a
+    # copy each face and edge is a shape of its own.
+    unique = BRepBuilderAPI_Copy(solid.wrapped, False, False)
+    label = shapes.AddShape(unique.Shape(), False)
     TDataStd_Name.Set_s(label, TCollection_ExtendedString(part))
     _add_material(document, label, material)
-    _Annotated(document, label, unshared).add(gauge, information)
+    _Annotated(document, label, unique).add(verifier, pmi)
     writer = STEPCAFControl_Writer()
-    # Only once there is a writer does the kernel know this setting.
+    # The setting exists only after a writer has been created.
     Interface_Static.SetCVal_s("write.step.schema", "AP242DIS")
     Interface_Static.SetIVal_s("write.surfacecurve.mode", 0)
     writer.SetNameMode(True)
@@ -111,7 +111,7 @@ def _written(
 def _add_material(document: Any, label: Any, material: Any) -> None:
     from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-    # The kernel writes the density's unit as g/cm^3, whatever it is told.
+    # The kernel always writes g/cm^3 as the unit of the density.
     XCAFDoc_DocumentTool.MaterialTool_s(document.Main()).SetMaterial(
         label,
         _ascii(material.description),
@@ -123,22 +123,22 @@ def _add_material(document: Any, label: Any, material: Any) -> None:
 
 
 class _Annotated:
-    """A part in an XCAF document, to whose faces dimensions, datums and tolerances are attached."""
+    """A part in an XCAF document, with dimensions, datums and tolerances on its faces."""
 
-    def __init__(self, document: Any, label: Any, unshared: Unshared) -> None:
+    def __init__(self, document: Any, label: Any, unique: Any) -> None:
         from OCP.XCAFDoc import XCAFDoc_DocumentTool
 
-        self._label, self._unshared = label, unshared
+        self._label, self._unique = label, unique
         self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
         self._tool = XCAFDoc_DocumentTool.DimTolTool_s(document.Main())
 
-    def add(self, gauge: DimensionVerifier, information: ManufacturingInformation) -> None:
-        for dimension in information.dimensions:
-            self._add_dimension(dimension, attachment(gauge, dimension.declaration))
-        datums = {datum.letter: faces_at(gauge, datum.points, datum.normal) for datum in information.datums}
-        for tolerance in information.tolerances:
-            self._add_tolerance(tolerance, faces_at(gauge, tolerance.points, tolerance.normal), datums)
-        referred = {letter for tolerance in information.tolerances for letter in tolerance.datums}
+    def add(self, verifier: DimensionVerifier, pmi: PartPmi) -> None:
+        for dimension in pmi.dimensions:
+            self._add_dimension(dimension, face_association(verifier, dimension.declaration))
+        datums = {datum.letter: faces_at(verifier, datum.points, datum.normal) for datum in pmi.datums}
+        for tolerance in pmi.tolerances:
+            self._add_tolerance(tolerance, faces_at(verifier, tolerance.points, tolerance.normal), datums)
+        referred = {letter for tolerance in pmi.tolerances for letter in tolerance.datums}
         for letter, faces in datums.items():
             if letter not in referred:
                 self._add_datum(letter, faces, 0)
@@ -148,10 +148,10 @@ class _Annotated:
 
         sequence = TDF_LabelSequence()
         for shape in shapes:
-            sequence.Append(self._shapes.AddSubShape(self._label, self._unshared.of(shape.wrapped)))
+            sequence.Append(self._shapes.AddSubShape(self._label, self._unique.ModifiedShape(shape.wrapped)))
         return sequence
 
-    def _add_dimension(self, dimension: ToleratedDimension, attached: Attachment) -> None:
+    def _add_dimension(self, dimension: TolerancedDimension, attached: FaceAssociation) -> None:
         from OCP.gp import gp_Dir
         from OCP.TColStd import TColStd_HArray1OfReal
         from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionObject
@@ -168,7 +168,7 @@ class _Annotated:
         for index, number in enumerate(limits, start=1):
             values.SetValue(index, number)
         content.SetValues(values)
-        # OCCT reads an angle that tells its decimals as degrees though it stands there in radians.
+        # OCCT reads an angle with a number of decimals as degrees, although it is written in radians.
         if dimension.decimals is not None and declaration.kind != "angle":
             content.SetNbOfDecimalPlaces(len(str(int(abs(declaration.value)))), dimension.decimals)
         notes = list(dimension.notes)
@@ -212,7 +212,7 @@ class _Annotated:
                 Objects.XCAFDimTolObjects_GeomToleranceModif.XCAFDimTolObjects_GeomToleranceModif_Common_Zone
             )
         XCAFDoc_GeomTolerance.Set_s(label).SetObject(content)
-        # OCCT wants a datum for each reference; those of one letter become one when it writes them.
+        # OCCT needs a datum for each reference; the writer merges those of one letter.
         for position, letter in enumerate(tolerance.datums, start=1):
             self._tool.SetDatumToGeomTol(self._add_datum(letter, datums[letter], position), label)
 
@@ -236,12 +236,12 @@ def _ascii(text: str) -> Any:
 
 
 def _aspect_name(name: str) -> Any:
-    """Name for the faces meant; the writer drops the first word of what it is given."""
+    """Name of the associated faces; the writer drops the first word."""
     return _ascii(f"of {name}")
 
 
 def _direction(direction: Point) -> str:
-    """A direction in words where it is an axis of the part, else by its components."""
+    """A direction as text: the name of an axis of the part, or the components."""
     for axis, component in zip("xyz", direction, strict=True):
         if abs(abs(component) - 1) < 1e-9:
             return axis
@@ -259,7 +259,7 @@ def _value(declaration: Dimension) -> float:
             return declaration.value
 
 
-def _dimension_type(declaration: Dimension, attached: Attachment) -> Any:
+def _dimension_type(declaration: Dimension, attached: FaceAssociation) -> Any:
     from OCP.XCAFDimTolObjects import XCAFDimTolObjects_DimensionType as Type
 
     match declaration.kind:

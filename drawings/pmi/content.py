@@ -1,8 +1,7 @@
-"""What a part's STEP file says beside its shape: plain data, read off the declarations that its sheet is drawn from.
+"""Product and manufacturing information (PMI) of a part as plain data, from the declarations of its drawing.
 
-What the schema has a place for becomes a dimension, a datum or a tolerance; what it has none for goes along as text,
-on the dimension it belongs to where there is one, else as a named text of the product. Nothing is left out.
-Millimetres and degrees.
+Declarations that AP242 can represent become dimensions, datums and tolerances; all others become texts, of the
+dimension of the same feature or of the product. Millimetres and degrees.
 """
 
 from __future__ import annotations
@@ -22,18 +21,17 @@ from stagecad.parameters.dimension import (
 )
 
 TEXT_ONLY: tuple[Kind, ...] = ("count", "callout", "thread_depth")
-"""Kinds of declaration that the solid does not show as a distance, an angle or a size: they go along as text."""
+"""Kinds of declaration that are no distance, angle or size of the solid: they become texts."""
 
 
 @dataclass(frozen=True)
-class ToleratedDimension:
-    """One dimension as data.
+class TolerancedDimension:
+    """One dimension.
 
     Args:
-        declaration: the declaration it says.
-        plus_minus: limits about the value, mm; none where its class has none, and for angles.
-        decimals: as printed on the sheet; none where no class says.
-        notes: count, designation and whatever else stands beside it.
+        plus_minus: tolerance, mm; None without a class, and for angles.
+        decimals: as printed on the sheet; None without a class.
+        notes: count, designation and note.
     """
 
     declaration: Dimension
@@ -43,32 +41,32 @@ class ToleratedDimension:
 
 
 @dataclass(frozen=True)
-class ManufacturingInformation:
-    """All that is said of one part.
+class PartPmi:
+    """The information of one part.
 
     Args:
-        texts: by name; what belongs to no dimension.
+        texts: of the product, by name.
     """
 
-    dimensions: tuple[ToleratedDimension, ...]
+    dimensions: tuple[TolerancedDimension, ...]
     datums: tuple[DatumFeature, ...]
     tolerances: tuple[GeometricTolerance, ...]
     texts: dict[str, str]
 
 
-def manufacturing_information(
+def pmi_of_declarations(
     design: Any,
     dimensions: Iterable[Dimension],
     requirements: Iterable[FaceRequirement] = (),
     notes: Iterable[str] = (),
-) -> ManufacturingInformation:
-    """What a part's declarations come to in a STEP file.
+) -> PartPmi:
+    """The information in the declarations of a part.
 
     Args:
-        design: for the general tolerances of its classes.
+        design: for the tolerance classes.
         dimensions, requirements, notes: of the part.
     """
-    tolerated: list[ToleratedDimension] = []
+    tolerated: list[TolerancedDimension] = []
     texts: dict[str, str] = {}
     dimensions, requirements = tuple(dimensions), tuple(requirements)
     for dimension in dimensions:
@@ -76,14 +74,8 @@ def manufacturing_information(
             tolerated.append(_tolerated(design, dimension))
     for dimension in dimensions:
         if dimension.kind in TEXT_ONLY:
-            place = next(
-                (
-                    index
-                    for index, other in enumerate(tolerated)
-                    if dimension.feature and other.declaration.feature == dimension.feature
-                ),
-                None,
-            )
+            same = (n for n, other in enumerate(tolerated) if other.declaration.feature == dimension.feature)
+            place = next(same, None) if dimension.feature else None
             if place is None:
                 texts[dimension.name] = _as_text(design, dimension)
             else:
@@ -95,7 +87,7 @@ def manufacturing_information(
             texts[f"surface texture of {requirement.name}"] = f"{process}Ra {requirement.roughness:g} um"
     for index, note in enumerate(notes, start=1):
         texts[f"note {index}"] = note
-    return ManufacturingInformation(
+    return PartPmi(
         tuple(tolerated),
         tuple(r for r in requirements if isinstance(r, DatumFeature)),
         tuple(r for r in requirements if isinstance(r, GeometricTolerance)),
@@ -103,7 +95,7 @@ def manufacturing_information(
     )
 
 
-def _tolerated(design: Any, dimension: Dimension) -> ToleratedDimension:
+def _tolerated(design: Any, dimension: Dimension) -> TolerancedDimension:
     notes = [f"{dimension.count}x"] if dimension.count > 1 else []
     if dimension.kind == "slope":
         notes.append(f"slope {dimension.value:g}")
@@ -114,11 +106,11 @@ def _tolerated(design: Any, dimension: Dimension) -> ToleratedDimension:
     plus_minus = _plus_minus(design, dimension)
     printed = number(dimension.value, dimension.tolerance, plus_minus or 0.0).partition(" ")[0]
     decimals = len(printed.partition(".")[2]) if dimension.tolerance else None
-    return ToleratedDimension(dimension, plus_minus, decimals, tuple(notes))
+    return TolerancedDimension(dimension, plus_minus, decimals, tuple(notes))
 
 
 def _plus_minus(design: Any, dimension: Dimension) -> float | None:
-    # The block's classes are lengths; they say nothing of an angle.
+    # The tolerance classes apply to lengths only.
     if dimension.tolerance is None or dimension.kind in ("angle", "slope"):
         return None
     return design.plus_minus(dimension.parameter or dimension.derived_from[0])

@@ -1,8 +1,7 @@
-"""Which faces and edges of a solid a declared dimension stands on, so that it can be attached to them in a STEP file.
+"""Association of dimensions with faces and edges of a solid, for product and manufacturing information (PMI) in STEP.
 
-A declaration says where to look; `stagecad.solids.modelling.verification` reads the number there, and this finds what
-it was read from, in the same order of preference: the face at the point, the round feature whose axis passes it, the
-end of a bore, the outermost faces whose middle it is.
+A point of a declaration is associated in the order of `stagecad.solids.modelling.verification`: with the face at the
+point, the round feature whose axis contains it, the end of a bore, the two outermost faces whose middle it is.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from drawings.views.view import dot
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.verification import NEAR, DimensionVerifier, Surface
 
@@ -19,77 +19,84 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 SQUARE = 1e-9
+"""Greatest cosine, or 1 minus cosine, of the angle between perpendicular or parallel directions."""
 
 Side = Literal["centre", "inner", "outer"]
-"""Where on a round feature a distance ends: on its axis or centre, on the side nearer the other end, or the far one."""
+"""End of a distance on a round feature: axis or centre, near side, or far side."""
 
 
 @dataclass(frozen=True)
-class Attachment:
-    """What a dimension stands on.
+class FaceAssociation:
+    """The faces and edges of a dimension.
 
     Args:
-        first: faces, or the edge where a bore or chamfer ends; all like features where `alike` counts them.
-        second: of a dimension between two places; empty for a size.
-        sides: which side of a round feature either end means; its centre, and a flat face, are `centre`.
-        oriented: whether its direction does not follow from what it stands on and has to be told.
-        alike: how many like features `first` holds.
-        from_middle: whether `first` are two faces and the dimension starts half-way between them.
+        first: faces, or the edge at the end of a bore or chamfer; of all features of a pattern.
+        second: at the other end of a distance; empty for a size.
+        sides: side of a round feature at either end; `centre` for a plane face.
+        oriented: whether the direction does not follow from the faces and must be given.
+        count: number of features in `first`.
+        from_middle: whether the dimension starts half-way between the two faces of `first`.
     """
 
     first: tuple[cq.Shape, ...]
     second: tuple[cq.Shape, ...] = ()
     sides: tuple[Side, Side] = ("centre", "centre")
     oriented: bool = False
-    alike: int = 1
+    count: int = 1
     from_middle: bool = False
 
 
 @dataclass(frozen=True)
 class _End:
-    """One end of a distance."""
+    """One end of a distance.
+
+    Args:
+        shapes: faces or edges.
+        normal: whether they are in a plane normal to the dimension, which determines its direction.
+        round: surface of a round feature.
+        on_surface: whether the distance ends on the round surface, not on its axis.
+        middle: whether it ends half-way between two faces.
+    """
 
     shapes: tuple[cq.Shape, ...]
-    square: bool
-    """Whether it is a plane at right angles to the dimension, or an edge in one: then the direction is clear."""
+    normal: bool
     round: Surface | None = None
-    touched: bool = False
-    """Whether the round face itself is meant, rather than its axis."""
+    on_surface: bool = False
     middle: bool = False
 
 
-def attachment(gauge: DimensionVerifier, dimension: Dimension) -> Attachment:
-    """Faces and edges of the gauged solid that a dimension stands on.
+def face_association(verifier: DimensionVerifier, dimension: Dimension) -> FaceAssociation:
+    """Faces and edges of the solid with which a dimension is associated.
 
     Raises:
-        LookupError: the declaration points at nothing, or its kind (count, callout, thread depth) stands on no face.
+        LookupError: there is no such feature, or the kind (count, callout, thread depth) has no faces.
     """
     points, along = dimension.points, dimension.direction
     if along is None or not points:
-        raise LookupError(f"dimension '{dimension.name}' says not where on the part it is")
+        raise LookupError(f"dimension '{dimension.name}' has no points and direction")
     match dimension.kind:
         case "linear" | "depth":
-            return _distance(gauge, dimension, along)
+            return _distance(verifier, dimension, along)
         case "diameter" | "tap_drill" | "thread":
-            return _pattern(gauge, _round(gauge, points, along), dimension.count)
+            return _pattern(verifier, _round(verifier, points, along), dimension.count)
         case "radius":
-            face = _on(gauge, points[0], "CYLINDER", "SPHERE", "TORUS")
-            return _pattern(gauge, face, dimension.count)
+            face = _on(verifier, points[0], "CYLINDER", "SPHERE", "TORUS")
+            return _pattern(verifier, face, dimension.count)
         case "chamfer":
-            return _chamfer(_on(gauge, points[0], "PLANE", "CONE"), along)
+            return _chamfer(_on(verifier, points[0], "PLANE", "CONE"), along)
         case "slope":
-            return Attachment((_on(gauge, points[0], "PLANE").face,), (_reference(gauge, along).face,))
+            return FaceAssociation((_on(verifier, points[0], "PLANE").face,), (_reference(verifier, along).face,))
         case "angle":
-            ends = [_axis(gauge, point, (1.0, 0.0, 0.0)) for point in points[:2]]
+            ends = [_axis(verifier, point, (1.0, 0.0, 0.0)) for point in points[:2]]
             if ends[0] is None or ends[1] is None:
                 raise LookupError(f"dimension '{dimension.name}': no upright axis at {points[0]} or {points[1]}")
-            return Attachment(ends[0].shapes, ends[1].shapes)
+            return FaceAssociation(ends[0].shapes, ends[1].shapes)
         case _:
-            raise LookupError(f"dimension '{dimension.name}': a {dimension.kind} stands on no face")
+            raise LookupError(f"dimension '{dimension.name}': a {dimension.kind} has no faces")
 
 
-def faces_at(gauge: DimensionVerifier, points: Iterable[Point], normal: Point) -> tuple[cq.Face, ...]:
-    """The faces a datum or a geometrical tolerance speaks of, one by point.
+def faces_at(verifier: DimensionVerifier, points: Iterable[Point], normal: Point) -> tuple[cq.Face, ...]:
+    """The faces of a datum or a geometrical tolerance, one for each point.
 
     Args:
         points: on the faces, or on the axis beside a round one.
@@ -98,103 +105,103 @@ def faces_at(gauge: DimensionVerifier, points: Iterable[Point], normal: Point) -
     Raises:
         LookupError: no such face.
     """
-    return tuple(_face_at(gauge, point, normal).face for point in points)
+    return tuple(_face_at(verifier, point, normal).face for point in points)
 
 
-def _face_at(gauge: DimensionVerifier, point: Point, normal: Point) -> Surface:
-    for surface in gauge.surfaces:
+def _face_at(verifier: DimensionVerifier, point: Point, normal: Point) -> Surface:
+    for surface in verifier.surfaces:
         if surface.holds(point) and (surface.kind != "PLANE" or _parallel(surface, normal)):
             return surface
-    return _round(gauge, (point,), normal)
+    return _round(verifier, (point,), normal)
 
 
-def _distance(gauge: DimensionVerifier, dimension: Dimension, along: Point) -> Attachment:
+def _distance(verifier: DimensionVerifier, dimension: Dimension, along: Point) -> FaceAssociation:
     find = _place if dimension.kind == "linear" else _level
     points = dimension.points[:2]
-    first, second = (find(gauge, point, along) for point in points)
+    first, second = (find(verifier, point, along) for point in points)
     if second.middle:
-        # The middle comes first, so that one flag tells it.
+        # The middle is the first end, so that one flag is enough.
         first, second, points = second, first, points[::-1]
-    return Attachment(
+    return FaceAssociation(
         first.shapes,
         second.shapes,
         (_side(first, points[0], points[1], along), _side(second, points[1], points[0], along)),
-        oriented=not (first.square or second.square or _abreast(first.round, second.round, along)),
+        oriented=not (first.normal or second.normal or _distance_is_along(first.round, second.round, along)),
         from_middle=first.middle,
     )
 
 
 def _side(end: _End, point: Point, other: Point, along: Point) -> Side:
-    """Which side of a round face a distance to the other end starts from."""
-    if not (end.touched and end.round):
+    """Side of a round face at which a distance to another point ends."""
+    if not (end.on_surface and end.round):
         return "centre"
-    here, opposite = _dot(point, along), 2 * _dot(end.round.origin, along) - _dot(point, along)
-    there = _dot(other, along)
+    here, opposite = dot(point, along), 2 * dot(end.round.origin, along) - dot(point, along)
+    there = dot(other, along)
     return "inner" if abs(here - there) < abs(opposite - there) else "outer"
 
 
-def _abreast(first: Surface | None, second: Surface | None, along: Point) -> bool:
-    """Whether two axes are parallel, apart, and the shortest way from one to the other runs along the direction."""
+def _distance_is_along(first: Surface | None, second: Surface | None, along: Point) -> bool:
+    """Whether two axes are parallel and their shortest distance is along a direction."""
     if first is None or second is None or not _parallel(first, second.axis) or "SPHERE" in (first.kind, second.kind):
         return False
     apart = second.off_axis(first.origin)
-    return apart > NEAR and abs(abs(_dot(_minus(second.origin, first.origin), along)) - apart) < NEAR
+    return apart > NEAR and abs(abs(dot(_minus(second.origin, first.origin), along)) - apart) < NEAR
 
 
-def _place(gauge: DimensionVerifier, point: Point, along: Point) -> _End:
-    for surface in gauge.surfaces:
+def _place(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
+    for surface in verifier.surfaces:
         if surface.place(point, along) is not None and surface.holds(point):
             if surface.kind == "PLANE":
                 return _End((surface.face,), _parallel(surface, along))
-            return _End((surface.face,), False, surface, touched=True)
-    return _axis(gauge, point, along) or _level(gauge, point, along)
+            return _End((surface.face,), False, surface, on_surface=True)
+    return _axis(verifier, point, along) or _level(verifier, point, along)
 
 
-def _axis(gauge: DimensionVerifier, point: Point, along: Point) -> _End | None:
-    """The round feature whose axis passes the point, all faces of it; or the crown whose middle it is."""
+def _axis(verifier: DimensionVerifier, point: Point, along: Point) -> _End | None:
+    """All faces of the round feature whose axis contains a point, or the crown with the point as its middle."""
     found = [
         s
         for kind in ("CYLINDER", "CONE")
-        for s in gauge.surfaces
-        if s.kind == kind and abs(_dot(s.axis, along)) < SQUARE and s.off_axis(point) < NEAR
+        for s in verifier.surfaces
+        if s.kind == kind and abs(dot(s.axis, along)) < SQUARE and s.off_axis(point) < NEAR
     ]
     if found:
         first = min(found, key=lambda s: (s.kind == "CONE", _beyond(s, point)))
         same = [s for s in found if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
         return _End(tuple(s.face for s in same if _beyond(s, point) <= _beyond(first, point) + NEAR), False, first)
-    for surface in gauge.surfaces:
+    for surface in verifier.surfaces:
         if surface.kind == "SPHERE" and surface.holds(point):
             return _End((surface.face,), False, surface)
     return None
 
 
 def _beyond(surface: Surface, point: Point) -> float:
-    """How far the point lies beyond the ends of a round face, along its axis, mm."""
+    """Distance of a point beyond the ends of a round face, along its axis, mm."""
     low, high = surface.extent(surface.axis)
-    at = _dot(point, surface.axis)
+    at = dot(point, surface.axis)
     return max(low - at, at - high, 0.0)
 
 
-def _level(gauge: DimensionVerifier, point: Point, along: Point) -> _End:
-    """The plane at the point's level, the nearest one; else the edge at which a bore ends; else the outermost faces."""
-    at = _dot(point, along)
-    planes = [s for s in gauge.surfaces if s.kind == "PLANE" and _parallel(s, along)]
-    here = [s for s in planes if abs(_dot(s.origin, along) - at) < NEAR]
-    reach = max((s.radius for s in gauge.surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR), default=0.0)
+def _level(verifier: DimensionVerifier, point: Point, along: Point) -> _End:
+    """The nearest plane face through a point; else the edge at the end of a bore; else the two outermost faces."""
+    at = dot(point, along)
+    planes = [s for s in verifier.surfaces if s.kind == "PLANE" and _parallel(s, along)]
+    here = [s for s in planes if abs(dot(s.origin, along) - at) < NEAR]
+    reach = max((s.radius for s in verifier.surfaces if s.kind == "CYLINDER" and s.off_axis(point) < NEAR), default=0.0)
     gap, plane = min(((_gap(s, point), s) for s in here), key=lambda pair: pair[0], default=(math.inf, None))
     if plane and gap < 2 * reach + NEAR:
         return _End((plane.face,), True)
-    for s in gauge.surfaces:
+    for s in verifier.surfaces:
         if s.kind == "CYLINDER" and _parallel(s, along) and s.off_axis(point) < NEAR:
             ends = _edges_at(s, along, at)
             if ends:
                 return _End((ends[0],), True)
     if plane:
         return _End((plane.face,), True)
-    levels = sorted(planes, key=lambda s: _dot(s.origin, along))
-    if levels and abs((_dot(levels[0].origin, along) + _dot(levels[-1].origin, along)) / 2 - at) < NEAR:
+    levels = sorted(planes, key=lambda s: dot(s.origin, along))
+    if levels and abs((dot(levels[0].origin, along) + dot(levels[-1].origin, along)) / 2 - at) < NEAR:
         return _End((levels[0].face, levels[-1].face), True, middle=True)
-    raise LookupError(f"nothing of the solid ends at {point} along {along}")
+    raise LookupError(f"no face of the solid at {point} along {along}")
 
 
 def _gap(surface: Surface, point: Point) -> float:
@@ -204,67 +211,67 @@ def _gap(surface: Surface, point: Point) -> float:
 
 
 def _edges_at(surface: Surface, along: Point, level: float) -> list[cq.Edge]:
-    """The face's edges that lie in the plane at a level."""
+    """Edges of a face in the plane at a coordinate along a direction."""
     edges = []
     for edge in surface.face.Edges():
         ends = [vertex.toTuple() for vertex in edge.Vertices()]
         middle = edge.positionAt(0.5).toTuple()  # pyright: ignore[reportAttributeAccessIssue]
-        if all(abs(_dot(point, along) - level) < NEAR for point in (*ends, middle)):
+        if all(abs(dot(point, along) - level) < NEAR for point in (*ends, middle)):
             edges.append(edge)
     return edges
 
 
-def _chamfer(surface: Surface, along: Point) -> Attachment:
+def _chamfer(surface: Surface, along: Point) -> FaceAssociation:
     low, high = surface.extent(along)
     ends = [_edges_at(surface, along, level) for level in (low, high)]
     if not all(ends):
-        return Attachment((surface.face,))
-    return Attachment(tuple(ends[0][:1]), tuple(ends[1][:1]), oriented=True)
+        return FaceAssociation((surface.face,))
+    return FaceAssociation(tuple(ends[0][:1]), tuple(ends[1][:1]), oriented=True)
 
 
-def _round(gauge: DimensionVerifier, points: Sequence[Point], axis: Point) -> Surface:
+def _round(verifier: DimensionVerifier, points: Sequence[Point], axis: Point) -> Surface:
     point, touch = points[0], points[1] if len(points) > 1 else None
     for kind in ("CYLINDER", "CONE"):
-        for s in gauge.surfaces:
+        for s in verifier.surfaces:
             if s.kind != kind or not _parallel(s, axis) or s.off_axis(point) > NEAR:
                 continue
             if kind == "CYLINDER":
                 met = _beyond(s, point) < NEAR and (not touch or s.holds(touch))
             else:
-                radius = s.radius + s.taper * _dot(_minus(point, s.origin), s.axis)
+                radius = s.radius + s.taper * dot(_minus(point, s.origin), s.axis)
                 met = not touch or abs(s.off_axis(touch) - radius) < NEAR
             if met:
                 return s
     raise LookupError(f"no round face about {axis} through {point}")
 
 
-def _on(gauge: DimensionVerifier, point: Point, *kinds: str) -> Surface:
-    for surface in gauge.surfaces:
+def _on(verifier: DimensionVerifier, point: Point, *kinds: str) -> Surface:
+    for surface in verifier.surfaces:
         if surface.kind in kinds and surface.holds(point):
             return surface
     raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
 
 
-def _reference(gauge: DimensionVerifier, along: Point) -> Surface:
-    """The round face along a direction that a slope is told against, or the plane nearest to it."""
-    cylinders = [s for s in gauge.surfaces if s.kind == "CYLINDER"]
+def _reference(verifier: DimensionVerifier, along: Point) -> Surface:
+    """The largest round face parallel or normal to a direction, as the reference of a slope."""
+    cylinders = [s for s in verifier.surfaces if s.kind == "CYLINDER"]
     for surface in sorted(cylinders, key=lambda s: -s.radius):
-        if abs(abs(_dot(surface.axis, along)) - 1) < SQUARE or abs(_dot(surface.axis, along)) < SQUARE:
+        if abs(abs(dot(surface.axis, along)) - 1) < SQUARE or abs(dot(surface.axis, along)) < SQUARE:
             return surface
-    raise LookupError(f"no round face that a slope along {along} could be told against")
+    raise LookupError(f"no round face as reference of a slope along {along}")
 
 
-def _pattern(gauge: DimensionVerifier, first: Surface, count: int) -> Attachment:
-    """The face with all that are like it, where these are as many features as the dimension stands for."""
-    like = [s for s in gauge.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
+def _pattern(verifier: DimensionVerifier, first: Surface, count: int) -> FaceAssociation:
+    """The faces of a pattern of equal features, if there are as many as the dimension counts; else of one feature."""
+    like = [s for s in verifier.surfaces if s.kind == first.kind and abs(s.radius - first.radius) < NEAR]
     # A bore may be cut into several faces about one axis, and two holes may share an axis.
     for group in (lambda: like, lambda: _of_size(like, first)):
         faces = group()
         for features in (_features(faces), [[s] for s in faces]):
             if len(features) == count and any(first in feature for feature in features):
-                return Attachment(tuple(s.face for feature in features for s in feature), alike=count)
-    own = next(feature for feature in _features(like) if first in feature)
-    return Attachment(tuple(s.face for s in own))
+                return FaceAssociation(tuple(s.face for feature in features for s in feature), count=count)
+    single = next(feature for feature in _features(like) if first in feature)
+    return FaceAssociation(tuple(s.face for s in single))
 
 
 def _of_size(surfaces: Iterable[Surface], first: Surface) -> list[Surface]:
@@ -273,7 +280,7 @@ def _of_size(surfaces: Iterable[Surface], first: Surface) -> list[Surface]:
 
 
 def _features(surfaces: Iterable[Surface]) -> list[list[Surface]]:
-    """Faces gathered by feature: those about one axis (of a sphere or torus: about one centre)."""
+    """Faces by feature: those with a common axis, or for a sphere or torus a common centre."""
     features: list[list[Surface]] = []
     for surface in surfaces:
         for feature in features:
@@ -288,15 +295,11 @@ def _features(surfaces: Iterable[Surface]) -> list[list[Surface]]:
 def _one_feature(one: Surface, other: Surface) -> bool:
     if one.kind in ("SPHERE", "TORUS"):
         return math.dist(one.origin, other.origin) < NEAR
-    return abs(abs(_dot(one.axis, other.axis)) - 1) < SQUARE and one.off_axis(other.origin) < NEAR
+    return abs(abs(dot(one.axis, other.axis)) - 1) < SQUARE and one.off_axis(other.origin) < NEAR
 
 
 def _parallel(surface: Surface, along: Point) -> bool:
-    return abs(abs(_dot(surface.axis, along)) - 1) < SQUARE
-
-
-def _dot(a: Point, b: Point) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return abs(abs(dot(surface.axis, along)) - 1) < SQUARE
 
 
 def _minus(a: Point, b: Point) -> Point:

@@ -1,4 +1,4 @@
-"""STEP text (ISO 10303-21) put right and added to, where the kernel's writer does not suffice."""
+"""Corrections and additions to the STEP text (ISO 10303-21) of the kernel's writer."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ _LIMIT = re.compile(r"(#\d+ = )MEASURE_WITH_UNIT\((-?[\d.E+-]+),\s*(#\d+)\)")
 
 
 def typed_limits(text: str) -> str:
-    """The limits of plus-minus tolerances as lengths with their type.
+    """Limits of plus-minus tolerances with the type of their value.
 
-    OCCT 7.9 writes a bare number, which the schema does not allow: `value_component` is a choice of types, and such a
-    value carries the name of its type (section 11.1.8).
+    OCCT 7.9 writes a bare number. `value_component` is a select type, whose values need the name of their type (section
+    11.1.8).
 
     Args:
         text: a STEP file in which all such limits are lengths.
@@ -20,38 +20,37 @@ def typed_limits(text: str) -> str:
 
 
 def directed_distances(text: str) -> str:
-    """Distances that run along a direction of their own, named and placed so that they can be read back.
+    """Distances with a direction of their own, with the name and the placement that readers need.
 
-    OCCT 7.9 leaves the kind of such a distance empty, and its placement without a second direction, at which its own
-    reader fails.
+    OCCT 7.9 writes an empty name, and a placement without a second direction, which its own reader rejects.
     """
     number = _last_number(text)
     added: list[str] = []
 
-    def whole(found: re.Match[str]) -> str:
+    def completed(found: re.Match[str]) -> str:
         nonlocal number
         number += 1
         direction = re.search(rf"{found[2]} = DIRECTION\('',\(([^)]*)\)\)", text)
         if direction is None:
             raise ValueError(f"the STEP file has no direction {found[2]}")
         x, y, z = (float(part) for part in direction[1].split(","))
-        # At right angles to it: the axis it runs along least, made square.
+        # Normal to it: the axis with the smallest component, made orthogonal.
         side = min(range(3), key=lambda k: abs((x, y, z)[k]))
         square = [(1.0 if k == side else 0.0) - (x, y, z)[side] * (x, y, z)[k] for k in range(3)]
         size = sum(part * part for part in square) ** 0.5
         added.append(f"#{number} = DIRECTION('',({','.join(_real(part / size) for part in square)}));\n")
         return f"{found[1]}{found[2]},#{number})"
 
-    text = re.sub(r"(AXIS2_PLACEMENT_3D\('orientation',#\d+,)(#\d+),\$\)", whole, text)
+    text = re.sub(r"(AXIS2_PLACEMENT_3D\('orientation',#\d+,)(#\d+),\$\)", completed, text)
     text = text.replace("DIMENSIONAL_LOCATION('',", "DIMENSIONAL_LOCATION('linear distance',")
     end = text.rindex("ENDSEC;")
     return text[:end] + "".join(added) + text[end:]
 
 
 def with_properties(text: str, properties: dict[str, str]) -> str:
-    """The file of one product with named texts added as user-defined attributes of it.
+    """The file of one product with named texts as user-defined attributes.
 
-    Entities and names follow the recommended practice of the CAx implementor forum for such attributes.
+    Entities and names follow the recommended practice of the CAx Implementor Forum.
 
     Args:
         text: a STEP file of one product that has a material.
@@ -59,7 +58,7 @@ def with_properties(text: str, properties: dict[str, str]) -> str:
     """
     product = re.search(r"(#\d+) = PRODUCT_DEFINITION\(", text)
     context = re.search(r"ADVANCED_BREP_SHAPE_REPRESENTATION\('[^']*',\([^)]*\),(#\d+)\)", text)
-    # Readers built on OCCT take the last text of a product for its material: that has to stay the last.
+    # Readers based on OCCT take the last text of a product as its material.
     material = re.search(r"^#\d+ = REPRESENTATION\('material name'", text, flags=re.MULTILINE)
     if product is None or context is None or material is None:
         raise ValueError("the STEP file has no product with a shape and a material")
@@ -85,13 +84,13 @@ def _last_number(text: str) -> int:
 
 
 def _real(value: float) -> str:
-    """A real number: with a decimal point, as the format wants it (section 6.4.2)."""
+    """A real number with a decimal point (section 6.4.2)."""
     shown = f"{value + 0.0:.15G}"
     return shown if "." in shown else shown.replace("E", ".E") if "E" in shown else f"{shown}."
 
 
 def _string(text: str) -> str:
-    """A string as the format writes it: quotes doubled, what is not ASCII as UCS-2 (section 6.4.3)."""
+    """A string with quotes doubled and characters outside ASCII as UCS-2 (section 6.4.3)."""
 
     def wide(found: re.Match[str]) -> str:
         return f"\\X2\\{found[0].encode('utf-16-be').hex().upper()}\\X0\\"

@@ -17,7 +17,7 @@ from ap242_measures import measured, off_axis
 
 from drawings.dimensions.dimensioning import sheet_dimensions
 from drawings.dimensions.specification import CalloutSpec, FrameSpec
-from drawings.pmi.ap242 import ap242_bytes, information_of, write_ap242
+from drawings.pmi.ap242 import ap242_bytes, pmi_of, write_ap242
 from drawings.pmi.step_text import with_properties
 from drawings.sheets.part import Views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement, sheet_plans
@@ -63,7 +63,7 @@ def read(tmp_path_factory: pytest.TempPathFactory):
     def of(name: str) -> Ap242File:
         path = folder / f"{name}.step"
         path.write_bytes(bytes_of(name))
-        texts = information_of(part_definition(name), thesis()).texts
+        texts = pmi_of(part_definition(name), thesis()).texts
         return read_ap242(path, texts)
 
     return of
@@ -214,7 +214,7 @@ def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...],
     design, module = load_design(overrides=overrides, rules=False), part_definition("stage")
     path = tmp_path / "stage.step"
     write_ap242("stage", design, module.build(design), path)
-    file = read_ap242(path, information_of(module, design).texts)
+    file = read_ap242(path, pmi_of(module, design).texts)
     wanted = {d.name: d for d in module.dimensions(design) if d.kind not in TEXT_ONLY}
     assert set(by_name(file)) == set(wanted)
     for name, there in by_name(file).items():
@@ -235,7 +235,7 @@ def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
     design = load_design(overrides=changed, rules=False)
     path = tmp_path / f"{name}.step"
     write_ap242(name, design, module.build(design), path)
-    shown = by_name(read_ap242(path, information_of(module, design).texts))
+    shown = by_name(read_ap242(path, pmi_of(module, design).texts))
     for dimension in module.dimensions(design):
         if dimension.kind not in TEXT_ONLY:
             there = shown[dimension.name]
@@ -289,7 +289,7 @@ def test_limits_follow_the_parameter_file(tmp_path: Path) -> None:
     tighter = load_design(overrides=["drawing.tolerance_x_xx=0.005 mm"])
     path = tmp_path / "pin.step"
     write_ap242("height_pin_2", tighter, solid_of("height_pin_2"), path)
-    shown = by_name(read_ap242(path, information_of(part_definition("height_pin_2"), tighter).texts))
+    shown = by_name(read_ap242(path, pmi_of(part_definition("height_pin_2"), tighter).texts))
     for dimension in declared("height_pin_2"):
         if dimension.tolerance:
             wide = tighter.drawing.tolerance_x
@@ -334,5 +334,5 @@ def test_texts_keep_quotes_and_signs_beyond_ascii(tmp_path: Path) -> None:
     said = {"note 1": "Ra 1 µm on the holder's pocket", "back\\slash": "±0.1"}
     path = tmp_path / "noted.step"
     path.write_text(with_properties(bytes_of("magnet").decode(), said))
-    texts = {**information_of(part_definition("magnet"), thesis()).texts, **said}
+    texts = {**pmi_of(part_definition("magnet"), thesis()).texts, **said}
     assert read_ap242(path, texts).texts == texts
