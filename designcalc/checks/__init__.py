@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from designcalc.checks import (
@@ -23,7 +22,7 @@ from designcalc.checks import (
     ways,
     wear,
 )
-from designcalc.checks.check import Check, Verdict, at_most
+from designcalc.checks.check import Check, CheckFunction, Verdict, at_most
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.errors import InputError
 
@@ -33,7 +32,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SUBJECTS", "Check", "Verdict", "run_checks"]
 
-SUBJECTS: dict[str, Callable[[DesignInputs], Iterator[partial[Check]]]] = {
+SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
     "tip on stage": contact.checks,
     "bearing ways": ways.checks,
     "magnetic teeth": teeth.checks,
@@ -70,12 +69,12 @@ def run_checks(
     found: list[Check] = []
     for subject in SUBJECTS if subjects is None else (name for name in SUBJECTS if name in subjects):
         inputs = DesignInputs(design, masses)
-        for run in SUBJECTS[subject](inputs):
+        for function in SUBJECTS[subject](design):
             try:
-                check = run()
+                check = function(inputs)
             except InputError as error:
                 check = Check(
-                    f"{subject}: {run.func.__name__.replace('_', ' ')}",
+                    f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",
                     at_most(None, None, ""),
                     source="the calculator's own range",
                     formula="",

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 import numpy as np
 
-from designcalc.checks.check import Check, at_least, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
 from designcalc.drive.friction_drive import frequency_for, resonance, stack_current, stack_heat
 from designcalc.drive.piezo_stack import drive_pull, side_load, stack_tension, tilt_stress
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass, weight
 from designcalc.machine.pads import pads_stiffness
 from designcalc.machine.tip_dynamics import PIEZOS, mass_on_piezos, tip_resonances, usable_ellipse
+from stagecad.parameters.design import Design
 
 _ACTUATOR = "Table 2: actuator"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Every check of tip and piezos."""
-    yield partial(tip_weight, r)
-    yield partial(drive_frequency, r)
-    yield partial(pad_resonance, r)
-    yield partial(pushing_force, r)
-    yield partial(heat, r)
-    yield partial(current, r)
-    yield partial(tension, r)
-    yield partial(bending, r)
-    yield partial(tilt, r)
-    yield partial(step_size, r)
+    return [tip_weight, drive_frequency, pad_resonance, pushing_force, heat, current, tension, bending, tilt, step_size]
 
 
 def tip_weight(r: DesignInputs) -> Check:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -10,13 +9,14 @@ import numpy as np
 
 from designcalc.bearing.porous_air import stiffness_of_gap
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.contact.hertz import contact_modulus, load_at_pressure, load_at_stiffness, point_contact
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.drive.suspension import dipole_hessian, rank_sum
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import weight
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness
+from stagecad.parameters.design import Design
 
 _AIR_SOURCE = "thesis 2.4.1, catalogue point of a 1 in porous pad"
 _BALL_SOURCE = "thesis 2.4.3 and appendix A; Johnson (1985), section 4.2"
@@ -46,17 +46,17 @@ class Suspension:
     """sum of places over the criteria"""
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Each candidate passed over: a check passes where the reason to pass it over holds for this design."""
-    yield partial(air_model, r)
-    yield partial(air_surface, r)
-    yield partial(air_height, r)
-    yield partial(earnshaw, r)
-    for label in _BALLS:
-        yield partial(small_ball, r, label)
-    for label in _BALLS:
-        yield partial(ball_stiffness, r, label)
-    yield partial(ball_smoothness, r)
+    return [
+        air_model,
+        air_surface,
+        air_height,
+        earnshaw,
+        *(partial(small_ball, label=label) for label in _BALLS),
+        *(partial(ball_stiffness, label=label) for label in _BALLS),
+        ball_smoothness,
+    ]
 
 
 def _air_stiffness(r: DesignInputs) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import total_stiffness
 from designcalc.bearing.sliding import averaged_roughness
-from designcalc.checks.check import Check, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import Contribution, budget
 from designcalc.errors.sensors import filtered_noise
@@ -20,6 +20,7 @@ from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass, tip_load, weight
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
 from designcalc.machine.tip_dynamics import holding_stiffness
+from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
 AXES = {"along": 0, "across": 1, "normal": 2}
@@ -167,10 +168,9 @@ def budgets(r: DesignInputs) -> list[Budget]:
     return [worked_out(r, name) for name in _KINDS]
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """One check for each budget."""
-    for name in _KINDS:
-        yield partial(total_error, r, name)
+    return [*(partial(total_error, name=name) for name in _KINDS)]
 
 
 def total_error(r: DesignInputs, name: str) -> Check:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal, SupportsFloat
 
-from designcalc.machine.inputs import Input
+from designcalc.machine.inputs import DesignInputs, Input
 from stagecad.parameters.units import as_json, format_quantity
 
 Verdict = Literal["passes", "fails", "out_of_range", "undecidable"]
@@ -128,3 +129,7 @@ class Check:
             "requirement": self.requirement,
             "note": self.note,
         }
+
+
+CheckFunction = Callable[[DesignInputs], Check]
+"""Computes one check from the values it reads."""

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 import numpy as np
 
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
 from designcalc.machine.tip_contact import tip_contact
 from designcalc.machine.tip_dynamics import stack_stiffness, stroke_ellipse
+from stagecad.parameters.design import Design
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Every check of the tip's contact."""
-    yield partial(pressure, r)
-    yield partial(coating, r)
-    yield partial(swallowed_stroke, r)
-    yield partial(contact_stiffness, r)
+    return [pressure, coating, swallowed_stroke, contact_stiffness]
 
 
 def pressure(r: DesignInputs) -> Check:

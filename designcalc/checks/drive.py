@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.drive.friction_drive import (
     GRAVITY,
     acceleration_limit,
@@ -21,21 +20,23 @@ from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import preload_ratio, weight
 from designcalc.machine.pads import pad_positions
 from designcalc.machine.tip_dynamics import PIEZOS, mass_on_piezos, stack_stiffness, tip_resonance, usable_ellipse
+from stagecad.parameters.design import Design
 
 _SPEED = "kinematics of the elliptic tip: X f stopping, 2 X f coasting, pi X f at the apex"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Every check of the drive."""
-    yield partial(stroke, r)
-    for law in ("stopping", "coasting", "apex"):
-        yield partial(frequency, r, law)
-    yield partial(speed, r)
-    yield partial(acceleration, r, "acceleration_low", "0.2 G")
-    yield partial(acceleration, r, "acceleration", "1 G")
-    yield partial(tip_over, r)
-    yield partial(travel_left, r)
-    yield partial(sea_length, r)
+    return [
+        stroke,
+        *(partial(frequency, law=law) for law in ("stopping", "coasting", "apex")),
+        speed,
+        partial(acceleration, key="acceleration_low", label="0.2 G"),
+        partial(acceleration, key="acceleration", label="1 G"),
+        tip_over,
+        travel_left,
+        sea_length,
+    ]
 
 
 def stroke(r: DesignInputs) -> Check:

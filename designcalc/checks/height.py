@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from functools import partial
 
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.machine.height_adjustment import clamp_wrap, clamping_shift, screw_preload, wedge
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.tip_dynamics import stroke_ellipse
+from stagecad.parameters.design import Design
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """The set screw and wedge."""
-    yield partial(sensitivity, r)
-    yield partial(self_locking, r)
-    yield partial(adjustment_range, r)
-    yield partial(shim, r)
-    yield partial(thickest_shim, r)
-    yield partial(return_spring, r)
-    yield partial(clamping, r)
+    return [sensitivity, self_locking, adjustment_range, shim, thickest_shim, return_spring, clamping]
 
 
 def sensitivity(r: DesignInputs) -> Check:

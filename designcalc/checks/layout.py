@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
-from designcalc.checks.check import Check, at_least, show
+from designcalc.checks.check import Check, CheckFunction, at_least, show
 from designcalc.machine.inputs import DesignInputs
+from stagecad.parameters.design import Design
 
 _SECTION = "thesis 2.2, 'other pertinent issues'"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Two axes, replaceable piezos, symmetric base, payload and adjustments within reach."""
-    yield partial(two_axes, r)
-    yield partial(replaceable, r)
-    yield partial(way_and_tip, r)
-    yield partial(payload_face, r)
+    return [two_axes, replaceable, way_and_tip, payload_face]
 
 
 def two_axes(r: DesignInputs) -> Check:

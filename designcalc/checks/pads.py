@@ -3,34 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from functools import partial
 
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.drive.friction_drive import GRAVITY
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import weight
 from designcalc.machine.pads import film, heaviest_pad, pad_forces, pads_stiffness
+from stagecad.parameters.design import Design
 
 _FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Every check of the sliding bearing."""
-    yield partial(lightest_pad, r)
-    yield partial(pressure, r)
-    yield partial(pv, r)
-    yield partial(indentation, r)
-    yield partial(proportions, r)
-    yield partial(stiction, r)
-    yield partial(preload, r)
-    yield partial(normal, r)
-    yield partial(pitch, r)
-    if r.design.teeth.fitted:
-        yield partial(yaw, r)
+    return [
+        lightest_pad,
+        pressure,
+        pv,
+        indentation,
+        proportions,
+        stiction,
+        preload,
+        normal,
+        pitch,
+        *([yaw] if design.teeth.fitted else []),
+    ]
 
 
 def lightest_pad(r: DesignInputs) -> Check:

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
 
-from designcalc.checks.check import Check, at_least, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
 from designcalc.errors.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
 from designcalc.machine.inputs import DesignInputs
+from stagecad.parameters.design import Design
 
 _DATASHEET = "thesis 2.3.4, data sheets"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """LVDT, capacitive probe, interferometer."""
-    yield partial(lvdt_range, r)
-    yield partial(lvdt_resolution, r)
-    yield partial(hand_over, r)
-    yield partial(probe_noise, r)
-    yield partial(probe_count, r)
-    yield partial(interferometer, r, "resolution", "the finest step")
-    yield partial(interferometer, r, "resolution_coarse", "the coarsest step allowed")
-    yield partial(interferometer_range, r)
-    yield partial(interferometer_speed, r)
-    yield partial(differencing, r)
-    yield partial(lag, r)
-    yield partial(probe_linearity, r)
-    yield partial(contactless, r)
-    yield partial(abbe, r)
-    yield partial(cosine, r)
+    return [
+        lvdt_range,
+        lvdt_resolution,
+        hand_over,
+        probe_noise,
+        probe_count,
+        partial(interferometer, key="resolution", label="the finest step"),
+        partial(interferometer, key="resolution_coarse", label="the coarsest step allowed"),
+        interferometer_range,
+        interferometer_speed,
+        differencing,
+        lag,
+        probe_linearity,
+        contactless,
+        abbe,
+        cosine,
+    ]
 
 
 def lvdt_range(r: DesignInputs) -> Check:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -10,19 +9,22 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
-from designcalc.checks.check import Check, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import film, heaviest_pad, pad_positions
+from stagecad.parameters.design import Design
 
 _AVERAGING = "averaging of a random surface over the pads' contact"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Roughness under the film, smoothness of the way as drawn, as proposed, and with the waves that lapping leaves."""
-    yield partial(roughness_under_film, r)
-    yield partial(smoothness, r, "way_roughness", "way as drawn")
-    yield partial(smoothness, r, "proposed_way_roughness", "way as proposed")
-    yield partial(ridden, r)
+    return [
+        roughness_under_film,
+        partial(smoothness, key="way_roughness", label="way as drawn"),
+        partial(smoothness, key="proposed_way_roughness", label="way as proposed"),
+        ridden,
+    ]
 
 
 def roughness_under_film(r: DesignInputs) -> Check:

@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.drive.magnetic_teeth import teeth_field, working_point
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import pads_stiffness
 from designcalc.machine.teeth import CIRCUITS, TeethModel, teeth
+from stagecad.parameters.design import Design
 
 _FIELD = "field of one cell by mode matching (K_x = -d2W/dx2, K_z = d2W/de2)"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Every check of the teeth; none where no teeth are fitted."""
-    if not r.design.teeth.fitted:
-        return
-    yield partial(ratio, r)
-    yield partial(lateral, r)
-    yield partial(preload, r)
-    yield partial(preload_share, r)
-    yield partial(saturation, r)
-    yield partial(against_pads, r)
+    return [ratio, lateral, preload, preload_share, saturation, against_pads] if design.teeth.fitted else []
 
 
 def ratio(r: DesignInputs) -> Check:

@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from functools import partial
 
-from designcalc.checks.check import Check, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_most, ratio, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.thermal import bow_of_layers, differential_growth, loop_drift, vibration_at_tip
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass
 from designcalc.machine.pads import pads_stiffness, rail
 from designcalc.machine.tip_dynamics import holding_stiffness, stroke_ellipse
+from stagecad.parameters.design import Design
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Drift of the tip, the way on the base, magnetism, vibration; with the base's other material beside each."""
-    yield partial(tip_drift, r)
-    yield partial(way_growth, r)
-    yield partial(base_expansion, r)
-    if r.design.teeth.fitted:
-        yield partial(magnetism, r)
-    yield partial(bow, r)
-    yield partial(symmetry, r)
-    yield partial(vibration, r, "along")
-    yield partial(vibration, r, "normal")
+    return [
+        tip_drift,
+        way_growth,
+        base_expansion,
+        *([magnetism] if design.teeth.fitted else []),
+        bow,
+        symmetry,
+        partial(vibration, direction="along"),
+        partial(vibration, direction="normal"),
+    ]
 
 
 def _beside(r: DesignInputs) -> tuple[str, str]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 from designcalc.bearing.bolted_rail import best_spacing_ratio, joint_stiffness, total_stiffness
 from designcalc.bearing.fastener import (
@@ -14,29 +12,32 @@ from designcalc.bearing.fastener import (
     strip_area_of_bed,
     strip_area_of_screw,
 )
-from designcalc.checks.check import Check, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.errors.thermal import preload_change
 from designcalc.machine.height_adjustment import screw_preload
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass
 from designcalc.machine.pads import rail
+from stagecad.parameters.design import Design
 
 _APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Every check of the bolted ways."""
-    yield partial(spacing, r)
-    yield partial(stiffness, r)
-    yield partial(force_ripple, r)
-    yield partial(engagement, r)
-    yield partial(stripping, r)
-    yield partial(screw_stress, r)
-    yield partial(edge_margin, r)
-    yield partial(head, r)
-    yield partial(heat_of_joint, r)
-    yield partial(bolt_dimple, r)
-    yield partial(warp, r)
+    return [
+        spacing,
+        stiffness,
+        force_ripple,
+        engagement,
+        stripping,
+        screw_stress,
+        edge_margin,
+        head,
+        heat_of_joint,
+        bolt_dimple,
+        warp,
+    ]
 
 
 def _ratios(r: DesignInputs) -> tuple[float, float]:

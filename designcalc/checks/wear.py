@@ -2,22 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from functools import partial
-
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
-from designcalc.checks.check import Check, at_least, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import weight
 from designcalc.machine.pads import heaviest_pad
+from stagecad.parameters.design import Design
 
 
-def checks(r: DesignInputs) -> Iterator[partial[Check]]:
+def checks(design: Design) -> list[CheckFunction]:
     """Film, running in, life, heat."""
-    yield partial(film_thickness, r)
-    yield partial(running_in, r)
-    yield partial(life, r)
-    yield partial(heat, r)
+    return [film_thickness, running_in, life, heat]
 
 
 def film_thickness(r: DesignInputs) -> Check:

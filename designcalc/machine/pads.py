@@ -6,14 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from designcalc.bearing.bolted_rail import Rail
-from designcalc.bearing.sliding import (
-    FilmContact,
-    PadStiffness,
-    confined_modulus,
-    film_contact,
-    pad_loads,
-    pad_stiffness,
-)
+from designcalc.bearing.sliding import PadStiffness, pad_loads, pad_stiffness
+from designcalc.contact.film import FilmContact, confined_modulus, film_contact
 from designcalc.contact.hertz import contact_modulus
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import weight

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from designcalc.bearing import bolted_rail, fastener, porous_air, sliding
-from designcalc.contact import hertz
+from designcalc.contact import film, hertz
 from designcalc.drive import friction_drive, height_adjustment, magnetic_teeth, piezo_stack
 from designcalc.errors import sensors, thermal
 from stagecad.parameters.errors import InputError
@@ -61,7 +61,7 @@ CALLS = [
     (sensors.lag_error, (0.2, 500.0)),
     (sensors.abbe_error, (0.02, 1e-5)),
     (sensors.cosine_error, (0.2, 1e-4)),
-    (lambda load: sliding.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),
+    (lambda load: film.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),
     (sliding.crown_wear_distance, (1e-6, 2.0, 1e-15, 16.0)),
     (sliding.crown_wear_depth, (1200.0, 2.0, 1e-15, 16.0)),
     (sliding.friction_heat, (0.05, 33.0, 0.2)),
@@ -114,7 +114,7 @@ def test_an_array_gives_what_its_elements_give(call, arguments):
         lambda: sensors.cosine_error(-0.2, 0.0),
         lambda: sliding.crown_wear_distance(1.0, 2.0, 1e-15, 16.0),
         lambda: sliding.friction_heat(-0.1, 1.0, 1.0),
-        lambda: sliding.film_contact(0.0, 2.0, 2e-6, 1e9, 60e9),
+        lambda: film.film_contact(0.0, 2.0, 2e-6, 1e9, 60e9),
         lambda: thermal.bow_of_layers(0.28, 0.0, 1e9, 0.0, 0.1, 1e9, 0.0),
         lambda: thermal.preload_change(0.01, 0.0, 0.0, 0.0, 1e9),
     ],

@@ -100,7 +100,7 @@ def _clamp(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _pads(run: Run, v: Values) -> dict[str, Any]:
-    from designcalc.bearing.sliding import confined_modulus, film_contact
+    from designcalc.contact.film import confined_modulus, film_contact
     from designcalc.contact.hertz import contact_modulus
 
     bodies = contact_modulus(v["pad_modulus"], v["pad_poisson"], v["way_modulus"], v["way_poisson"])

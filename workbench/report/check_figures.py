@@ -17,11 +17,35 @@ if TYPE_CHECKING:
     from stagecad.parameters.mass_properties import BodyMasses
 
 
-def rail_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+def check_figure(width: float, height: float) -> Callable[[Callable[..., str | None]], Callable[..., bool]]:
+    """Decorator: draw on the axes of a new figure and save it; the drawing returns its title, None draws nothing."""
+
+    def decorate(draw: Callable[..., str | None]) -> Callable[..., bool]:
+        def drawn(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+            figure, axes = _figure(width, height)
+            title = draw(axes, design, masses)
+            if title is None:
+                return False
+            axes.set_title(title, fontsize=10)
+            _save(figure, path)
+            return True
+
+        return drawn
+
+    return decorate
+
+
+def _figure(width: float, height: float) -> tuple[Any, Any]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots()
+
+
+@check_figure(6.4, 4.0)
+def rail_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Stiffness of the way over bolt spacing, with the design's place, the optimum, and the thesis's steel curve."""
     from dataclasses import replace
-
-    from matplotlib.figure import Figure
 
     from designcalc.bearing.bolted_rail import best_spacing_ratio, total_stiffness
     from designcalc.machine.inputs import DesignInputs
@@ -32,8 +56,6 @@ def rail_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     here, tau = r("bearing_way.bolt_spacing") / diameter, r("bearing_way.flange_thickness") / diameter
     steel = replace(way, rail_modulus=207e9, bed_modulus=207e9, bolt_modulus=207e9, poisson=0.3)
     M = np.linspace(1.3, 10, 200)
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axes = figure.subplots()
     axes.plot(M, total_stiffness(way, M, tau) / 1e6, color="tab:blue", label="materials of the design")
     axes.plot(M, total_stiffness(steel, M, tau) / 1e6, color="0.6", ls="--", label="steel throughout, as the thesis")
     best = best_spacing_ratio(way, tau)
@@ -43,26 +65,21 @@ def rail_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     axes.set_ylabel("stiffness of the way, N/µm")
     axes.set_ylim(0)
     axes.legend(frameon=False)
-    axes.set_title(f"Bearing way on its bolts, flange {tau:.2f} diameters thick", fontsize=10)
-    _save(figure, path)
-    return True
+    return f"Bearing way on its bolts, flange {tau:.2f} diameters thick"
 
 
-def teeth_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
-    """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; False without teeth."""
+@check_figure(6.4, 4.4)
+def teeth_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
+    """Map of K_x/K_z over l/p and e/p with the thesis's 0.4 and the design on it; none without teeth."""
     if not design.teeth.fitted:
-        return False
-    from matplotlib.figure import Figure
-
+        return None
     from designcalc.drive.magnetic_teeth import ratio_map
 
     teeth = design.teeth
     widths, gaps = np.linspace(0.08, 0.9, 22), np.geomspace(0.04, 1.0, 20)
     ratio, _, _ = ratio_map(widths, gaps, teeth.groove_depth / teeth.pitch)
-    figure = Figure(figsize=(6.4, 4.4), layout="constrained")
-    axes = figure.subplots()
     shades = axes.contourf(widths, gaps, ratio, levels=16, cmap="viridis")
-    figure.colorbar(shades, label="$K_x / K_z$")
+    axes.figure.colorbar(shades, label="$K_x / K_z$")
     axes.axvline(0.4, color="white", ls="--", lw=1.2)
     axes.text(0.41, 0.045, "thesis: 0.4", color="white", va="bottom")
     axes.plot(teeth.width / teeth.pitch, teeth.gap / teeth.pitch, "o", color="tab:red", mec="white")
@@ -76,15 +93,12 @@ def teeth_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     axes.set_yscale("log")
     axes.set_xlabel("tooth width over pitch, l/p")
     axes.set_ylabel("gap over pitch, e/p")
-    axes.set_title("Lateral over normal stiffness of the teeth at fixed magnetic potential", fontsize=10)
-    _save(figure, path)
-    return True
+    return "Lateral over normal stiffness of the teeth at fixed magnetic potential"
 
 
-def speed_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+@check_figure(6.4, 4.0)
+def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Speed over drive frequency by the three laws, and where the tip's resonance ends them."""
-    from matplotlib.figure import Figure
-
     from designcalc.drive.friction_drive import speed_of
     from designcalc.machine.inputs import DesignInputs
     from designcalc.machine.tip_dynamics import tip_resonance, usable_ellipse
@@ -92,8 +106,6 @@ def speed_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     r = DesignInputs(design, masses)
     travel, first, wanted = usable_ellipse(r)[0], tip_resonance(r), r("requirements.speed")
     frequency = np.linspace(0, 1.9 * first, 50)
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axes = figure.subplots()
     for (law, speed), colour in zip(speed_of(travel, frequency).items(), ("tab:blue", "tab:orange", "tab:green")):
         axes.plot(frequency / 1e3, 1e3 * speed, color=colour, label=f"{law}")
     axes.axhline(1e3 * wanted, color="0.3", lw=0.8)
@@ -108,15 +120,12 @@ def speed_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
     axes.set_xlim(0, frequency[-1] / 1e3)
     axes.set_ylim(0)
     axes.legend(frameon=False, title="contact", loc="upper left")
-    axes.set_title(f"Speed from an ellipse {1e6 * travel:.2f} µm long", fontsize=10)
-    _save(figure, path)
-    return True
+    return f"Speed from an ellipse {1e6 * travel:.2f} µm long"
 
 
-def travel_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+@check_figure(6.4, 4.0)
+def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
-    from matplotlib.figure import Figure
-
     from designcalc.drive.friction_drive import GRAVITY, acceleration_limit, tip_force_limit
     from designcalc.machine.inputs import DesignInputs
     from designcalc.machine.loads import preload_ratio
@@ -128,8 +137,6 @@ def travel_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     # With the stage at x the tip acts at -x on it.
     share = np.array([tip_force_limit(places, centre, (-place, 0.0)) for place in x])
     mu, mu_pad, p = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r)
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axes = figure.subplots()
     axes.plot(1e3 * x, acceleration_limit(mu, p, share, mu_pad) / GRAVITY, color="tab:blue", label="before a pad lifts")
     axes.axhline(
         float(acceleration_limit(mu, p)) / GRAVITY, color="tab:orange", ls="--", label="before lift-off, mu (1 + p)"
@@ -141,15 +148,12 @@ def travel_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     axes.set_xlabel("stage from the middle of its travel, mm")
     axes.set_ylabel("acceleration, g")
     axes.legend(frameon=False, loc="center right", fontsize=8)
-    axes.set_title("What the tip can push over the travel", fontsize=10)
-    _save(figure, path)
-    return True
+    return "What the tip can push over the travel"
 
 
-def profile_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+@check_figure(6.4, 4.0)
+def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """The lapped way with its waves under one pad, and the height of the pad that rides it."""
-    from matplotlib.figure import Figure
-
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
     from designcalc.checks.smoothness import lapped_surface, spot
@@ -161,8 +165,6 @@ def profile_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
     height = averaged_profile(profiles[0], step, side)
     x = step * np.arange(profiles.shape[1])
     first = (x.size - height.size) // 2
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axes = figure.subplots()
     axes.plot(1e3 * x, 1e9 * profiles[0], color="0.75", lw=0.5, label="way, averaged across the contact")
     axes.plot(1e3 * x[first : first + height.size], 1e9 * height, color="tab:blue", lw=1.4, label="pad that rides it")
     limit = 1e9 * r("requirements.smoothness")
@@ -170,9 +172,7 @@ def profile_figure(design: Design, masses: BodyMasses | None, path: Path) -> boo
     axes.set_xlabel("along the travel, mm")
     axes.set_ylabel("height, nm")
     axes.legend(frameon=False, fontsize=8, loc="upper right")
-    axes.set_title(f"A pad touches over {1e3 * side:.2g} mm: roughness is averaged, waves are not", fontsize=10)
-    _save(figure, path)
-    return True
+    return f"A pad touches over {1e3 * side:.2g} mm: roughness is averaged, waves are not"
 
 
 def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
@@ -215,11 +215,8 @@ FIGURES: dict[str, tuple[str, Callable[..., bool]]] = {
 
 def tolerance_figure(study: ToleranceStudy, path: Path) -> None:
     """The dimensions whose tolerance uses up most of a margin."""
-    from matplotlib.figure import Figure
-
     shown = [item for item in study.influences if item.share > 0][:12]
-    figure = Figure(figsize=(7.2, 0.34 * len(shown) + 1.2), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _figure(7.2, 0.34 * len(shown) + 1.2)
     labels = [f"{item.key} ({item.tolerance})" for item in shown]
     bars = axes.barh(labels, [100 * item.share for item in shown], color="tab:blue", height=0.6)
     axes.bar_label(bars, [f" {item.check}" for item in shown], fontsize=7, color="0.35")
@@ -237,15 +234,12 @@ def _save(figure: Any, path: Path) -> None:
 
 def sweep_figure(swept: Range, points: Sequence[Point], names: Sequence[str], path: Path) -> None:
     """Margins of some checks over a swept parameter; below the zero line a check fails."""
-    from matplotlib.figure import Figure
-
     from stagecad.parameters.units import to_si
 
     kept = [point for point in points if point.checks]
     scale = 1 / to_si(1.0, swept.unit)
     x = [point.value * scale for point in kept]
-    figure = Figure(figsize=(7.2, 4.4), layout="constrained")
-    axes = figure.subplots()
+    figure, axes = _figure(7.2, 4.4)
     for name in names:
         margins = [next((c.margin for c in p.checks if c.name == name), None) for p in kept]
         axes.plot(x, [np.nan if m is None else 100 * m for m in margins], marker=".", label=name)

@@ -7,25 +7,26 @@ import pytest
 from scipy.integrate import quad
 
 from designcalc.bearing import sliding as bearing
+from designcalc.contact.film import confined_modulus, film_contact
 from designcalc.contact.hertz import point_contact
 from stagecad.parameters.errors import InputError
 
 
 def test_film_on_rigid_bodies_carries_its_load_and_stiffness_is_the_slope():
     R, t, M = 2.0, 2e-6, 1.2e9
-    film = bearing.film_contact(5.0, R, t, M, np.inf)
+    film = film_contact(5.0, R, t, M, np.inf)
     depth = float(film.radius) ** 2 / (2 * R)
     assert float(film.indentation) == pytest.approx(depth)
     load, _ = quad(lambda r: 2 * np.pi * r * M / t * (depth - r**2 / (2 * R)), 0, float(film.radius))
     assert load == pytest.approx(5.0, rel=1e-9)
-    more, less = (bearing.film_contact(5.0 * s, R, t, M, np.inf) for s in (1 + 1e-5, 1 - 1e-5))
+    more, less = (film_contact(5.0 * s, R, t, M, np.inf) for s in (1 + 1e-5, 1 - 1e-5))
     slope = 5.0 * 2e-5 / float(more.indentation - less.indentation)
     assert float(film.stiffness) == pytest.approx(slope, rel=1e-6)
 
 
 def test_a_stiff_film_leaves_hertz():
     loads = np.array([0.01, 5.0, 300.0])
-    film = bearing.film_contact(loads, 2.0, 2e-6, 1e16, 60e9)
+    film = film_contact(loads, 2.0, 2e-6, 1e16, 60e9)
     plain = point_contact(loads, 2.0, np.inf, 60e9)
     np.testing.assert_allclose(film.radius, plain.semi_axis_major, rtol=1e-3)
     np.testing.assert_allclose(film.peak_pressure, plain.peak_pressure, rtol=2e-3)
@@ -34,7 +35,7 @@ def test_a_stiff_film_leaves_hertz():
 
 def test_a_film_widens_and_softens_a_contact():
     plain = point_contact(5.0, 2.0, np.inf, 60e9)
-    film = bearing.film_contact(5.0, 2.0, 2e-6, 2e9, 60e9)
+    film = film_contact(5.0, 2.0, 2e-6, 2e9, 60e9)
     assert film.radius > plain.semi_axis_major
     assert film.peak_pressure < plain.peak_pressure
     assert film.stiffness < plain.stiffness
@@ -56,9 +57,9 @@ def test_depth_worn_undoes_the_distance():
 def test_confined_modulus_is_hookes_law_without_side_strain():
     E, nu = 0.5e9, 0.46
     compliance = np.array([[1, -nu, -nu], [-nu, 1, -nu], [-nu, -nu, 1]]) / E
-    assert bearing.confined_modulus(E, nu) == pytest.approx(np.linalg.inv(compliance)[0, 0])
+    assert confined_modulus(E, nu) == pytest.approx(np.linalg.inv(compliance)[0, 0])
     with pytest.raises(InputError, match="poisson"):
-        bearing.confined_modulus(E, 0.5)
+        confined_modulus(E, 0.5)
 
 
 def test_pad_loads_balance_force_and_moment():
