@@ -1,6 +1,6 @@
 """The library: every built-in effect by name, variants, and a user's own effects from a file.
 
-A built-in is a module in a folder of `sim.effects` that declares an `Effect` at module level; nothing else lists it.
+A built-in is declared in a module in a folder of `sim.effects`, as `EFFECT` or in the tuple `EFFECTS`.
 """
 
 from __future__ import annotations
@@ -16,18 +16,16 @@ import sim.effects
 from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
 
-# fmt: off
 ORDER = (
-    "coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening",
-    "direction_asymmetry", "position_dependent_friction", "load_dependent_friction",
-    "temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring",
-    "magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay",
-    "piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity",
-    "sensor_drift", "sensor_quantisation", "dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run",
-    "maxwell_slip",
+    *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
+    *("direction_asymmetry", "position_dependent_friction", "load_dependent_friction"),
+    *("temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring"),
+    *("magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay"),
+    *("piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity"),
+    *("sensor_drift", "sensor_quantisation", "dahl", "lugre", "lugre_undamped", "lugre_causal"),
+    *("lugre_causal_as_run", "maxwell_slip"),
 )
-# fmt: on
-"""The names everyone uses, in the order in which they are listed."""
+"""Public effect names in the order in which they are listed."""
 
 CHANNELS = (
     *("friction_force", "position", "position_y", "velocity", "spring_force", "drive_force"),
@@ -39,16 +37,16 @@ CHANNELS = (
 @functools.cache
 def _built_in() -> dict[str, Effect]:
     found: dict[str, Effect] = {}
-    for module in pkgutil.walk_packages(sim.effects.__path__, "sim.effects."):
-        effect = getattr(importlib.import_module(module.name), "EFFECT", None)
-        if isinstance(effect, Effect):
-            found[effect.name] = effect
+    for info in pkgutil.walk_packages(sim.effects.__path__, "sim.effects."):
+        module = importlib.import_module(info.name)
+        effects = getattr(module, "EFFECTS", None) or (getattr(module, "EFFECT", None),)
+        found |= {effect.name: effect for effect in effects if isinstance(effect, Effect)}
     rank = {name: place for place, name in enumerate(ORDER)}
     return dict(sorted(found.items(), key=lambda item: (rank.get(item[0], len(rank)), item[0])))
 
 
 def library() -> dict[str, Effect]:
-    """Every built-in effect by name, in the order of the names everyone uses."""
+    """Every built-in effect by name, in the order of `ORDER`."""
     return dict(_built_in())
 
 
@@ -57,7 +55,8 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
 
     Args:
         name: an effect; `effect:variant` picks a variant, `sensor_effect@channel` the channel a sensor effect acts on,
-            `contact.effect` puts a friction effect between tip and stage. The effect found carries the name asked for.
+            `contact.effect` puts a friction effect between tip and stage. The effect returned carries the requested
+            name.
         custom: the user's own effects (`load_custom`).
 
     Raises:
@@ -85,7 +84,7 @@ def find(name: str, custom: Sequence[Effect] = ()) -> Effect:
             raise InputError(f"effect '{name}': no channel '{channel}'{nearest(channel, CHANNELS)}")
     if contact and effect.acts_on in ("drive", "piezo", "sensor"):
         raise InputError(f"effect '{name}': '{base}' acts on {effect.acts_on}, not in the contact of tip and stage")
-    # Under the name asked for, so that its parameters are found by that name too.
+    # Under the requested name, so that its parameters are found by that name too.
     return effect if effect.name == name else replace(effect, name=name)
 
 

@@ -138,10 +138,7 @@ def _with_dead_loads(machine: StageMachine, position: float, load: float, pad_he
     moment = weight * centre[:2] - load * np.sum(tips - [position, 0.0], axis=0)
     # One force `total` at the point where the moments of weight, preload (at the middle) and tips put it.
     stage = replace(
-        machine.stage,
-        mass=total / machine.gravity,
-        preload=0.0,
-        centre=np.array([*(moment / total), centre[2]]),
+        machine.stage, mass=total / machine.gravity, preload=0.0, centre=np.array([*(moment / total), centre[2]])
     )
     found = rest_at(replace(machine, stage=stage), position, np.full(len(tips), -1.0), pad_height)
     shift = centre[:2] - stage.centre[:2]

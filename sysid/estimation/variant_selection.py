@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.effects.friction_state import free_maxwell_slip
+from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_shares, free_stretches
 from sim.library.effect import Effect
 from sysid.estimation.driven_stage_search import synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
@@ -97,9 +97,9 @@ def core_variant_fits(
 def _equivalent_elements(model: Model, core: Effect, free: Effect, span: float) -> dict[str, float]:
     """Values of the free law with which it yields as the fitted core does."""
     stretch, curvature = (model.values[f"{core.name}.{name}"] for name in ("stretch", "curvature"))
-    stretches = free_maxwell_slip.stretches_of(stretch, span)
-    shares = free_maxwell_slip.shares_of(stretches, 1.0 - (1.0 - np.minimum(stretches / stretch, 1.0)) ** curvature)
+    stretches = free_stretches(stretch, span)
+    shares = free_shares(stretches, 1.0 - (1.0 - np.minimum(stretches / stretch, 1.0)) ** curvature)
     shares = np.maximum(shares, 1e-3 * np.max(shares))
-    shares = shares / shares[free_maxwell_slip.HELD - 1]
+    shares = shares / shares[HELD_SHARE - 1]
     values = {f"{free.name}.share_{k + 1}": float(share) for k, share in enumerate(shares)}
     return {**values, f"{free.name}.stretch": stretch, f"{free.name}.span": span}

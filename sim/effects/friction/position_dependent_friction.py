@@ -83,10 +83,7 @@ _OVERTONE = replace(
     name="position_dependent_friction:overtone",
     meaning="a wave along the travel that is no pure sine: broad crests and narrow troughs, or a leaning flank",
     equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
-    parameters=(
-        *(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters),
-        *SECOND,
-    ),
+    parameters=(*(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters), *SECOND),
     factor=_overtone_factor,
     slopes={"factor.position": _overtone_factor_position},
 )

@@ -1,16 +1,18 @@
-"""Presliding: a core whose stretch the record can see. Maxwell-slip unless a variant names another."""
+"""Presliding: a friction state model whose stretch the record resolves. Maxwell-slip unless a variant names another."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from sim.effects.friction_state import dahl, free_maxwell_slip, lugre, lugre_causal, maxwell_slip
+from sim.effects.friction_state import dahl
+from sim.effects.friction_state.lugre import CAUSAL, LUGRE
+from sim.effects.friction_state.maxwell_slip import FREE_MAXWELL_SLIP, MAXWELL_SLIP
 
 EFFECT = replace(
-    maxwell_slip.EFFECT,
+    MAXWELL_SLIP,
     name="presliding",
     variants=tuple(
-        replace(core, name=f"presliding:{core.name}")
-        for core in (maxwell_slip.EFFECT, free_maxwell_slip.EFFECT, dahl.EFFECT, lugre.EFFECT, lugre_causal.EFFECT)
+        replace(effect, name=f"presliding:{effect.name}")
+        for effect in (MAXWELL_SLIP, FREE_MAXWELL_SLIP, dahl.EFFECT, LUGRE, CAUSAL)
     ),
 )

@@ -54,15 +54,7 @@ _POWER = replace(
             "amplitude", "channel", 0.0, -1e9, 1e9, "how far the zero has moved at reference_time", "either sign"
         ),
         Parameter(
-            "exponent",
-            "1",
-            1.0,
-            0.2,
-            3.0,
-            "power of time",
-            "steady drift",
-            role="shape",
-            scan=Scan("one", 0.4, 2.0, 5),
+            "exponent", "1", 1.0, 0.2, 3.0, "power of time", "steady drift", role="shape", scan=Scan("one", 0.4, 2.0, 5)
         ),
         Parameter(
             "reference_time",
