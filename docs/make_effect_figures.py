@@ -1,7 +1,7 @@
 """Draw effects/NAME.svg, how each effect shows in a measurement: python docs/make_effect_figures.py [NAME...].
 
-A friction effect is drawn along one made-up record (an axis moved to and fro with pauses, Coulomb and viscous friction
-beneath), against the coordinate it declares first; a signal effect as the signal before and after.
+A friction effect is drawn for one synthetic record (an axis moved back and forth with pauses, with Coulomb and viscous
+friction), against the first coordinate it declares; a signal effect as the signal before and after.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ mpl.use("svg")
 
 FOLDER = Path(__file__).parent / "effects"
 SAMPLES = 1200
-# Sizes at which an effect is plain to see on this record; the rest keep their defaults.
+# Values at which an effect is clearly visible in this record; the others keep their defaults.
 SHOWN = {
     "stribeck.velocity": 3e-3,
     "viscous.coefficient": 20.0,

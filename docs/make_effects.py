@@ -16,11 +16,11 @@ Made from the declarations in the folders of `sim/effects/` by `python docs/make
 prints the same for one effect, `stagecad effects NAME --json` for a script. A name picks a law with `:`
 (`stribeck:rational`), a measured channel with `@` (`sensor_lag@position`). An effect of your own is declared the same
 way: see [the tutorial](tutorial.md#7-an-effect-of-your-own). The figures are drawn by `python
-docs/make_effect_figures.py`: along one made-up record, with the effect plain to see.
+docs/make_effect_figures.py` for one synthetic record, with values at which the effect is clearly visible.
 
-Friction effects meet in one level: `level = (sum of levels) * (product of factors)`, and one core turns the level into
-a force. Forces are counted as friction is: positive where they oppose positive motion. Units are those of a linear
-axis; a rotary axis has rad for m, N*m for N, and so on.
+Friction effects act on one friction level: `level = (sum of levels) * (product of factors)`, and one friction state
+model turns the level into a force. Forces have the sign of friction: positive where they oppose
+positive motion. Units are those of a linear axis; a rotary axis has rad for m, N*m for N, and so on.
 
 | effect | acts on | what it is |
 | --- | --- | --- |
@@ -43,7 +43,7 @@ def _anchor(effect: Effect) -> str:
 
 
 def _where(effect: Effect) -> str:
-    return f"{effect.acts_on} (core)" if effect.friction_state is not None else effect.acts_on
+    return f"{effect.acts_on} (state model)" if effect.friction_state is not None else effect.acts_on
 
 
 def _section(effect: Effect) -> str:
@@ -54,9 +54,9 @@ def _section(effect: Effect) -> str:
     if (PAGE.parent / "effects" / f"{effect.name}.svg").is_file():
         lines += [f"![{effect.name} in a measurement](effects/{effect.name}.svg)", ""]
     facts = [
-        ("Shows", _sentence(effect.shows) if effect.shows else ""),
-        ("Seen against", ", ".join(effect.coordinates)),
-        ("Needs", ", ".join(effect.needs)),
+        ("Signature", _sentence(effect.shows) if effect.shows else ""),
+        ("Residual depends on", ", ".join(effect.coordinates)),
+        ("Requires", ", ".join(effect.needs)),
         ("Source", effect.source),
     ]
     lines += [f"- {label}: {text}" for label, text in facts if text]
@@ -69,7 +69,7 @@ def _section(effect: Effect) -> str:
 
 
 def _variant(variant: Effect, effect: Effect) -> list[str]:
-    """Another law under the same name: what it says, and of its numbers those that the first law does not have."""
+    """A variant: its law, and those of its parameters that the first law does not have."""
     own = [p for p in variant.parameters if p not in effect.parameters]
     lines = [f"**Variant `{variant.name}`**: {_sentence(variant.meaning)}", ""]
     lines += [*[f"    {line.strip()}" for line in variant.equation.splitlines()], "", f"- Source: {variant.source}"]

@@ -3,7 +3,7 @@
 In a simulation a core is a set of elements, each with one state z that depends on the rest of the axis through the
 velocity v and the level g alone, so the Jacobian of any model is an arrowhead:
 
-    z_k' = rate(z_k, v, g),    core force = sum over k of force(z_k, v, g)
+    z_k' = rate(z_k, v, g),    friction = sum over k of force(z_k, v, g)
 
 A law is told the direction of the motion and takes direction * v for the speed |v|: an integrator holds the direction
 through a step, so that the law stays smooth past a reversal inside it.

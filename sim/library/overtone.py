@@ -10,7 +10,18 @@ from __future__ import annotations
 from sim.library.effect import Parameter
 
 SECOND = (
-    Parameter("second_sine", "1", 0.0, -0.3, 0.3, "half the length, of the wave: leaning flanks", "one wave", "shape"),
-    Parameter("second_cosine", "1", 0.0, -0.3, 0.3, "half the length, of the wave: broad crests", "one wave", "shape"),
+    Parameter(
+        "second_sine", "1", 0.0, -0.3, 0.3, "sine part of the second harmonic, over the amplitude", "one wave", "shape"
+    ),
+    Parameter(
+        "second_cosine",
+        "1",
+        0.0,
+        -0.3,
+        0.3,
+        "cosine part of the second harmonic, over the amplitude",
+        "one wave",
+        "shape",
+    ),
 )
 """Parameters of the overtone."""

@@ -108,7 +108,7 @@ class Piezo:
         highest_voltage: V.
         bias: voltage of mid-stroke, V.
         hysteresis: width of the loop of the whole sweep over its stroke.
-        creep: stretch gained per decade of time.
+        creep: extension gained per decade of time.
         capacitance: F.
         current: that the amplifier can give, A.
         slew_rate: of the amplifier itself, V/s.

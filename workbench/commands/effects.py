@@ -88,7 +88,7 @@ def _list(run: Run, effects: list[Any]) -> None:
     for heading in ("effect", "acts on", "meaning", "parameters"):
         table.add_column(heading, overflow="fold")
     for effect in effects:
-        kind = f"{effect.acts_on} (core)" if effect.friction_state is not None else effect.acts_on
+        kind = f"{effect.acts_on} (state model)" if effect.friction_state is not None else effect.acts_on
         names = ", ".join(p.name if p.unit == "1" else f"{p.name} \\[{p.unit}]" for p in effect.parameters)
         table.add_row(effect.name, kind, effect.meaning, names)
     run.console.print(table)
@@ -99,7 +99,7 @@ def _tell(run: Run, effect: Any) -> None:
 
     lines = [("", effect.meaning), ("law", effect.equation), ("shows", effect.shows), ("acts on", effect.acts_on)]
     if effect.friction_state is not None:
-        lines.append(("core", f"turns the friction level into a force; state: {effect.friction_state.state}"))
+        lines.append(("state model", f"turns the friction level into a force; state: {effect.friction_state.state}"))
     if effect.coordinates:
         lines.append(("depends on", ", ".join(effect.coordinates)))
     if effect.needs:

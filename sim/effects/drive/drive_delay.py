@@ -10,7 +10,7 @@ from sim.library.time_domain import TransportDelay
 _OF_CURVES = replace(
     sensor_delay.EFFECT.variants[0],
     name="drive_delay:of_curves",
-    meaning="the drive acts after a delay on a command that runs smoothly from row to row",
+    meaning="the drive acts after a delay on a command that is smooth between rows",
     acts_on="drive",
 )
 

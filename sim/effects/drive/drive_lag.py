@@ -13,8 +13,8 @@ _TIME_CONSTANT = replace(_SENSOR.parameters[0], source="amplifier or piezo charg
 _OF_STEPS = replace(
     _SENSOR_OF_STEPS,
     name="drive_lag:of_steps",
-    meaning="the drive follows, with a first-order lag, a command that goes in steps from row to row",
-    equation="as drive_lag; u is held, and goes from a row's value to the next the part `early` of a step before it",
+    meaning="the drive follows, with a first-order lag, a command that is held from row to row",
+    equation="as drive_lag; u is held, and changes to a row's value the part `early` of a step before that row",
     acts_on="drive",
     parameters=(_TIME_CONSTANT, *_SENSOR_OF_STEPS.parameters[1:]),
 )

@@ -1,4 +1,4 @@
-"""Two piezos that stretch by different amounts for the same voltage."""
+"""Two piezos that extend by different amounts for the same voltage."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
 
 EFFECT = Effect(
     name="gain_mismatch",
-    meaning="piezo 2 stretches more or less than piezo 1 for the same voltage",
+    meaning="piezo 2 extends more or less than piezo 1 for the same voltage",
     equation="d2 = (1 + mismatch) * gain * (voltage_2 - bias_voltage)",
-    shows="each channel carries a part of the other's motion",
+    shows="each channel contains a part of the other's motion",
     source="piezo stacks are sold with 10-20 % tolerance of stroke (catalogues)",
     acts_on="piezo",
     coordinates=("input",),

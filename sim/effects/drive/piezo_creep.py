@@ -1,4 +1,4 @@
-"""The slow after-stretch of a piezo."""
+"""Creep of a piezo after a step of voltage."""
 
 from __future__ import annotations
 
@@ -43,55 +43,100 @@ def _three_exponentials(signal: Any, step: float, p: Any) -> Any:
 
 _LOGARITHMIC = Effect(
     name="piezo_creep",
-    meaning="after a step of voltage a piezo goes on stretching with the logarithm of time",
+    meaning="after a step of voltage a piezo continues to extend with the logarithm of time",
     equation="d(t) = d0 (1 + strength * log10(t / start)), made of lags from start to start * 10^decades",
-    shows="after each step the residual creeps on, in seconds and more slowly each decade",
+    shows="after each step the residual continues to drift for seconds, ever more slowly",
     source="Jung and Gweon, Rev. Sci. Instrum. 71 (2000) 1896; catalogues: 1-2 % per decade",
     acts_on="piezo",
     coordinates=("time", "contact_age"),
     parameters=(
-        Parameter("strength", "1", 0.015, 0.0, 0.5, "stretch gained per decade of time", "1-2 % per decade"),
-        Parameter("start", "s", 0.1, 1e-6, 1e4, "time from which it creeps", "0.1 s by convention",
-                  role="shape", scan=Scan("time", 5e-4, 0.1, 5)),
-        Parameter("decades", "1", 3.0, 1.0, 5.0, "decades of time over which it goes on", "drift ends with the record",
-                  role="shape", fixed=True),
+        Parameter("strength", "1", 0.015, 0.0, 0.5, "extension gained per decade of time", "1-2 % per decade"),
+        Parameter(
+            "start",
+            "s",
+            0.1,
+            1e-6,
+            1e4,
+            "time at which creep begins",
+            "0.1 s by convention",
+            role="shape",
+            scan=Scan("time", 5e-4, 0.1, 5),
+        ),
+        Parameter(
+            "decades",
+            "1",
+            3.0,
+            1.0,
+            5.0,
+            "decades of time over which it continues",
+            "longer drift exceeds the record",
+            role="shape",
+            fixed=True,
+        ),
     ),
     signal=_logarithmic,
-)  # fmt: skip
+)
 
 _EXPONENTIAL = replace(
     _LOGARITHMIC,
     name="piezo_creep:exponential",
-    meaning="after a step of voltage a piezo goes on stretching, by a quick and a slow exponential",
+    meaning="after a step of voltage a piezo continues to extend, by a fast and a slow exponential",
     equation="d = u + strength * lag(u; time_constant) + slow_strength * lag(u; ratio * time_constant)",
     source="Croft, Shed, Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35: springs and dampers in series",
     parameters=(
         Parameter("strength", "1", 0.01, 0.0, 0.5, "part that creeps quickly", "1-2 % per decade"),
         Parameter("slow_strength", "1", 0.01, 0.0, 0.5, "part that creeps slowly", "1-2 % per decade"),
-        Parameter("time_constant", "s", 0.5, 1e-6, 1e4, "of the quick part", "0.1-10 s",
-                  role="shape", scan=Scan("time", 2e-3, 0.3, 6)),
-        Parameter("ratio", "1", 10.0, 2.0, 100.0, "of the slow time constant to the quick one", "a decade",
-                  role="shape"),
+        Parameter(
+            "time_constant",
+            "s",
+            0.5,
+            1e-6,
+            1e4,
+            "of the quick part",
+            "0.1-10 s",
+            role="shape",
+            scan=Scan("time", 2e-3, 0.3, 6),
+        ),
+        Parameter(
+            "ratio", "1", 10.0, 2.0, 100.0, "of the slow time constant to the quick one", "a decade", role="shape"
+        ),
     ),
     signal=_exponential,
-)  # fmt: skip
+)
 
 _THREE = replace(
     _LOGARITHMIC,
     name="piezo_creep:three_exponentials",
-    meaning="after a step of voltage a piezo goes on stretching, by three exponentials",
+    meaning="after a step of voltage a piezo continues to extend, by three exponentials",
     equation="d = u + quick * lag(u; T) + middle * lag(u; ratio T) + slow * lag(u; ratio^2 T),  T = time_constant",
     source="Croft, Shed, Devasia, J. Dyn. Sys. Meas. Control 123 (2001) 35: three springs and dampers in series",
     parameters=(
         Parameter("quick", "1", 0.01, 0.0, 1.0, "part that creeps first", "1-2 % per decade"),
         Parameter("middle", "1", 0.01, 0.0, 1.0, "part that creeps then", "1-2 % per decade"),
         Parameter("slow", "1", 0.01, 0.0, 1.0, "part that creeps last", "1-2 % per decade"),
-        Parameter("time_constant", "s", 0.1, 1e-6, 1e4, "of the first part", "0.1-10 s",
-                  role="shape", scan=Scan("time", 2e-3, 0.1, 5)),
-        Parameter("ratio", "1", 5.0, 2.0, 30.0, "of each time constant to the one before", "half a decade or more",
-                  role="shape"),
+        Parameter(
+            "time_constant",
+            "s",
+            0.1,
+            1e-6,
+            1e4,
+            "of the first part",
+            "0.1-10 s",
+            role="shape",
+            scan=Scan("time", 2e-3, 0.1, 5),
+        ),
+        Parameter(
+            "ratio",
+            "1",
+            5.0,
+            2.0,
+            30.0,
+            "of each time constant to the one before",
+            "half a decade or more",
+            role="shape",
+        ),
     ),
     signal=_three_exponentials,
-)  # fmt: skip
+)
 
 EFFECT = replace(_LOGARITHMIC, variants=(_EXPONENTIAL, _THREE))

@@ -1,4 +1,4 @@
-"""Hysteresis between the voltage and the stretch of a piezo."""
+"""Hysteresis between the voltage and the extension of a piezo."""
 
 from __future__ import annotations
 
@@ -55,16 +55,16 @@ _SETTLED = Parameter(
     0.0,
     1.0,
     "part of the first voltage, from bias, at which the piezo rested before: 1 at the first voltage itself, 0 at bias",
-    "what was before the first row is not on record",
+    "the history before the first row is not recorded",
     role="shape",
 )
 
 
 _PLAY = Effect(
     name="piezo_hysteresis",
-    meaning="the stretch of a piezo lags behind its voltage, by path and not by time (Prandtl-Ishlinskii)",
+    meaning="rate-independent hysteresis between voltage and extension of a piezo (Prandtl-Ishlinskii)",
     equation="d = u + strength * sum_i w_i (play(u; r_i) - u),  r_i up to width,  w_i ~ r_i^shape",
-    shows="stretch against voltage makes a loop of 10-15 % of the stroke that does not depend on the frequency",
+    shows="extension against voltage is a loop of 10-15 % of the stroke, independent of the frequency",
     source="Kuhnen, European J. Control 9 (2003) 407; Goldfarb and Celanovic, IEEE Control Systems 17 (1997) 69",
     acts_on="piezo",
     coordinates=("input",),
@@ -81,7 +81,9 @@ _PLAY = Effect(
             role="shape",
             scan=Scan("input", 0.05, 0.8, 5),
         ),
-        Parameter("shape", "1", 0.0, -2.0, 3.0, "how the plays are spread over the width", "0: evenly", role="shape"),
+        Parameter(
+            "shape", "1", 0.0, -2.0, 3.0, "distribution of the thresholds over the width", "0: evenly", role="shape"
+        ),
         _SETTLED,
     ),
     signal=_prandtl_ishlinskii,
@@ -90,7 +92,7 @@ _PLAY = Effect(
 _BOUC_WEN = replace(
     _PLAY,
     name="piezo_hysteresis:bouc_wen",
-    meaning="the stretch of a piezo lags behind its voltage (Bouc-Wen)",
+    meaning="hysteresis between voltage and extension of a piezo (Bouc-Wen)",
     equation="d = u - strength * h;  dh = du - (turning |du| h + (1 - turning) du |h|)/width",
     source="Low and Guo, J. Microelectromech. Syst. 4 (1995) 230, beta = turning/width, gamma = (1 - turning)/width; "
     "for Duhem's law Banning et al., Automatica 37 (2001) 1883",
@@ -102,8 +104,8 @@ _BOUC_WEN = replace(
             0.5,
             0.5,
             1.5,
-            "how fast the loop forgets on the way back",
-            "0.5: straight back; 1: Duhem's (Dahl's) law, which forgets as fast either way; takes energy from 0.5 on",
+            "decay of the hysteresis on unloading",
+            "0.5: linear unloading; 1: Duhem's (Dahl's) law, the same decay both ways; dissipative from 0.5 on",
             role="shape",
         ),
         _SETTLED,
@@ -114,7 +116,7 @@ _BOUC_WEN = replace(
 _FREE = replace(
     _PLAY,
     name="piezo_hysteresis:free_plays",
-    meaning="the stretch of a piezo lags behind its voltage, by plays each with a weight of its own",
+    meaning="hysteresis between voltage and extension of a piezo, by play operators of free weights",
     equation="d = u + sum_k play_k (play(u; r_k) - u),  r_k = k width / 6",
     source="Kuhnen, European J. Control 9 (2003) 407: thresholds given, weights identified",
     parameters=(

@@ -28,7 +28,7 @@ _SMOOTH = Effect(
     meaning="a resonance of the structure between the drive and what is measured",
     equation=(
         "y'' + 2 damping w y' + w^2 y = w^2 u,  w = 2 pi frequency; "
-        "on an axis, a part r of the mass rides on it; a tip moves by u + r (y - u)"
+        "on an axis, a part r of the mass oscillates; a tip moves by u + r (y - u)"
     ),
     shows="ringing at one frequency after every fast change",
     source="Rankers, Machine Dynamics in Mechatronic Systems (1997)",
@@ -52,7 +52,7 @@ _SMOOTH = Effect(
             0.05,
             1e-3,
             0.35,
-            "damping ratio: beyond it hardly rings",
+            "damping ratio",
             "bolted structures: 0.01-0.1",
             role="shape",
         ),
@@ -62,8 +62,8 @@ _SMOOTH = Effect(
             0.1,
             0.0,
             1.0,
-            "part of the moving mass that rides on the mode; of a tip, the part of its motion that goes through it",
-            "a part of the whole",
+            "part of the moving mass in the mode; of a tip, the part of its motion that passes through the mode",
+            "0: none; 1: all",
         ),
     ),
     signal=_signal,
@@ -74,7 +74,7 @@ _OF_STEPS = replace(
     _SMOOTH,
     name="flexible_mode:of_steps",
     meaning="a resonance between a voltage that is held from row to row and what is measured",
-    equation="as flexible_mode; u is held from each row to the next, and every step of it rings",
+    equation="as flexible_mode; u is held from each row to the next",
     signal=_signal_of_steps,
 )
 

@@ -34,9 +34,9 @@ def _overtone_force_position(axis: Axis, p: Any) -> Any:
 
 _SINE = Effect(
     name="magnetic_cogging",
-    meaning="teeth or magnets pull the axis to and fro as they pass each other",
+    meaning="teeth or magnets exert a force that is periodic in position",
     equation="force = amplitude * sin(2 pi x/pitch + phase)",
-    shows="Residual is a wave in position, the same in both directions.",
+    shows="Residual is periodic in position, the same in both directions.",
     source="Otten, de Vries, van Amerongen et al. 1997, IEEE/ASME Trans. Mechatronics 2(3): cogging of linear motors",
     parameters=(
         Parameter("amplitude", "N", 0.1, 0.0, math.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),
@@ -62,7 +62,7 @@ _SINE = Effect(
 _OVERTONE = replace(
     _SINE,
     name="magnetic_cogging:overtone",
-    meaning="teeth or magnets whose pull is no pure sine: square teeth, saturated iron",
+    meaning="a cogging force with a second harmonic: square teeth, saturated iron",
     equation="force = amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a), a = 2 pi x/pitch + phase",
     parameters=(*_SINE.parameters, *SECOND),
     force=_overtone_force,

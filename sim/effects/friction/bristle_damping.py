@@ -1,4 +1,4 @@
-"""Damping of the bristles while they stretch."""
+"""Damping of the elastic deflection of a contact."""
 
 from __future__ import annotations
 
@@ -76,25 +76,28 @@ def _spread_along(
 
 _ONE = Effect(
     name="bristle_damping",
-    meaning="the contact resists the rate of its stretch, before it slides (the a1 of LuGre)",
+    meaning="viscous damping of the contact's elastic deflection before it slides (a1 of LuGre)",
     equation="F = damping * v while a bristle of +-stretch has not slipped; 0 once it slides",
-    shows="just after a reversal the force is higher the faster the axis turns round",
+    shows="the faster the reversal, the higher the force just after it",
     source="Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE Trans. Automatic Control 40 (1995) 419",
     acts_on="friction",
     coordinates=("distance_since_reversal", "velocity"),
     parameters=(
         Parameter("damping", "N*s/m", 10.0, 0.0, 1e9, "force per rate of stretch", "damping dissipates: >= 0"),
-        Parameter("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which it slides", "thesis: 2-5 um in steel",
-                  role="shape", scan=Scan("position", 1e-4, 0.1, 10)),
+        Parameter(
+            *("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which it slides", "thesis: 2-5 um in steel"),
+            role="shape",
+            scan=Scan("position", 1e-4, 0.1, 10),
+        ),
     ),
     force=_force,
     parallel_element=FrictionStateModel("bristle_damping", _law, _slopes, _along, lambda p: p.stretch),
-)  # fmt: skip
+)
 
 _SPREAD = replace(
     _ONE,
     name="bristle_damping:spread",
-    meaning="the contact resists the rate of its stretch, less and less as its bristles of many lengths slip",
+    meaning="viscous damping of the deflection, which decreases as elements of different stretches slip",
     equation="F = damping * v * (part of the bristles not slipped);  8 stretches from stretch/span to stretch",
     source="Lampaert, Al-Bender, Swevers, Proc. Control Applications (2003): a damping to each element",
     parameters=(
@@ -103,9 +106,13 @@ _SPREAD = replace(
     ),
     force=_spread_force,
     parallel_element=FrictionStateModel(
-        "bristle_damping", _spread_law, _spread_slopes, _spread_along, lambda p: p.stretch / p.span,
+        "bristle_damping",
+        _spread_law,
+        _spread_slopes,
+        _spread_along,
+        lambda p: p.stretch / p.span,
         elements=lambda p: SPREAD,
     ),
-)  # fmt: skip
+)
 
 EFFECT = replace(_ONE, variants=(_SPREAD,))

@@ -16,7 +16,7 @@ def level(axis: Axis, p: Any) -> Any:
 EFFECT = Effect(
     name="coulomb",
     meaning="dry friction: a constant force against the direction of motion, held at rest",
-    equation="level = force;  core force = level * sign(v), its last value at rest",
+    equation="level = force;  friction = level * sign(v), at rest its last value",
     shows="Force steps from minus to plus at each reversal, by twice its size.",
     source="Coulomb 1785; Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7), eq. 1",
     parameters=(
@@ -28,7 +28,7 @@ EFFECT = Effect(
             1e-12,
             1e-3,
             "stretch of the bristle at the level: below what the record resolves",
-            "chosen: a tenth of a thesis bristle's hundredth; for a record, a few times its position noise",
+            "chosen: 1e-3 of the thesis's bristle deflection; for a record, a few times its position noise",
             "reference",
             fixed=True,
         ),

@@ -28,7 +28,7 @@ def _fading(axis: Axis, p: Any) -> Any:
     from sim.numerics.record_operators import strengthened
 
     if np.ndim(axis.position) == 0:
-        raise ValueError("what fades is followed along a record")
+        raise ValueError("this law is defined along a whole record only")
     time, rested = (np.ascontiguousarray(a, dtype=float) for a in (axis.time, axis.contact_age))
     return p.force * strengthened(time, _without_rests(axis), rested, p.cut_off, p.memory_length)
 
@@ -73,7 +73,7 @@ _LOGARITHMIC = Effect(
     name="dwell_strengthening",
     meaning="static friction rises with the logarithm of the time of contact",
     equation="level + force * ln(1 + age / cut_off);  age' = 1 - |v| age / memory_length",
-    shows="break-away after a rest is higher, the more so the longer the rest; it fades over a short slide",
+    shows="the break-away force after a rest rises with its duration, and decays over a short slide",
     source="Dieterich, J. Geophys. Res. 84 (1979) 2161; Ruina, J. Geophys. Res. 88 (1983) 10359",
     acts_on="friction",
     coordinates=("contact_age", "velocity"),
@@ -86,7 +86,7 @@ _LOGARITHMIC = Effect(
             1e-6,
             1e4,
             "contact time from which the rise is logarithmic",
-            "less than the longest rest: a longer one is a straight line in disguise",
+            "less than the longest rest: below it the rise is linear in time",
             role="shape",
             scan=Scan("rest", 0.01, 0.5, 5),
         ),
@@ -100,11 +100,19 @@ _LOGARITHMIC = Effect(
 _KATO = replace(
     _LOGARITHMIC,
     name="dwell_strengthening:kato",
-    meaning="static friction rises with the time of contact towards a ceiling (Kato)",
+    meaning="static friction rises with the time of contact towards an upper limit (Kato)",
     equation="level + force * (1 - exp(-rate * age^exponent));  age' = 1 - |v| age / memory_length",
     source="Kato, Sato, Matsubayashi, J. Lubrication Technology 94 (1972) 34: rate 0.04-1.66, exponent 0.36-0.67",
     parameters=(
-        Parameter("force", "N", 0.1, 0.0, 1e9, "ceiling above the level of a fresh contact", "ageing strengthens"),
+        Parameter(
+            "force",
+            "N",
+            0.1,
+            0.0,
+            1e9,
+            "upper limit of the rise above the level of a fresh contact",
+            "ageing strengthens",
+        ),
         Parameter(
             "rate",
             "1",
@@ -126,7 +134,7 @@ _KATO = replace(
 _FADING = replace(
     _LOGARITHMIC,
     name="dwell_strengthening:fading",
-    meaning="static friction rises with the logarithm of the time at rest; what it rose by fades as the body slides",
+    meaning="static friction rises with the logarithm of the time at rest; the rise decays with the distance slid",
     equation="level + h;  at rest h = force * ln(1 + time / cut_off);  in motion dh = -h |dx| / memory_length",
     source="Rabinowicz, Proc. Phys. Soc. 71 (1958) 668; Heslot et al., Phys. Rev. E 49 (1994) 4973",
     level=_fading,

@@ -25,7 +25,7 @@ def _relaxation(axis: Axis, p: Any) -> Axis:
 
 _PURE = Effect(
     name="frictional_lag",
-    meaning="the velocity-dependent part of the friction level follows the speed after a pure lag",
+    meaning="the velocity-dependent part of the friction level follows the speed after a pure delay",
     equation="level(v(t - delay))",
     shows="force against velocity opens into a loop at low speed, wider at higher acceleration",
     source="Hess and Soom, J. Tribology 112 (1990) 147: lag of 3-9 ms",
@@ -38,7 +38,7 @@ _PURE = Effect(
             5e-3,
             0.0,
             10.0,
-            "lag of the friction behind the speed",
+            "delay of the friction behind the speed",
             "Hess and Soom: 3-9 ms",
             role="shape",
             scan=Scan("sample", 2.0, 150.0, 8),

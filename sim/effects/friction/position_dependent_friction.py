@@ -56,7 +56,7 @@ _SINE = Effect(
             1e-9,
             1e3,
             "length of one wave",
-            "a pitch far beyond the travel is a slope in disguise",
+            "a pitch far longer than the travel acts as a gradient",
             role="shape",
             scan=Scan("position", 0.02, 1.6, 112, "reciprocal"),
         ),
@@ -69,7 +69,7 @@ _SINE = Effect(
 _GRADIENT = replace(
     _SINE,
     name="position_dependent_friction:gradient",
-    meaning="the friction level grows evenly along the travel",
+    meaning="the friction level changes linearly along the travel",
     equation="level * (1 + gradient * x)",
     parameters=(
         Parameter("gradient", "1/m", 1.0, -1e6, 1e6, "relative change of the level per length", "either sign"),
@@ -81,7 +81,7 @@ _GRADIENT = replace(
 _OVERTONE = replace(
     _SINE,
     name="position_dependent_friction:overtone",
-    meaning="a wave along the travel that is no pure sine: broad crests and narrow troughs, or a leaning flank",
+    meaning="a periodic variation along the travel with a second harmonic",
     equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
     parameters=(*(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters), *SECOND),
     factor=_overtone_factor,

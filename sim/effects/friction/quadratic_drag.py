@@ -1,4 +1,4 @@
-"""Drag that grows with the square of the speed."""
+"""Drag proportional to the square of the speed."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ def _force_velocity(axis: Axis, p: Any) -> Any:
 
 EFFECT = Effect(
     name="quadratic_drag",
-    meaning="drag that grows with the square of the speed: air or oil stirred",
+    meaning="drag proportional to the square of the speed: air, or stirred oil",
     equation="F = coefficient * v |v|",
-    shows="force against velocity bends away from a straight line at speed, outward on both sides",
+    shows="force against velocity deviates from a straight line at high speed, in both directions",
     source="Hoerner, Fluid-Dynamic Drag (1965), ch. 1",
     acts_on="axis",
     coordinates=("velocity",),
     parameters=(
-        Parameter("coefficient", "N*s^2/m^2", 1.0, 0.0, 1e9, "force over speed squared", "drag cannot drive: >= 0"),
+        Parameter("coefficient", "N*s^2/m^2", 1.0, 0.0, 1e9, "force over speed squared", "drag dissipates: >= 0"),
     ),
     force=_force,
     slopes={"force.velocity": _force_velocity},

@@ -34,9 +34,9 @@ def rational_velocity(axis: Axis, p: Any) -> Any:
 
 _GAUSSIAN = Effect(
     name="stribeck",
-    meaning="friction falls as sliding gets faster: static friction above the Coulomb level, and stick-slip",
+    meaning="friction falls with sliding speed: static friction above the Coulomb level, and stick-slip",
     equation="level += force * exp(-|v/velocity|^exponent)",
-    shows="Residual peaks near zero velocity on both sides and fades within a few Stribeck velocities.",
+    shows="Residual peaks near zero velocity on both sides and decays within a few Stribeck velocities.",
     source="Stribeck 1902, Z. VDI 46; Tustin 1947 and Bo and Pavelescu 1982 for the curve; thesis (4.5): Gaussian",
     parameters=(
         Parameter(
@@ -84,7 +84,7 @@ EFFECT = replace(
         replace(
             _GAUSSIAN,
             name="stribeck:rational",
-            meaning="the Stribeck effect with a curve that fades as a power of the speed",
+            meaning="the Stribeck effect with a curve that decays as a power of the speed",
             equation="level += force / (1 + |v/velocity|^exponent)",
             source="Hess and Soom 1990, J. Tribology 112, 147, eq. 7: exponent 2",
             parameters=(*_GAUSSIAN.parameters[:2], replace(_GAUSSIAN.parameters[2], fixed=False)),

@@ -31,7 +31,7 @@ _LINEAR = Effect(
     name="temperature_dependent_friction",
     meaning="the friction level changes with temperature",
     equation="level * (1 + coefficient * (T - reference))",
-    shows="the friction level drifts as the recorded temperature does, whichever way the axis moves",
+    shows="the friction level follows the recorded temperature, in both directions of motion",
     source="Simoni, Beschi, Legnani, Visioli, Robotics and Computer-Integrated Manufacturing 36 (2015) 85",
     acts_on="friction",
     coordinates=("temperature", "time"),
@@ -55,7 +55,7 @@ _LINEAR = Effect(
 _EXPONENTIAL = replace(
     _LINEAR,
     name="temperature_dependent_friction:exponential",
-    meaning="the friction level changes by the same part with every kelvin, as the viscosity of a lubricant does",
+    meaning="the friction level changes exponentially with temperature, as the viscosity of a lubricant does",
     equation="level * exp(coefficient * (T - reference))",
     source="Reynolds, Phil. Trans. R. Soc. 177 (1886) 157: viscosity falls exponentially with temperature",
     factor=_exponential,
@@ -64,12 +64,18 @@ _EXPONENTIAL = replace(
 _LUBRICATED = replace(
     _EXPONENTIAL,
     name="temperature_dependent_friction:lubricated",
-    meaning="level and viscous drag fall with temperature, each at its own rate: an oil thins the faster",
+    meaning="level and viscous drag fall with temperature, each at its own rate",
     equation="level * exp(coefficient * dT) + drag * v * (exp(drag_coefficient * dT) - 1),  dT = T - reference",
     parameters=(
         *_EXPONENTIAL.parameters,
         Parameter(
-            "drag", "N*s/m", 1.0, 0.0, math.inf, "viscous drag that thins, at the reference", "no less than none"
+            "drag",
+            "N*s/m",
+            1.0,
+            0.0,
+            math.inf,
+            "temperature-dependent viscous drag, at the reference",
+            "drag dissipates: >= 0",
         ),
         Parameter(
             "drag_coefficient",

@@ -4,7 +4,7 @@ resolution. So the force is defined at rest: it holds its last value in a dwell.
 The state is the bristle's force f itself. With the stretch s at the level and a relaxation time tau that keeps the
 landing from ringing, the bristle is the causal one of a0 = g/s, a1 = tau g/s:
 
-    phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s = (g v - |v| f)/(s + tau |v|),   core force = phi
+    phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s = (g v - |v| f)/(s + tau |v|),   friction = phi
 
 |phi| never exceeds the level, and the core is passive at any speed. Past a reversal (direction * v < 0, where only the
 trial stages of a step ever are) the divisor is continued so that it stays positive.

@@ -81,8 +81,8 @@ def scale(p: Any) -> float:
 
 EFFECT = Effect(
     name="dahl",
-    meaning="bristles that bend before they slip; the force follows the path alone, not the speed",
-    equation="z' = v (1 - a0 z sign(v)/g)^i,  core force = a0 z",
+    meaning="bristles that deflect before they slip; the force depends on the path alone, not on the speed",
+    equation="z' = v (1 - a0 z sign(v)/g)^i,  friction = a0 z",
     shows="A spring-like force over the first micrometres after a reversal, in loops that do not change with speed.",
     source="Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; thesis 3.2.2",
     parameters=(

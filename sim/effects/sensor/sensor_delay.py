@@ -25,8 +25,8 @@ def _signal_of_curves(signal: Any, step: float, p: Any) -> Any:
 _STRAIGHT = Effect(
     name="sensor_delay",
     meaning="a sensor reports the measured quantity after a delay",
-    equation="y(t) = u(t - delay), u straight between rows",
-    shows="the residual grows with the rate of change of the signal, alike at all frequencies",
+    equation="y(t) = u(t - delay), u linear between rows",
+    shows="the residual grows with the rate of change of the signal, with one delay at all frequencies",
     source="pure transport delay, e.g. Ljung, System Identification (1999), sec. 4.2",
     acts_on="sensor",
     coordinates=("frequency", "input"),
@@ -37,7 +37,7 @@ _STRAIGHT = Effect(
             1e-3,
             0.0,
             100.0,
-            "time by which the signal comes late",
+            "delay of the signal",
             "sampling and transport",
             role="shape",
             scan=Scan("sample", 0.3, 100.0, 8),
@@ -49,7 +49,7 @@ _STRAIGHT = Effect(
 _OF_CURVES = replace(
     _STRAIGHT,
     name="sensor_delay:of_curves",
-    meaning="a sensor reports, after a delay, a quantity that runs smoothly from row to row",
+    meaning="a sensor reports, after a delay, a quantity that is smooth between rows",
     equation="y(t) = u(t - delay), u a cubic between rows that stays between them (Fritsch and Carlson 1980)",
     signal=_signal_of_curves,
 )

@@ -22,12 +22,12 @@ _WARM_UP = Effect(
     name="sensor_drift",
     meaning="the zero of a sensor drifts with time",
     equation="y = u + amplitude * (1 - exp(-t / time_constant)), t since the first row",
-    shows="the residual grows with time alone, whatever the axis does",
+    shows="the residual changes with time alone, independently of the motion",
     source="ISO 9283 and JCGM 200:2012, 4.21 instrumental drift",
     acts_on="sensor",
     coordinates=("time",),
     parameters=(
-        Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "how far the zero moves in the end", "either sign"),
+        Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "final shift of the zero", "either sign"),
         Parameter(
             "time_constant",
             "s",
@@ -50,9 +50,7 @@ _POWER = replace(
     equation="y = u + amplitude * (t / reference_time)^exponent, t since the first row",
     source="power law of ageing and creep, e.g. Findley, Lai and Onaran, Creep and Relaxation (1976), ch. 2",
     parameters=(
-        Parameter(
-            "amplitude", "channel", 0.0, -1e9, 1e9, "how far the zero has moved at reference_time", "either sign"
-        ),
+        Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "shift of the zero at reference_time", "either sign"),
         Parameter(
             "exponent", "1", 1.0, 0.2, 3.0, "power of time", "steady drift", role="shape", scan=Scan("one", 0.4, 2.0, 5)
         ),

@@ -26,7 +26,7 @@ _SMOOTH = Effect(
     name="sensor_lag",
     meaning="a sensor follows the measured quantity with a first-order lag",
     equation="y' = (u - y) / time_constant",
-    shows="the residual grows with the rate of change of the signal: fast motion comes late and rounded",
+    shows="the residual grows with the rate of change of the signal: fast motion is delayed and attenuated",
     source="first-order system, e.g. Ljung, System Identification (1999), sec. 4.2",
     acts_on="sensor",
     coordinates=("frequency", "input"),
@@ -49,8 +49,8 @@ _SMOOTH = Effect(
 _OF_STEPS = replace(
     _SMOOTH,
     name="sensor_lag:of_steps",
-    meaning="a sensor's digital filter follows the measured quantity, which it takes in steps from row to row",
-    equation="as sensor_lag; u is held, and goes from a row's value to the next the part `early` of a step before it",
+    meaning="a digital filter follows the measured quantity, which it takes as held from row to row",
+    equation="as sensor_lag; u is held, and changes to a row's value the part `early` of a step before that row",
     source="Astrom and Wittenmark, Computer-Controlled Systems (1997), sec. 2.3 (delay of a part of a step)",
     parameters=(
         *_SMOOTH.parameters,
@@ -61,7 +61,7 @@ _OF_STEPS = replace(
             0.0,
             1.0,
             "part of a step from the change of the input to the row that shows its value; a digital filter has 1",
-            "a part of a step",
+            "0 to 1",
             role="shape",
             scan=Scan("one", 0.1, 0.9, 2, "linear"),
         ),

@@ -1,4 +1,4 @@
-"""A sensor that reports whole steps."""
+"""A sensor that reports multiples of its resolution."""
 
 from __future__ import annotations
 
@@ -15,15 +15,22 @@ def _signal(signal: Any, step: float, p: Any) -> Any:
 
 EFFECT = Effect(
     name="sensor_quantisation",
-    meaning="a sensor reports whole steps",
+    meaning="a sensor reports multiples of its resolution",
     equation="y = step * round(u / step); adds step / sqrt(12) to the noise floor",
-    shows="the measured values lie on a grid, and stand still while the axis creeps",
+    shows="the measured values lie on a grid, and are constant while the axis moves by less than one step",
     source="Widrow and Kollar, Quantization Noise (2008), ch. 4",
     acts_on="sensor",
     coordinates=("position",),
     parameters=(
         Parameter(
-            "step", "channel", 1e-6, 0.0, 1e9, "size of one step", "read off the record's values", role="reference"
+            "step",
+            "channel",
+            1e-6,
+            0.0,
+            1e9,
+            "resolution: size of one step",
+            "read off the record's values",
+            role="reference",
         ),
     ),
     signal=_signal,
