@@ -30,10 +30,11 @@ from sysid.estimation.reference_fit import fits_clearly_better
 from sysid.experiment.unknowns import Prior
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.predict import unfiltered_force
-from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord, longer_than, spread
+from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, public_name, with_effect
 from sysid.prediction.problem import Problem
 from sysid.signals.gaussian_filter import BAND
+from sysid.signals.masks import dilated, longer_than
 
 AWAY = 3.0
 """Widths of the balance's filter around each turn that are left out: when it was counts for more than any mode."""
@@ -242,7 +243,7 @@ def _away(balance: ForceBalanceRecord, width: float) -> np.ndarray:
     edge = int(np.ceil(EDGE_WIDTHS * width))
     out[:edge] = out[-edge:] = False
     if balance.interpolated is not None:
-        out &= ~spread(longer_than(balance.interpolated, 1.0), reach)
+        out &= ~dilated(longer_than(balance.interpolated, 1.0), reach)
     return out & (balance.stick_fraction < 1e-3)
 
 

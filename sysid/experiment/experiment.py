@@ -10,12 +10,11 @@ from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.known import DesignValues, Known, known_axes, read_known
-from sysid.experiment.readers.record_file import shown_path
+from sysid.experiment.readers.base import shown_path
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rigs import CHANNELS, RigKind, find_rig
 from sysid.experiment.settings import Setting, check_effects, read_settings
-from sysid.experiment.toml_quantity import quantity
-from sysid.experiment.toml_table import TomlTable, read_toml, shown
+from sysid.experiment.toml_table import TomlTable, quantity, read_toml, shown
 
 SCHEMA = 1
 

@@ -9,8 +9,7 @@ from typing import Literal
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_uncertain
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.toml_quantity import check_value, quantity_text
-from sysid.experiment.toml_table import TomlTable
+from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 
 
 @dataclass(frozen=True)

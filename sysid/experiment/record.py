@@ -11,7 +11,8 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, RecordSpec
-from sysid.experiment.readers.record_file import RecordFile, open_record_file, shown_path
+from sysid.experiment.readers.base import RecordFile, shown_path
+from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.rigs import RigKind
 
 MINIMUM_ROWS = 10

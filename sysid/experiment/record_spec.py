@@ -9,10 +9,10 @@ from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.channels import Source, choose_columns
-from sysid.experiment.readers.record_file import open_record_file, shown_path
+from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.toml_quantity import quantity
-from sysid.experiment.toml_table import TomlTable, shown
+from sysid.experiment.toml_table import TomlTable, quantity, shown
 
 
 @dataclass(frozen=True)

@@ -26,11 +26,12 @@ from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
 from sysid.experiment_design.excitations import Envelope, Motion, axis_motions, tip_motions
 from sysid.prediction.actuator_tip import TipRecord
-from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, spread
+from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis
 from sysid.prediction.friction_drive.record import FrictionDriveRecord, with_voltages
 from sysid.prediction.model import Model, PreparedRecord, predict
 from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.masks import dilated
 
 MOST_RIVALS = 4
 NEAR = 2.0
@@ -218,10 +219,10 @@ def _turning(record: ForceBalanceRecord, reach: int) -> np.ndarray:
     """Samples (n,) at which an axis turns, `reach` on either side with them: nobody's evidence."""
     direction = record.axis.direction if record.direction is None else record.direction
     turns = np.concatenate([[False], direction[1:] != direction[:-1]])
-    turning = spread(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
+    turning = dilated(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
     if record.kind != "velocity-drive":
         # A mass at rest is held by whatever the drive asks for: friction shows nothing of itself.
-        turning |= spread(record.axis.contact_age > 0.0, reach)
+        turning |= dilated(record.axis.contact_age > 0.0, reach)
     return turning
 
 

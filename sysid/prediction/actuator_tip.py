@@ -21,8 +21,8 @@ from sysid.experiment.record import Record
 from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import TERMS, Values, values_of
-from sysid.prediction.force_balance.record import filled
 from sysid.prediction.sensors import sensed
+from sysid.signals.masks import filled
 
 
 class DrivenPiezos(Protocol):

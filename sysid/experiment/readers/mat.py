@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.record_file import RecordFile, check_finite
+from sysid.experiment.readers.base import RecordFile, check_finite
 
 
 class MatFile(RecordFile):

@@ -11,9 +11,8 @@ import numpy as np
 from sim.library.effect import Effect
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
 from sysid.prediction.force_balance.initial_stick_phase import along_from_rest
-from sysid.prediction.force_balance.presliding_oscillation import bristled_friction, parts_of_a_step
 from sysid.prediction.force_balance.record import ForceBalanceRecord
-from sysid.prediction.force_balance.reversals import at_times, sharp_friction
+from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
 from sysid.prediction.force_balance.stick_phases import (
     FULLY_AT_REST,
     STICK_DISPLACEMENT,
@@ -21,7 +20,16 @@ from sysid.prediction.force_balance.stick_phases import (
     presliding_displacement,
     usual_level,
 )
-from sysid.prediction.force_balance.sticking import departures, stop_times
+from sysid.prediction.force_balance.sticking import (
+    Forces,
+    Onsets,
+    Slip,
+    YieldingSprings,
+    break_away_times,
+    sticking_onsets,
+    substeps_of,
+    write_presliding_friction,
+)
 from sysid.prediction.sensors import as_late_as_the_motion, before_the_sensor, makes_motion_late, sensed
 
 
@@ -168,36 +176,32 @@ def _sharp(
     assert balance.direction is not None and balance.stick_fraction is not None and balance.slip_phases is not None
     push, mass = _as_driven(balance, effects, values) - forces, values.get("rig.mass", 0.0)
     level = np.ascontiguousarray(level, dtype=float)
-    slip_phases, farthest = balance.slip_phases, FARTHEST * balance.prefilter_samples + 2.0
-    times = stop_times(
-        slip_phases.start, slip_phases.end, slip_phases.direction, np.where(slip_phases.break_away > slip_phases.end,
-        slip_phases.break_away, np.inf), balance.axis.velocity, push, level, balance.step / mass,
-        balance.prefilter_samples, farthest,
-    )  # fmt: skip
-    leaves = departures(slip_phases.end, slip_phases.break_away, slip_phases.next_direction, push, level, farthest)
-    direction, stick_fraction, reversals = at_times(
-        balance.direction, balance.stick_fraction, slip_phases, times, leaves
-    )
+    phases, search = balance.slip_phases, MOST_SHIFT * balance.prefilter_samples + 2.0
+    forces_on_mass = Forces(push, level)
+    velocity, width = balance.axis.velocity, balance.prefilter_samples
+    onsets = sticking_onsets(phases, velocity, forces_on_mass, balance.step / mass, width, search)
+    leaves = break_away_times(phases, forces_on_mass, search)
+    resolved = ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0))
+    motion = shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
-    friction = sharp_friction(direction, stick_fraction, reversals, push, level, _stretch_of(usual, p), scale)
+    friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)
     assert core.friction_state is not None
     if core.friction_state.name != "coulomb":
-        stretches, weights = bristles_of(core.friction_state, p, max(usual, 1e-12), SWUNG_ON)
-        parts = parts_of_a_step(usual, stretches, weights, scale)
-        if parts:
-            seen = 3.0 * float(np.max(stretches)) + 8.0 * balance.prefiltered_noise
-            bristled_friction(
-                friction, direction, balance.axis.position, times, slip_phases.direction, push, level, stretches,
-                weights, scale, parts, seen,
-            )  # fmt: skip
+        springs = YieldingSprings(*bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS))
+        substeps = substeps_of(usual, springs, scale)
+        if substeps:
+            shown = 3.0 * float(np.max(springs.stretches)) + 8.0 * balance.prefiltered_noise
+            slip = Slip(motion.direction, balance.axis.position, shown)
+            starts = Onsets(onsets, phases.direction)
+            write_presliding_friction(friction, starts, slip, forces_on_mass, springs, scale, substeps)
     return friction
 
 
-SWUNG_ON = 8
-"""Springs that stand for a core without a sharp end where a mass swings on it."""
+OSCILLATION_SPRINGS = 8
+"""Springs that approximate a friction state model without a yield point where a mass oscillates on it."""
 
-FARTHEST = 2.5
-"""Widths of the light filter by which the momentum may move a stop."""
+MOST_SHIFT = 2.5
+"""Widths of the prefilter by which the momentum may shift a sticking onset."""
 
 
 def _given_way(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:

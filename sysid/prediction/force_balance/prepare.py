@@ -19,17 +19,15 @@ from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
     PREFILTER_SHARE,
     ForceBalanceRecord,
-    filled,
     filter_width,
-    longer_than,
     make_axis,
     optional_channel,
-    spread,
 )
-from sysid.prediction.force_balance.reversals import resolve_events
+from sysid.prediction.force_balance.reversals import EventSearch, resolve_events
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
-from sysid.prediction.force_balance.sticking import restored_kinks
+from sysid.prediction.force_balance.sticking import SmoothedMotion, restored_kinks
 from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.masks import dilated, filled, longer_than
 
 REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is zero."""
@@ -166,22 +164,19 @@ def driven_mass(
     event_reach = max(6, int(np.ceil(1.5 * width / step)))
     drive = force.values / mass * step**2 if mass > 0 else np.zeros(n)
     rest = REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.correlation))
-    direction, stick_fraction, reversals, slip_phases = resolve_events(
-        position.values,
-        axis.velocity,
-        drive,
-        np.abs(axis.velocity) <= rest,
+    settings = EventSearch(
         event_reach,
         min(2.5 * prefilter_width / step + 2.0, event_reach - 2.0),
         max(3, int(np.ceil(2.0 * prefilter_width / step))),
     )
-    kinked = restored_kinks(
-        axis.velocity * step, axis.acceleration * step**2, drive, slip_phases, prefilter_width / step
+    resolved, slip_phases = resolve_events(
+        position.values, axis.velocity, drive, np.abs(axis.velocity) <= rest, settings
     )
-    axis = axis._replace(velocity=kinked / step)
+    smoothed = SmoothedMotion(axis.velocity * step, axis.acceleration * step**2, drive, prefilter_width / step)
+    axis = axis._replace(velocity=restored_kinks(smoothed, slip_phases) / step)
 
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
-    bad = missing | spread(longer_than(missing, width / step), reach)
+    bad = missing | dilated(longer_than(missing, width / step), reach)
     bad[: reach + 1] = True
     bad[n - reach :] = True
     acceleration_noise = position.std * full.noise_gain(2, position.correlation)
@@ -207,11 +202,11 @@ def driven_mass(
         valid=dict.fromkeys(measured, ~bad),
         noise=floor,
         acceleration=full(position.values, 2),
-        stick_fraction=stick_fraction,
+        stick_fraction=resolved.stick_fraction,
         complementary_filter=complementary,
         full_filter=full,
-        direction=direction,
-        reversals=reversals,
+        direction=resolved.direction,
+        reversals=resolved.reversals,
         slip_phases=slip_phases,
         prefilter_samples=prefilter_width / step,
         force_channel=channel,
@@ -331,7 +326,7 @@ def _across_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) ->
         acceleration: by a filter of `width` samples, (n,).
         missing: samples (n,) where the motion was interpolated.
     """
-    interpolated = spread(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
+    interpolated = dilated(longer_than(missing, width), int(np.ceil(EDGE_WIDTHS * width)))
     return filled(np.where(interpolated, np.nan, acceleration))[0] if interpolated.any() else acceleration
 
 

@@ -16,7 +16,7 @@ from sim.library.effect import Axis
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
 from sysid.prediction.force_balance.sticking import SlipPhases
 from sysid.signals.gaussian_filter import GaussianFilter
-from sysid.signals.intervals import runs
+from sysid.signals.masks import filled
 
 PREFILTER_SHARE = 0.4
 """Part of the whole filter's width that the motion has passed before a law sees it."""
@@ -163,38 +163,6 @@ def filter_width(
             return width
         width *= 1.15
     return longest
-
-
-def longer_than(mask: np.ndarray, length: float) -> np.ndarray:
-    """`mask` (n,) where it holds for more than `length` samples on end."""
-    out = np.zeros_like(mask)
-    for start, stop in runs(mask):
-        if stop - start > length:
-            out[start:stop] = True
-    return out
-
-
-def spread(mask: np.ndarray, reach: int) -> np.ndarray:
-    """`mask` (n,) grown by `reach` samples on both sides."""
-    if reach <= 0 or not mask.any():
-        return mask.copy()
-    out = mask.copy()
-    for start, stop in runs(mask):
-        out[max(0, start - reach) : stop + reach] = True
-    return out
-
-
-def filled(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`values` (n,) with gaps bridged by straight lines, and the mask of the gaps."""
-    gap = ~np.isfinite(values)
-    if not gap.any():
-        return values, gap
-    if gap.all():
-        return np.zeros_like(values), gap
-    index = np.arange(values.size)
-    bridged = values.copy()
-    bridged[gap] = np.interp(index[gap], index[~gap], values[~gap])
-    return bridged, gap
 
 
 def optional_channel(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:

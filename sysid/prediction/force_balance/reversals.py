@@ -1,84 +1,87 @@
-"""When exactly a body turned or came to rest, from a noisy position: sharper than its smoothed velocity can say.
+"""Times of velocity reversals and sticking onsets from a noisy position, and event-resolved friction.
 
 Where friction jumps, the acceleration does, and smoothing the position over that kink shifts the zero of the velocity
 by up to half the filter's width. At ten reversals a second that shift, times twice the Coulomb force, would be the
 largest error of a force balance. Here each event is fitted by two pieces that meet at rest. With the known drive
 acceleration u(t) integrated twice from t0, U(t; t0), and a friction that is constant on each side,
 
-    x = x0 + U + a1 (t - t0)^2 / 2  before t0,   x0 + U + a2 (t - t0)^2 / 2  after,   or x0 after: it stays,
+    x = x0 + U + a1 (t - t0)^2 / 2  before t0,   x0 + U + a2 (t - t0)^2 / 2  after,   or x0 after: it sticks,
 
-so that t0 comes out free of that bias, to a few hundredths of a sampling step.
+so that t0 is free of that bias, to a few hundredths of a sampling step.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sim.numerics.compilation import compiled
-from sysid.prediction.force_balance.sticking import SlipPhases
-from sysid.signals.intervals import runs
+from sysid.prediction.force_balance.sticking import Forces, SlipPhases
+from sysid.signals.masks import runs
+
+
+@compiled
+def _squared_error(window: np.ndarray, once: np.ndarray, twice: np.ndarray, t0: float) -> float:
+    """Least sum of squares of two pieces that meet at rest at t0, in samples; infinite where it is not determined.
+
+    Args:
+        window: position (m,).
+        once, twice: first and second integral of the drive over the window, (m,).
+        t0: time of the event.
+    """
+    n, k = window.size, int(t0)
+    f = t0 - k
+    rate = once[k] + f * (once[min(k + 1, n - 1)] - once[k])
+    base = twice[k] + f * once[k] + 0.5 * f * (rate - once[k])
+    s_b, s_bb, s_a, s_aa, y_b, y_a = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    y_1, yy, r_1, rr, p_1, pp = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(n):
+        y = window[i] - (twice[i] - base - rate * (i - t0))
+        q = 0.5 * (i - t0) ** 2
+        if i < t0:
+            y_1 += y
+            yy += y * y
+            s_b += q
+            s_bb += q * q
+            y_b += q * y
+        else:
+            p_1 += y
+            pp += y * y
+            s_a += q
+            s_aa += q * q
+            y_a += q * y
+            r_1 += window[i]
+            rr += window[i] ** 2
+    if s_bb <= 0.0 or s_aa <= 0.0:
+        return np.inf
+    # Reversal: two curvatures that do not overlap are eliminated, then x0 is solved for.
+    determinant = n - s_b * s_b / s_bb - s_a * s_a / s_aa
+    moving = np.inf
+    if determinant > 1e-9:
+        x0 = (y_1 + p_1 - s_b * y_b / s_bb - s_a * y_a / s_aa) / determinant
+        moving = yy + pp - x0 * (y_1 + p_1) - (y_b - s_b * x0) / s_bb * y_b - (y_a - s_a * x0) / s_aa * y_a
+    # Sticking: one curvature before, none after.
+    determinant = n - s_b * s_b / s_bb
+    staying = np.inf
+    if determinant > 1e-9:
+        x0 = (y_1 + r_1 - s_b * y_b / s_bb) / determinant
+        staying = yy + rr - x0 * (y_1 + r_1) - (y_b - s_b * x0) / s_bb * y_b
+    # One more curvature explains a little noise by itself.
+    return min(moving, staying * (1.0 - 1.0 / n))
 
 
 @compiled
 def event_times(position: np.ndarray, drive: np.ndarray, events: np.ndarray, reach: int, search: float) -> np.ndarray:
-    """Times (in samples) at which the motion around each event stood still.
+    """Times (k,), in samples, at which the velocity around each event is zero.
 
     Args:
         position: measured, unfiltered, (n,).
         drive: known force over mass, in position units per sample squared, (n,); zeros where not known.
-        events: first guesses, in samples, (k,).
+        events: first guesses, in samples, (k,); the result where the window would leave the record.
         reach: samples on each side that are fitted.
-        search: how far from the guess t0 is looked for, in samples: on a grid of a quarter, then of a 1/32 sample.
-
-    Returns:
-        (k,); the guess itself where the window would leave the record.
+        search: largest distance from the guess, in samples: on a grid of a quarter, then of a 1/32 sample.
     """
-
-    def error_at(window, once, twice, t0):  # type: ignore[no-untyped-def]
-        # `once` and `twice` are the first and second integral of the drive over the window.
-        k = int(t0)
-        f = t0 - k
-        rate = once[k] + f * (once[min(k + 1, window.size - 1)] - once[k])
-        base = twice[k] + f * once[k] + 0.5 * f * (rate - once[k])
-        n = window.size
-        s_b, s_bb, s_a, s_aa, y_b, y_a = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        y_1, yy = 0.0, 0.0
-        after, r_1, rr, p_1, pp = 0, 0.0, 0.0, 0.0, 0.0
-        for i in range(n):
-            y = window[i] - (twice[i] - base - rate * (i - t0))
-            q = 0.5 * (i - t0) ** 2
-            if i < t0:
-                y_1 += y
-                yy += y * y
-                s_b += q
-                s_bb += q * q
-                y_b += q * y
-            else:
-                after += 1
-                p_1 += y
-                pp += y * y
-                s_a += q
-                s_aa += q * q
-                y_a += q * y
-                r_1 += window[i]
-                rr += window[i] ** 2
-        if s_bb <= 0.0 or s_aa <= 0.0:
-            return np.inf
-        # Moving on: two curvatures that do not overlap are eliminated, then x0 is solved for.
-        determinant = n - s_b * s_b / s_bb - s_a * s_a / s_aa
-        moving = np.inf
-        if determinant > 1e-9:
-            x0 = (y_1 + p_1 - s_b * y_b / s_bb - s_a * y_a / s_aa) / determinant
-            moving = yy + pp - x0 * (y_1 + p_1) - (y_b - s_b * x0) / s_bb * y_b - (y_a - s_a * x0) / s_aa * y_a
-        # Staying: one curvature before, none after.
-        determinant = n - s_b * s_b / s_bb
-        staying = np.inf
-        if determinant > 1e-9:
-            x0 = (y_1 + r_1 - s_b * y_b / s_bb) / determinant
-            staying = yy + rr - x0 * (y_1 + r_1) - (y_b - s_b * x0) / s_bb * y_b
-        # A curvature more explains a little noise by itself.
-        return min(moving, staying * (1.0 - 1.0 / n))
-
     out = events.copy()
     size = 2 * reach + 1
     once, twice = np.zeros(size), np.zeros(size)
@@ -101,7 +104,7 @@ def event_times(position: np.ndarray, drive: np.ndarray, events: np.ndarray, rea
                 t0 = middle + (j - count // 2) * spacing
                 if t0 < 1.0 or t0 > size - 2.0:
                     continue
-                error = error_at(window, once, twice, t0)
+                error = _squared_error(window, once, twice, t0)
                 if error < best:
                     best = error
                     out[k] = low + t0
@@ -109,95 +112,111 @@ def event_times(position: np.ndarray, drive: np.ndarray, events: np.ndarray, rea
     return out
 
 
+class ResolvedMotion(NamedTuple):
+    """Direction of a motion with its changes at the times of the events.
+
+    Args:
+        direction: sign of the velocity, averaged over the step around each sample, (n,), in [-1, 1]; 0 while sticking.
+        stick_fraction: part of the step around each sample spent sticking, (n,), in [0, 1].
+        reversals: times of the reversals without sticking, in samples, signed by the direction after them, (k,).
+    """
+
+    direction: np.ndarray
+    stick_fraction: np.ndarray
+    reversals: np.ndarray
+
+
+class EventSearch(NamedTuple):
+    """Settings in samples: fitted samples on each side of an event, largest distance of an event from where the
+    smoothed velocity puts it, and length below which a motion is noise."""
+
+    reach: int
+    search: float
+    shortest: int
+
+
 def resolve_events(
-    position: np.ndarray,
-    velocity: np.ndarray,
-    drive: np.ndarray,
-    resting: np.ndarray,
-    reach: int,
-    search: float,
-    shortest: int,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, SlipPhases]:
-    """Direction of motion with its flips where they happened, and how much of each step was spent at rest.
+    position: np.ndarray, velocity: np.ndarray, drive: np.ndarray, resting: np.ndarray, settings: EventSearch
+) -> tuple[ResolvedMotion, SlipPhases]:
+    """Direction of motion with its changes where they happened, and the phases of sliding motion.
 
     Args:
         position: measured, unfiltered, (n,).
         velocity: smoothed, (n,).
         drive: known force over mass, in position units per sample squared, (n,).
-        resting: where the smoothed velocity is indistinguishable from rest, (n,).
-        reach: samples fitted on each side of an event.
-        search: how far a flip may lie from where the smoothed velocity puts it, in samples.
-        shortest: a motion of fewer samples is noise.
-
-    Returns:
-        direction (n,), in [-1, 1]: the sign of the motion, averaged over the step around each sample; 0 at rest.
-        rest (n,), in [0, 1]: the part of the step around each sample spent at rest.
-        turns (k,): times of the turns without a rest between, in samples, signed by the direction after them.
-        stops: all the ends of motion, turns among them.
+        resting: where the smoothed velocity is indistinguishable from zero, (n,).
+        settings: of the search for the events.
     """
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
     # Noise at rest looks like motion for a sample or two.
     for start, stop in runs(sign != 0.0):
-        if stop - start < shortest:
+        if stop - start < settings.shortest:
             sign[start:stop] = 0.0
     moving = np.flatnonzero(sign)
-    direction, rest = np.zeros(n), np.zeros(n)
+    direction, stick_fraction = np.zeros(n), np.zeros(n)
     if moving.size == 0:
-        return direction, np.ones(n), np.empty(0), SlipPhases(*(np.empty(0) for _ in range(5)))
-    # Where one stretch of motion ends (sample i) and the next begins (sample j), with or without a rest between.
+        return ResolvedMotion(direction, np.ones(n), np.empty(0)), SlipPhases(*(np.empty(0) for _ in range(5)))
+    # One slip phase ends at sample i, and the next begins at sample j.
     last, first = moving[:-1], moving[1:]
     ends = np.flatnonzero((first - last > 1) | (sign[first] != sign[last]))
     i, j = last[ends], first[ends]
     through = j - i == 1
     fall = np.where(through, velocity[i] / np.where(through, velocity[i] - velocity[j], 1.0), 0.5)
-    guesses = (i + fall).astype(float)
-    times = event_times(np.ascontiguousarray(position), np.ascontiguousarray(drive), guesses, reach, search)
-    departures = np.where(through, times, np.maximum(j - 0.5, times))
+    position, drive = np.ascontiguousarray(position), np.ascontiguousarray(drive)
+    times = event_times(position, drive, (i + fall).astype(float), settings.reach, settings.search)
+    starts = np.where(through, times, np.maximum(j - 0.5, times))
     start = -0.5
     if moving[0] > 0:
-        _paint(rest, start, moving[0] - 0.5, 1.0)
+        _add(stick_fraction, start, moving[0] - 0.5, 1.0)
         start = moving[0] - 0.5
-    for stop, departure, heading in zip(times.tolist(), departures.tolist(), sign[i].tolist(), strict=True):
-        _paint(direction, start, stop, heading)
-        _paint(rest, stop, departure, 1.0)
-        start = max(departure, stop)
+    for stop, following, side in zip(times.tolist(), starts.tolist(), sign[i].tolist(), strict=True):
+        _add(direction, start, stop, side)
+        _add(stick_fraction, stop, following, 1.0)
+        start = max(following, stop)
     end = float(moving[-1]) + 0.5
-    _paint(direction, start, end, float(sign[moving[-1]]))
-    _paint(rest, end, n - 0.5, 1.0)
-    turns = times[through] * sign[j[through]]
-    # A creep that is lost in the noise for a while is no stop; the last stretch ends too, with nothing after it.
-    stopped = np.append((departures > times) | (sign[i] != sign[j]), True)
-    times, departures = np.append(times, end)[stopped], np.append(np.maximum(departures, times), n - 0.5)[stopped]
-    began = np.concatenate([moving[:1] - 0.5, departures[:-1]])
-    headings, nexts = np.append(sign[i], sign[moving[-1]])[stopped], np.append(sign[j], 0.0)[stopped]
-    return direction, rest, turns, SlipPhases(began, times, headings, departures, nexts)
+    _add(direction, start, end, float(sign[moving[-1]]))
+    _add(stick_fraction, end, n - 0.5, 1.0)
+    reversals = times[through] * sign[j[through]]
+    # A slow motion that is lost in the noise for a while does not end; the last phase does, with nothing after it.
+    ended = np.append((starts > times) | (sign[i] != sign[j]), True)
+    times, starts = np.append(times, end)[ended], np.append(np.maximum(starts, times), n - 0.5)[ended]
+    began = np.concatenate([moving[:1] - 0.5, starts[:-1]])
+    sides, following = np.append(sign[i], sign[moving[-1]])[ended], np.append(sign[j], 0.0)[ended]
+    return ResolvedMotion(direction, stick_fraction, reversals), SlipPhases(began, times, sides, starts, following)
 
 
-def at_times(
-    direction: np.ndarray, rest: np.ndarray, stops: SlipPhases, times: np.ndarray, leaves: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`direction` (n,), `rest` (n,) and `turns` (k,) of `resolve_events` with its stops and departures moved.
+def shifted_events(
+    motion: ResolvedMotion, phases: SlipPhases, onsets: np.ndarray, break_aways: np.ndarray
+) -> ResolvedMotion:
+    """The motion with its events at other times.
 
     Args:
-        direction, rest, stops: as `resolve_events` gave them.
-        times: of the stops, in samples, (k,).
-        leaves: of the departures, in samples, (k,); not looked at where the body turned without a rest.
+        motion, phases: of `resolve_events`.
+        onsets: ends of the slip phases, in samples, (k,).
+        break_aways: starts of the next ones, in samples, (k,); not used at a reversal without sticking.
     """
-    direction, rest = direction.copy(), rest.copy()
-    through = stops.break_away <= stops.end
-    after = np.where(through, stops.next_direction, 0.0)
-    _move(direction, rest, stops.end, times, stops.direction, after)
-    held = ~through
-    _move(direction, rest, stops.break_away[held], leaves[held], np.zeros(held.sum()), stops.next_direction[held])
-    return direction, rest, times[through] * stops.next_direction[through]
+    direction, stick_fraction = motion.direction.copy(), motion.stick_fraction.copy()
+    through = phases.break_away <= phases.end
+    after = np.where(through, phases.next_direction, 0.0)
+    _shift(direction, stick_fraction, phases.end, onsets, phases.direction, after)
+    sticks, next_direction = ~through, phases.next_direction
+    before = np.zeros(sticks.sum())
+    old, new = phases.break_away[sticks], break_aways[sticks]
+    _shift(direction, stick_fraction, old, new, before, next_direction[sticks])
+    return ResolvedMotion(direction, stick_fraction, onsets[through] * next_direction[through])
 
 
 @compiled
-def _move(
-    direction: np.ndarray, rest: np.ndarray, old: np.ndarray, new: np.ndarray, before: np.ndarray, after: np.ndarray
+def _shift(
+    direction: np.ndarray,
+    stick_fraction: np.ndarray,
+    old: np.ndarray,
+    new: np.ndarray,
+    before: np.ndarray,
+    after: np.ndarray,
 ) -> None:
-    """Repaint the steps between old and new events, `before` and `after` which the heading is that, 0 for a rest."""
+    """Correct the steps between old and new times of events (k,), by the direction before and after; 0 for sticking."""
     for k in range(old.size):
         low, high = max(min(old[k], new[k]), -0.5), min(max(old[k], new[k]), direction.size - 0.5)
         later = new[k] > old[k]
@@ -209,44 +228,34 @@ def _move(
         while low < high and i < direction.size:
             part = min(high, i + 0.5) - low
             direction[i] += turned * part
-            rest[i] += still * part
+            stick_fraction[i] += still * part
             low = i + 0.5
             i += 1
 
 
 @compiled
-def sharp_friction(
-    direction: np.ndarray,
-    rest: np.ndarray,
-    turns: np.ndarray,
-    applied: np.ndarray,
-    level: np.ndarray,
-    stretch: float,
-    scale: float,
-) -> np.ndarray:
-    """Coulomb friction (n,) of a body that forces act on, before any filter.
+def event_resolved_friction(motion: ResolvedMotion, forces: Forces, stretch: float, scale: float) -> np.ndarray:
+    """Coulomb friction (n,) of a driven mass, N, before any filter.
 
-    While it moves, the level against the motion. While it rests, what is applied, up to the level. After a turn the
-    bristle that was stretched one way is followed to the other, from rest, step by step in sixteenths of a sample: it
-    passes its 2 `stretch` in a fraction of a sample where the drive is strong, and holds the body where it is weak, for
-    a time too short for the position to show, but not for the balance.
+    While the mass moves, the level against the motion; while it sticks, the push, up to the level. After a reversal the
+    bristle that was stretched one way is integrated to the other, from rest, in sixteenths of a sample: it passes its
+    2 `stretch` in a fraction of a sample where the drive is strong, and holds the mass where it is weak, for a time too
+    short for the position to show, but not for the balance.
 
     Args:
-        direction: mean sign of the motion over each step, (n,).
-        rest: part of each step spent at rest, (n,).
-        turns: times of the turns without a visible rest, in samples, signed by the direction after them, (k,).
-        applied: force that friction has to hold at rest, N, (n,).
-        level: friction level, N, (n,).
+        motion: with its events.
+        forces: on the mass.
         stretch: displacement at which the bristle slips, m.
         scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
     """
+    direction, stick_fraction, level, applied = motion.direction, motion.stick_fraction, forces.level, forces.push
     n = direction.size
     out = np.empty(n)
     for i in range(n):
-        out[i] = rest[i] * min(level[i], max(-level[i], applied[i])) + direction[i] * level[i]
+        out[i] = stick_fraction[i] * min(level[i], max(-level[i], applied[i])) + direction[i] * level[i]
     parts = 16
-    for k in range(turns.size):
-        t0, heading = abs(turns[k]), (1.0 if turns[k] > 0.0 else -1.0)
+    for k in range(motion.reversals.size):
+        t0, side = abs(motion.reversals[k]), (1.0 if motion.reversals[k] > 0.0 else -1.0)
         i = int(np.floor(t0 + 0.5))
         if i < 0 or i >= n:
             continue
@@ -256,9 +265,9 @@ def sharp_friction(
         first = True
         while i < n and not slipped:
             share = 1.0 - before if first else 1.0
-            if not first and direction[i] * heading < 0.999:
+            if not first and direction[i] * side < 0.999:
                 break
-            g, u = level[i], applied[i] * heading
+            g, u = level[i], applied[i] * side
             if g <= 0.0:
                 break
             total = 0.0
@@ -267,7 +276,7 @@ def sharp_friction(
                 force = g * min(1.0, gone / stretch - 1.0)
                 push = u - force
                 if u < g:
-                    # Held: the bristle, well damped, rests where it balances what is applied.
+                    # Sticking: the bristle, well damped, rests where it balances the push.
                     speed = 0.0
                     force = max(-g, min(g, u))
                     gone = stretch * (force / g + 1.0)
@@ -278,13 +287,13 @@ def sharp_friction(
                         slipped = True
                         force = g
                 total += force / parts
-            out[i] = heading * (share * total - (before * g if first else 0.0))
+            out[i] = side * (share * total - (before * g if first else 0.0))
             first = False
             i += 1
     return out
 
 
-def _paint(cells: np.ndarray, start: float, stop: float, value: float) -> None:
+def _add(cells: np.ndarray, start: float, stop: float, value: float) -> None:
     """Add `value` times the part of each sample's step (half before, half after it) that lies in [start, stop]."""
     start, stop = max(start, -0.5), min(stop, cells.size - 0.5)
     if stop <= start:

@@ -16,7 +16,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
-from sysid.signals.intervals import runs
+from sysid.signals.masks import runs
 
 STICK_DISPLACEMENT = "rest"
 """Name under which displacements at rest are predicted and scored, beside the measured channels."""

@@ -1,29 +1,35 @@
-"""When a driven mass came to rest, by the momentum of its own model: sharper than the position near the stop can say.
+"""Sticking onsets and break-away of a driven mass, from its own momentum and friction.
 
-Some filter widths before a stop the smoothed velocity is free of the kink that the stop makes in it. From there the
-balance m v' = applied - friction is followed to v = 0. What is wrong with that time is wrong with the momentum, by no
-more than the velocity's noise and the model's own misfit over the way: the filtered balance across the stop is then as
-good as beside it, whatever the force that the stop ends.
+The smoothed velocity is disturbed within some filter widths of a kink of the motion. From outside that range the
+balance m v' = applied - friction is integrated to v = 0. The error of that time is an error of momentum, no larger
+than the velocity's noise and the model's own misfit over the distance: the filtered balance across a sticking onset is
+then as good as beside it, whatever force it ends.
+
+After the onset a presliding contact lets the mass oscillate on its bristles. The position's noise hides their stretch;
+the force does not need it: with all bristles stretched one way at the onset, m x'' = push - friction(x) is integrated
+in small steps, the bristles being parallel ideal springs that each yield at a stretch of their own (Iwan, J. Appl.
+Mech. 33 (1966) 893), until all have yielded and the mass slips.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from sim.numerics.compilation import compiled
+from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
 
-CLEAR = 3.0
-"""Widths of the light filter from a kink of the motion on from which the smoothed velocity knows nothing of it."""
+KINK_WIDTHS = 3.0
+"""Widths of the prefilter beyond which a kink of the motion does not disturb the smoothed velocity."""
+
+MOST_SUBSTEPS = 64
+"""Substeps of a sample in which the oscillation on the bristles is integrated, at the most."""
+
+SUBSTEP_PHASE = 0.35
+"""Phase of the fastest oscillation in one substep, rad."""
 
 
-def _clear(light: float) -> int:
-    return int(np.ceil(CLEAR * light)) + 1
-
-
-@dataclass(frozen=True)
-class SlipPhases:
+class SlipPhases(NamedTuple):
     """Phases of sliding motion, each array of shape (k,), times in samples.
 
     Args:
@@ -41,49 +47,66 @@ class SlipPhases:
     next_direction: np.ndarray
 
 
-@compiled
-def _followed(
-    out: np.ndarray,
-    velocity: np.ndarray,
-    acceleration: np.ndarray,
-    drive: np.ndarray,
-    start: int,
-    limit: int,
-    at: int,
-    heading: float,
-    light: float,
-) -> int:
-    """Write the velocity from `start` on until it is zero; the first sample there, -1 if none is before `limit`.
+class Forces(NamedTuple):
+    """Forces on a driven mass, N, each (n,): applied force less what is not friction, and the friction level."""
 
-    Back from a motion under way the friction may be too small for the sticking it came from: then it is as large as
+    push: np.ndarray
+    level: np.ndarray
+
+
+class SmoothedMotion(NamedTuple):
+    """Velocity and acceleration through the prefilter, and known force over mass, each (n,), per sample (squared); and
+    the width of the filter, in samples."""
+
+    velocity: np.ndarray
+    acceleration: np.ndarray
+    drive: np.ndarray
+    width: float
+
+
+def _undisturbed(width: float) -> int:
+    return int(np.ceil(KINK_WIDTHS * width)) + 1
+
+
+@compiled
+def _unfiltered_velocity(motion: SmoothedMotion, i: int) -> float:
+    """Velocity at a sample: the filter has added half its width squared times the curvature of the velocity."""
+    return motion.velocity[i] - 0.25 * motion.width**2 * (motion.drive[i + 1] - motion.drive[i - 1])
+
+
+@compiled
+def _extrapolate(out: np.ndarray, motion: SmoothedMotion, start: int, limit: int, at: int, direction: float) -> int:
+    """Write the velocity from `start` on until it is zero, and return the first sample there, -1 if beyond `limit`.
+
+    Backwards from a motion under way the friction may be too small for a break-away: then it is set to the value that
     brings the body to rest at `at`.
     """
     way = 1 if limit > start else -1
-    # The filter has added half its width squared times the bend of the velocity.
-    v = (velocity[start] - 0.25 * light**2 * (drive[start + 1] - drive[start - 1])) * heading
-    here, own = acceleration[start] * heading, (acceleration[start] - drive[start]) * heading
+    drive = motion.drive
+    v = _unfiltered_velocity(motion, start) * direction
+    here, own = motion.acceleration[start] * direction, (motion.acceleration[start] - drive[start]) * direction
     i, end = start, -1
     found = np.zeros(abs(limit - start) + 1)
     while i != limit:
         i += way
-        there = own + drive[i] * heading
+        there = own + drive[i] * direction
         v += way * 0.5 * (here + there)
         if v <= 0.0:
             end = i
             break
-        found[abs(i - start)] = heading * v
+        found[abs(i - start)] = direction * v
         here = there
     if end < 0 and way < 0:
-        pushed = 0.0
+        impulse = 0.0
         for i in range(at, start):
-            pushed += 0.5 * (drive[i] + drive[i + 1]) * heading
-        first = (velocity[start] - 0.25 * light**2 * (drive[start + 1] - drive[start - 1])) * heading
-        friction = (pushed - first) / (start - at)
-        v, i = first, start
+            impulse += 0.5 * (drive[i] + drive[i + 1]) * direction
+        v = _unfiltered_velocity(motion, start) * direction
+        friction = (impulse - v) / (start - at)
+        i = start
         while i - 1 > at:
             i -= 1
-            v -= 0.5 * (drive[i] + drive[i + 1]) * heading - friction
-            found[start - i] = heading * max(v, 0.0)
+            v -= 0.5 * (drive[i] + drive[i + 1]) * direction - friction
+            found[start - i] = direction * max(v, 0.0)
         end = at
     if end >= 0:
         j = start + way
@@ -93,33 +116,20 @@ def _followed(
     return end
 
 
-def restored_kinks(
-    velocity: np.ndarray, acceleration: np.ndarray, drive: np.ndarray, stops: SlipPhases, light: float
-) -> np.ndarray:
-    """Velocity (n,) with its kinks at stops and departures, which a filter rounds off.
+def restored_kinks(motion: SmoothedMotion, phases: SlipPhases) -> np.ndarray:
+    """Velocity (n,), per sample, with its kinks at sticking onsets and break-aways, which a filter rounds off.
 
-    From some widths of the filter beside a kink the acceleration goes on as it was there, but for what the drive adds
-    to it: friction is taken to stay what it is over so short a way. Between the two sides the body rests.
-
-    Args:
-        velocity: smoothed, m per sample, (n,).
-        acceleration: smoothed, m per sample squared, (n,).
-        drive: known force over mass, m per sample squared, (n,).
-        stops: ends of the stretches of motion.
-        light: width of the filter, in samples.
+    From some filter widths beside a kink the acceleration is continued as it was there, but for the change of the
+    drive: friction is taken as constant over so short a distance. Between the two sides the body rests.
     """
-    out, clear, n = velocity.copy(), _clear(light), velocity.size
-    begins, ends = np.floor(stops.end).astype(int), np.ceil(stops.break_away).astype(int)
-    until = np.append(stops.end[1:], n - 1.0)
-    fits = (begins - clear >= np.maximum(stops.start + clear, 1.0)) & (ends + clear <= until - clear)
+    out, clear, n = motion.velocity.copy(), _undisturbed(motion.width), motion.velocity.size
+    begins, ends = np.floor(phases.end).astype(int), np.ceil(phases.break_away).astype(int)
+    until = np.append(phases.end[1:], n - 1.0)
+    fits = (begins - clear >= np.maximum(phases.start + clear, 1.0)) & (ends + clear <= until - clear)
     for k in np.flatnonzero(fits & (ends + clear < n - 1)):
         past, before = begins[k] + clear, ends[k] - clear
-        stop = _followed(
-            out, velocity, acceleration, drive, begins[k] - clear, past, begins[k], stops.direction[k], light
-        )
-        leave = _followed(
-            out, velocity, acceleration, drive, ends[k] + clear, before, ends[k] - 1, stops.next_direction[k], light
-        )
+        stop = _extrapolate(out, motion, begins[k] - clear, past, begins[k], phases.direction[k])
+        leave = _extrapolate(out, motion, ends[k] + clear, before, ends[k] - 1, phases.next_direction[k])
         if stop >= 0 and leave >= 0 and past >= before:
             out[stop : leave + 1] = 0.0
             continue
@@ -131,49 +141,39 @@ def restored_kinks(
 
 
 @compiled
-def stop_times(
-    first: np.ndarray,
-    time: np.ndarray,
-    heading: np.ndarray,
-    latest: np.ndarray,
-    velocity: np.ndarray,
-    push: np.ndarray,
-    level: np.ndarray,
-    rate: float,
-    light: float,
-    search: float,
+def sticking_onsets(
+    phases: SlipPhases, velocity: np.ndarray, forces: Forces, rate: float, width: float, search: float
 ) -> np.ndarray:
-    """Times (k,) at which the motion ends, in samples; as given where a stretch is too short to follow.
+    """Times (k,) at which the slip phases end, in samples; as given where a phase is too short to integrate.
 
     Args:
-        first, time, heading: of the stretches.
-        latest: time that may not be passed.
+        phases: of sliding motion.
         velocity: smoothed, (n,).
-        push: applied force less what is not friction, N, (n,).
-        level: friction level, N, (n,).
+        forces: on the mass.
         rate: step / mass, change of velocity that one N makes in one sample.
-        light: width of the filter of the velocity, in samples.
-        search: farthest that a time may move, in samples.
+        width: of the filter of the velocity, in samples.
+        search: largest correction of a time, in samples.
     """
-    out, clear = time.copy(), int(np.ceil(CLEAR * light)) + 1
-    for k in range(time.size):
-        i = int(np.floor(time[k])) - clear
-        if i < first[k] + clear or i < 1:
+    push, level = forces.push, forces.level
+    out, clear = phases.end.copy(), int(np.ceil(KINK_WIDTHS * width)) + 1
+    for k in range(phases.end.size):
+        i = int(np.floor(phases.end[k])) - clear
+        if i < phases.start[k] + clear or i < 1:
             continue
-        h = heading[k]
-        # The filter has added half its width squared times the bend of the velocity.
-        bend = (push[i + 1] - push[i - 1]) * h - (level[i + 1] - level[i - 1])
-        v = velocity[i] * h - 0.25 * light**2 * bend * rate
+        h = phases.direction[k]
+        # The filter has added half its width squared times the curvature of the velocity.
+        curvature = (push[i + 1] - push[i - 1]) * h - (level[i + 1] - level[i - 1])
+        v = velocity[i] * h - 0.25 * width**2 * curvature * rate
         if v <= 0.0:
             continue
-        last = min(int(np.ceil(time[k] + search)) + 1, push.size - 1)
+        last = min(int(np.ceil(phases.end[k] + search)) + 1, push.size - 1)
         before = (push[i] * h - level[i]) * rate
         found = -1.0
         while i < last:
             after = (push[i + 1] * h - level[i + 1]) * rate
             gained = 0.5 * (before + after)
             if v + gained <= 0.0:
-                # Straight between the rows: v + before s + (after - before) s^2 / 2 = 0.
+                # Linear between the rows: v + before s + (after - before) s^2 / 2 = 0.
                 root = before * before - 2.0 * (after - before) * v
                 found = i + 2.0 * v / (-before + np.sqrt(max(root, 0.0)))
                 break
@@ -181,32 +181,30 @@ def stop_times(
             before = after
             i += 1
         if found >= 0.0:
-            out[k] = min(max(found, time[k] - search), time[k] + search, latest[k])
+            latest = phases.break_away[k] if phases.break_away[k] > phases.end[k] else np.inf
+            out[k] = min(max(found, phases.end[k] - search), phases.end[k] + search, latest)
     return out
 
 
 @compiled
-def departures(
-    stops: np.ndarray, given: np.ndarray, heading: np.ndarray, push: np.ndarray, level: np.ndarray, search: float
-) -> np.ndarray:
+def break_away_times(phases: SlipPhases, forces: Forces, search: float) -> np.ndarray:
     """Times (k,) from which friction no longer holds the body, in samples.
 
-    A rest ends no sooner than the push reaches the level: the smoothed velocity starts before.
+    A stick phase lasts at least until the push reaches the level: the smoothed velocity starts before.
 
     Args:
-        stops: when it came to rest.
-        given: when the position alone says that it moves again.
-        heading: direction in which it then does.
-        push, level: as above.
-        search: farthest that a time may move, in samples.
+        phases: of sliding motion.
+        forces: on the mass.
+        search: largest correction of a time, in samples.
     """
+    push, level, given = forces.push, forces.level, phases.break_away
     out = given.copy()
     for k in range(given.size):
-        if given[k] <= stops[k]:
+        if given[k] <= phases.end[k]:
             continue
-        i = max(0, int(np.floor(given[k])))
+        i, h = max(0, int(np.floor(given[k]))), phases.next_direction[k]
         while i < push.size - 1 and i < given[k] + search:
-            here, there = push[i] * heading[k] - level[i], push[i + 1] * heading[k] - level[i + 1]
+            here, there = push[i] * h - level[i], push[i + 1] * h - level[i + 1]
             if there >= 0.0:
                 if here < 0.0:
                     out[k] = max(given[k], i + here / (here - there))
@@ -214,3 +212,94 @@ def departures(
             i += 1
             out[k] = min(float(i), given[k] + search)
     return out
+
+
+class YieldingSprings(NamedTuple):
+    """Parallel ideal springs of a presliding contact: stretch at which each yields, m, and its part of the friction
+    level, each (b,)."""
+
+    stretches: np.ndarray
+    weights: np.ndarray
+
+
+class Onsets(NamedTuple):
+    """Sticking onsets: times in samples, ascending, and direction of the motion that each ends, each (k,)."""
+
+    times: np.ndarray
+    direction: np.ndarray
+
+
+class Slip(NamedTuple):
+    """What shows that a mass slips: mean sign of the motion over each step, 0 while it sticks, and smoothed position,
+    m, each (n,); and the displacement, m, at which the position shows it whatever the balance."""
+
+    direction: np.ndarray
+    position: np.ndarray
+    displacement: float
+
+
+def substeps_of(level: float, springs: YieldingSprings, scale: float) -> int:
+    """Substeps of a sample that the oscillation on the bristles needs; 0 where even the most are too few.
+
+    Args:
+        level: friction level, N.
+        springs: the bristles.
+        scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
+    """
+    stiffness = max(level, 0.0) * np.sum(springs.weights / np.maximum(springs.stretches, 1e-300))
+    phase = float(np.sqrt(stiffness * scale))
+    return 0 if phase > MOST_SUBSTEPS else int(min(MOST_SUBSTEPS, max(3, np.ceil(phase / SUBSTEP_PHASE))))
+
+
+@compiled(fastmath=SUMS_IN_ANY_ORDER)
+def write_presliding_friction(
+    out: np.ndarray, onsets: Onsets, slip: Slip, forces: Forces, springs: YieldingSprings, scale: float, substeps: int
+) -> None:
+    """Write the friction between each sticking onset and the next slip into `out` (n,), which has it of rigid contact.
+
+    Args:
+        out: friction, N, mean over the step around each sample, (n,).
+        onsets: of the stick phases.
+        slip: what ends them.
+        forces: on the mass.
+        springs: the bristles.
+        scale: step^2 / mass.
+        substeps: of a sample.
+    """
+    push, level, stretches = forces.push, forces.level, springs.stretches
+    n, bristles = out.size, stretches.size
+    z, stiffness = np.empty(bristles), springs.weights / stretches
+    for k in range(onsets.times.size):
+        i = int(np.floor(onsets.times[k] + 0.5))
+        if i < 1 or i >= n - 1:
+            continue
+        z[:] = onsets.direction[k] * stretches
+        ratio = onsets.direction[k] * np.sum(springs.weights)
+        before = onsets.times[k] - (i - 0.5)
+        until = int(np.floor(onsets.times[k + 1] + 0.5)) if k + 1 < onsets.times.size else n - 1
+        v, left = 0.0, slip.position[i]
+        first = True
+        while i < min(until, n - 1):
+            share = 1.0 - before if first else 1.0
+            pause, total = share / substeps, 0.0
+            for j in range(substeps):
+                at = (before if first else 0.0) + (j + 0.5) * pause - 0.5
+                now = push[i] + at * (push[i + 1] - push[i] if at > 0.0 else push[i] - push[i - 1])
+                force = level[i] * ratio
+                v += (now - force) * scale * pause
+                moved = v * pause
+                ratio = 0.0
+                for b in range(bristles):
+                    z[b] = min(max(z[b] + moved, -stretches[b]), stretches[b])
+                    ratio += stiffness[b] * z[b]
+                total += force / substeps
+            out[i] = share * total + (before * onsets.direction[k] * level[i] if first else 0.0)
+            first = False
+            i += 1
+            # Sliding: by the balance and by the position, or by the position alone, clearly.
+            if abs(slip.direction[i]) > 0.999:
+                slips = v * slip.direction[i] > 0.0
+                for b in range(bristles):
+                    slips &= abs(z[b]) == stretches[b]
+                if slips or abs(slip.position[i] - left) > slip.displacement:
+                    break

@@ -33,7 +33,7 @@ from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import piezo_stretch
 from sysid.prediction.effect_terms import Values, axis_force, friction_level, values_of
-from sysid.prediction.force_balance.record import ForceBalanceRecord, filled, make_axis, optional_channel
+from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, optional_channel
 from sysid.prediction.friction_drive.event_driven import simulate_event_driven
 from sysid.prediction.friction_drive.friction import (
     CONTACT,
@@ -51,6 +51,7 @@ from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simul
 from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, Nudging, TipMotion
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.masks import filled
 
 TRANSVERSE = "position_y"
 """The channel across the travel: where it is measured, the motion is simulated in the plane."""

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord, longer_than
+from sysid.prediction.force_balance.record import EDGE_WIDTHS, ForceBalanceRecord
 from sysid.prediction.problem import load_problem
+from sysid.signals.masks import longer_than
 
 STEP, MASS, STIFFNESS = 1e-3, 1.2, 3000.0
 TIME = np.arange(6000) * STEP

@@ -5,7 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.presliding_oscillation import FINEST, bristled_friction, parts_of_a_step
+from sysid.prediction.force_balance.sticking import (
+    MOST_SUBSTEPS,
+    Forces,
+    Onsets,
+    Slip,
+    YieldingSprings,
+    substeps_of,
+    write_presliding_friction,
+)
 
 STEP, MASS, LEVEL = 1e-3, 2.0, 1.0
 STRETCHES, WEIGHTS = np.array([0.4e-6, 1.5e-6, 4e-6]), np.array([0.3, 0.3, 0.4])
@@ -38,12 +46,11 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
     stop = 10.3
     fine, finer = finely(stop, 200), finely(stop, 400)
     scale = STEP**2 / MASS
-    parts = parts_of_a_step(LEVEL, STRETCHES, WEIGHTS, scale)
+    parts = substeps_of(LEVEL, YieldingSprings(STRETCHES, WEIGHTS), scale)
     out = np.full(ROWS, LEVEL)
-    bristled_friction(
-        out, np.zeros(ROWS), np.zeros(ROWS), np.array([stop]), np.ones(1), PUSH, np.full(ROWS, LEVEL), STRETCHES,
-        WEIGHTS, scale, parts, 1.0,
-    )  # fmt: skip
+    onsets, slip = Onsets(np.array([stop]), np.ones(1)), Slip(np.zeros(ROWS), np.zeros(ROWS), 1.0)
+    springs = YieldingSprings(STRETCHES, WEIGHTS)
+    write_presliding_friction(out, onsets, slip, Forces(PUSH, np.full(ROWS, LEVEL)), springs, scale, parts)
     rows = slice(9, 60)
     assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3
     assert np.ptp(finer[rows]) > 0.5
@@ -51,8 +58,8 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
 
 
 def test_contact_too_stiff_for_the_finest_parts_is_left_rigid():
-    assert parts_of_a_step(LEVEL, 1e-12 * STRETCHES, WEIGHTS, STEP**2 / MASS) == 0
-    assert parts_of_a_step(LEVEL, STRETCHES, WEIGHTS, STEP**2 / MASS) <= FINEST
+    assert substeps_of(LEVEL, YieldingSprings(1e-12 * STRETCHES, WEIGHTS), STEP**2 / MASS) == 0
+    assert substeps_of(LEVEL, YieldingSprings(STRETCHES, WEIGHTS), STEP**2 / MASS) <= MOST_SUBSTEPS
 
 
 @pytest.mark.parametrize("heading", [1.0, -1.0])
@@ -60,10 +67,9 @@ def test_it_ends_where_the_mass_slips_on(heading):
     push = heading * np.linspace(-0.5, 3.0, ROWS)
     direction = np.where(np.arange(ROWS) > 120, heading, 0.0)
     out = np.full(ROWS, 7.0)
-    bristled_friction(
-        out, direction, np.zeros(ROWS), np.array([20.0]), np.array([-heading]), push, np.full(ROWS, LEVEL), STRETCHES,
-        WEIGHTS, STEP**2 / MASS, 8, 1.0,
-    )  # fmt: skip
+    onsets, slip = Onsets(np.array([20.0]), np.array([-heading])), Slip(direction, np.zeros(ROWS), 1.0)
+    forces, springs = Forces(push, np.full(ROWS, LEVEL)), YieldingSprings(STRETCHES, WEIGHTS)
+    write_presliding_friction(out, onsets, slip, forces, springs, STEP**2 / MASS, 8)
     assert np.all(out[:20] == 7.0) and np.all(out[130:] == 7.0)
     # Held until the push is more than the level, then all of it.
     held = slice(60, 85)

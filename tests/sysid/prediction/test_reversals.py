@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.reversals import event_times, resolve_events, sharp_friction
+from sysid.prediction.force_balance.reversals import (
+    EventSearch,
+    ResolvedMotion,
+    event_resolved_friction,
+    event_times,
+    resolve_events,
+)
+from sysid.prediction.force_balance.sticking import Forces
 
 
 def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> np.ndarray:
@@ -40,7 +47,9 @@ def test_a_stop_is_found_where_the_body_stays() -> None:
 def test_friction_of_a_resting_body_is_what_is_applied_up_to_the_level() -> None:
     n = 50
     applied = np.linspace(-2.0, 2.0, n)
-    friction = sharp_friction(np.zeros(n), np.ones(n), np.empty(0), applied, np.ones(n), 1e-8, 1e-6)
+    friction = event_resolved_friction(
+        ResolvedMotion(np.zeros(n), np.ones(n), np.empty(0)), Forces(applied, np.ones(n)), 1e-8, 1e-6
+    )
     assert np.array_equal(friction, np.clip(applied, -1.0, 1.0))
 
 
@@ -50,7 +59,9 @@ def test_friction_follows_the_motion_and_turns_within_a_sample() -> None:
     direction = np.zeros(n)
     direction[:30], direction[31:] = -1.0, 1.0
     direction[30] = -(turn - 29.5) + (30.5 - turn)
-    friction = sharp_friction(direction, np.zeros(n), np.array([turn]), np.full(n, 5.0), np.ones(n), 1e-12, 1e-3)
+    friction = event_resolved_friction(
+        ResolvedMotion(direction, np.zeros(n), np.array([turn])), Forces(np.full(n, 5.0), np.ones(n)), 1e-12, 1e-3
+    )
     assert np.array_equal(friction[:30], -np.ones(30))
     assert np.array_equal(friction[31:], np.ones(29))
     # Where the drive is strong, the bristle passes at once: the sample's mean is the mean sign of the motion in it.
@@ -61,7 +72,9 @@ def test_a_turn_under_a_weak_drive_holds_until_the_level_is_passed() -> None:
     n = 60
     direction = np.where(np.arange(n) < 30, -1.0, 1.0)
     applied = np.where(np.arange(n) < 40, 0.3, 2.0)
-    friction = sharp_friction(direction, np.zeros(n), np.array([29.5]), applied, np.ones(n), 1e-9, 1e-3)
+    friction = event_resolved_friction(
+        ResolvedMotion(direction, np.zeros(n), np.array([29.5])), Forces(applied, np.ones(n)), 1e-9, 1e-3
+    )
     assert np.allclose(friction[31:40], 0.3, atol=1e-6)
     assert np.array_equal(friction[42:], np.ones(18))
 
@@ -71,7 +84,7 @@ def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
     position = 1e-6 * np.arange(float(n))
     velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
     resting[95:97] = True
-    direction, rest, turns, stops = resolve_events(position, velocity, np.zeros(n), resting, 10, 5.0, 3)
+    (direction, rest, turns), stops = resolve_events(position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3))
     assert turns.size == 0
     assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
     assert np.all(direction + rest == pytest.approx(1.0))

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.sticking import SlipPhases, departures, restored_kinks, stop_times
+from sysid.prediction.force_balance.sticking import (
+    Forces,
+    SlipPhases,
+    SmoothedMotion,
+    break_away_times,
+    restored_kinks,
+    sticking_onsets,
+)
 from sysid.signals.gaussian_filter import GaussianFilter
 
 MASS, LEVEL, STEP = 0.5, 1.2, 1e-3
@@ -31,39 +38,28 @@ def _smooth(signal: np.ndarray, order: int = 0) -> np.ndarray:
     return GaussianFilter(LIGHT * STEP, STEP, N)(signal, order)
 
 
-STOPS = SlipPhases(
-    np.array([-0.5]), np.array([STOP + 2.5]), np.array([1.0]), np.array([LEAVE - 6.0]), np.array([1.0])
-)  # fmt: skip
+STOPS = SlipPhases(np.array([-0.5]), np.array([STOP + 2.5]), np.array([1.0]), np.array([LEAVE - 6.0]), np.array([1.0]))
 
 
 def test_the_momentum_tells_the_stop_that_the_position_put_late() -> None:
-    found = stop_times(
-        STOPS.start, STOPS.end, STOPS.direction, STOPS.break_away, _smooth(_velocity()), _force(), np.full(N, LEVEL),
-        STEP / MASS, LIGHT, 10.0,
-    )  # fmt: skip
+    found = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 10.0)
     # What the filter tails still bring of the kink from over three widths away.
     assert found == pytest.approx([STOP], abs=0.01)
     # No farther than asked.
-    near = stop_times(
-        STOPS.start, STOPS.end, STOPS.direction, STOPS.break_away, _smooth(_velocity()), _force(), np.full(N, LEVEL),
-        STEP / MASS, LIGHT, 1.0,
-    )  # fmt: skip
+    near = sticking_onsets(STOPS, _smooth(_velocity()), Forces(_force(), np.full(N, LEVEL)), STEP / MASS, LIGHT, 1.0)
     assert near == pytest.approx([STOP + 1.5])
 
 
 def test_a_rest_lasts_until_the_push_reaches_the_level() -> None:
-    found = departures(STOPS.end, STOPS.break_away, STOPS.next_direction, _force(), np.full(N, LEVEL), 20.0)
+    found = break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 20.0)
     assert found == pytest.approx([LEAVE], abs=1e-9)
-    assert departures(
-        STOPS.end, STOPS.break_away, STOPS.next_direction, _force(), np.full(N, LEVEL), 2.0
-    ) == pytest.approx([LEAVE - 4.0], abs=1.0)
+    assert break_away_times(STOPS, Forces(_force(), np.full(N, LEVEL)), 2.0) == pytest.approx([LEAVE - 4.0], abs=1.0)
 
 
 def test_the_velocity_gets_back_the_kinks_that_a_filter_rounds_off() -> None:
     velocity, blurred = _velocity(), _smooth(_velocity())
-    found = (
-        restored_kinks(blurred * STEP, _smooth(velocity, 1) * STEP**2, _force() / MASS * STEP**2, STOPS, LIGHT) / STEP
-    )
+    motion = SmoothedMotion(blurred * STEP, _smooth(velocity, 1) * STEP**2, _force() / MASS * STEP**2, LIGHT)
+    found = restored_kinks(motion, STOPS) / STEP
     near = np.abs(ROWS - STOP) < 8
     assert np.max(np.abs(blurred - velocity)[near]) > 2e-3
     assert np.max(np.abs(found - velocity)[near]) < 1e-4

@@ -1,0 +1,25 @@
+"""The reader of a record file, chosen by the suffix of its name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import SUFFIXES, RecordFile, is_folder, shown_path
+from sysid.experiment.readers.csv import CsvFile
+from sysid.experiment.readers.mat import MatFile
+from sysid.experiment.readers.parquet import ParquetFile
+
+READERS: dict[str, type[RecordFile]] = {"CSV": CsvFile, "Parquet": ParquetFile, "MAT": MatFile}
+
+
+def open_record_file(path: Path, name: str) -> RecordFile:
+    """Open a record file by its suffix.
+
+    Raises:
+        InputError: as `RecordFile`.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES and not is_folder(path):
+        raise InputError(f"{shown_path(name)}: '{suffix}' is no record format; allowed: .csv, .parquet, .mat")
+    return READERS[SUFFIXES.get(suffix, "CSV")](path, name)
