@@ -1,8 +1,7 @@
-"""What is written on a sheet beside the views' lines, with its place settled; the document only draws it.
+"""Annotations of a sheet with their places: dimensions, callouts, tolerances, datums, marks, notes.
 
-Places are in paper millimetres; the points a dimension measures are in the coordinates of its view at 1:1, so that
-what the DXF entity measures is the part's true size. Every annotation knows the declarations it stands for, so that a
-test can see that each is on the sheet once.
+Coordinates are either view coordinates (mm at 1:1, so that a DIMENSION entity measures the part's true size) or paper
+coordinates (mm). `names` are the declarations that an annotation stands for; each is on a sheet once.
 """
 
 from __future__ import annotations
@@ -10,22 +9,36 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from drawings.annotations.font import TEXT_HEIGHT
 from drawings.views.view import Point2
+
+Symbol = Literal[
+    "counterbore",
+    "countersink",
+    "depth",
+    "diameter",
+    "surface",
+    "flatness",
+    "parallelism",
+    "perpendicularity",
+    "position",
+    "cylindricity",
+]
+"""Signs drawn as geometry (`drawings.annotations.symbols`)."""
 
 
 @dataclass(frozen=True)
 class LinearDimension:
-    """A linear dimension: DXF DIMENSION, rotated; extension lines from two points, text on the line.
+    """A distance along a direction: two extension lines, the dimension line between them, the text on it.
 
     Args:
         view: name of the view it belongs to.
         first, second: measured points, view coordinates.
         angle: direction measured along, degrees from u.
-        line_at: a point the dimension line goes through, paper.
+        line_at: a point on the dimension line, paper.
         text: as printed, with its decimals, count and tolerance (`2x 40.00`).
-        text_at: centre of the text, paper; none where it stands in the middle of the line.
         measured: value on the solid, mm.
-        names: declarations it stands for.
+        text_at: centre of the text, paper; None for the middle of the dimension line.
     """
 
     view: str
@@ -41,12 +54,13 @@ class LinearDimension:
 
 @dataclass(frozen=True)
 class RadialDimension:
-    """A diameter or radius dimension on a circle seen as one: DXF DIMENSION.
+    """A diameter or radius on a leader to a circle seen as such.
 
     Args:
         centre, radius: view coordinates.
         towards: direction of the leader from the centre, degrees.
-        text_at: where the text stands, paper.
+        text_at: centre of the text, paper.
+        measured: value on the solid, mm.
     """
 
     view: str
@@ -62,7 +76,13 @@ class RadialDimension:
 
 @dataclass(frozen=True)
 class AngularDimension:
-    """An angle between two directions at a vertex: DXF DIMENSION."""
+    """An angle between two directions from a vertex.
+
+    Args:
+        vertex, first, second: the vertex and a point in each direction, view coordinates.
+        arc_at: where the text is on the dimension arc, paper.
+        measured: value on the solid, degrees.
+    """
 
     view: str
     vertex: Point2
@@ -74,19 +94,15 @@ class AngularDimension:
     names: tuple[str, ...]
 
 
-Symbol = Literal["counterbore", "countersink", "depth", "diameter", "surface", "flatness", "parallelism",
-                 "perpendicularity", "position", "cylindricity"]  # fmt: skip
-
-
 @dataclass(frozen=True)
 class Callout:
     """A leader with lines of text: a hole callout, a chamfer, a note on a face.
 
     Args:
         at: the point on the feature, view coordinates.
-        elbow: where the leader turns level, paper.
-        lines: text by line; `{depth}`, `{counterbore}` and the like stand for a `Symbol` drawn as geometry.
-        leftward: whether the text stands left of the elbow.
+        elbow: where the leader becomes horizontal, paper.
+        lines: text by line; `{depth}`, `{counterbore}` and the like stand for a `Symbol`.
+        leftward: whether the text is left of the elbow.
     """
 
     view: str
@@ -99,7 +115,12 @@ class Callout:
 
 @dataclass(frozen=True)
 class FeatureControlFrame:
-    """A feature control frame on a leader: characteristic, tolerance, datum letters (ISO 1101)."""
+    """A feature control frame on a leader: characteristic, tolerance, datum letters (ISO 1101).
+
+    Args:
+        at: the point on the feature, view coordinates.
+        elbow: end of the frame at which the leader begins, paper.
+    """
 
     view: str
     at: Point2
@@ -111,7 +132,12 @@ class FeatureControlFrame:
 
 @dataclass(frozen=True)
 class DatumSymbol:
-    """The filled triangle and framed letter of a datum (ISO 5459)."""
+    """The filled triangle and framed letter of a datum (ISO 5459).
+
+    Args:
+        at: the point on the feature, view coordinates.
+        frame_at: centre of the letter's frame, paper.
+    """
 
     view: str
     at: Point2
@@ -121,7 +147,12 @@ class DatumSymbol:
 
 @dataclass(frozen=True)
 class SurfaceTextureSymbol:
-    """A surface texture symbol with its requirement (`Ra 1`), its point on a line of the view (ISO 21920-1)."""
+    """A surface texture symbol with its requirement (`Ra 1`), its point on a line of the view (ISO 21920-1).
+
+    Args:
+        at: its point, view coordinates.
+        angle: by which it is turned, degrees.
+    """
 
     view: str
     at: Point2
@@ -131,7 +162,12 @@ class SurfaceTextureSymbol:
 
 @dataclass(frozen=True)
 class Balloon:
-    """A numbered circle on a leader, for the assembly's parts list."""
+    """A numbered circle on a leader, for the assembly's parts list.
+
+    Args:
+        at: the point on the part, view coordinates.
+        centre: of the circle, paper.
+    """
 
     view: str
     at: Point2
@@ -144,8 +180,8 @@ class SectionMark:
     """Where a section is taken: thick ends of the cutting line, arrows in the direction of sight, letters (ISO 128-3).
 
     Args:
-        view: the view that shows the cutting line.
-        start, end: ends of the cutting line, paper; a little outside the part.
+        view: that shows the cutting line.
+        start, end: of the cutting line, paper; a little outside the part.
         sight: unit vector, the direction in which one looks at the cut.
         letter: of the section.
     """
@@ -159,7 +195,7 @@ class SectionMark:
 
 @dataclass(frozen=True)
 class DetailMark:
-    """The thin circle round what a detail view shows larger, and its letter.
+    """The thin circle around the area of a detail view, and the view's letter.
 
     Args:
         centre, radius: view coordinates.
@@ -177,9 +213,7 @@ MeasuredDimension = LinearDimension | RadialDimension | AngularDimension
 """Written to DXF as DIMENSION entities."""
 
 Annotation = (
-    LinearDimension
-    | RadialDimension
-    | AngularDimension
+    MeasuredDimension
     | Callout
     | FeatureControlFrame
     | DatumSymbol
@@ -192,9 +226,14 @@ Annotation = (
 
 @dataclass(frozen=True)
 class Note:
-    """A text on the sheet that belongs to no view: its lower left corner on the paper, one string a line."""
+    """A text on the sheet that belongs to no view.
+
+    Args:
+        at: its lower left corner, paper.
+        lines: from the top down.
+        height: of capitals, mm.
+    """
 
     at: Point2
     lines: tuple[str, ...]
-    height: float = 3.5
-    names: tuple[str, ...] = ()
+    height: float = TEXT_HEIGHT

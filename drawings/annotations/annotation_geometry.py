@@ -1,6 +1,6 @@
-"""How each annotation looks: lines, arrows and lettering on the paper, the one place where that is said.
+"""The primitives of each annotation: lines, arrow heads and texts, in proportions after ISO 129-1.
 
-The document draws from it, the layout takes the room of its texts from it. Proportions after ISO 129-1.
+The writers draw them, and the layout takes the boxes of their texts and lines from them.
 """
 
 from __future__ import annotations
@@ -29,40 +29,46 @@ from drawings.views.bounding_box import bounding_box, extreme_points, view_box
 from drawings.views.view import Arc, Box2, Point2, View
 
 ARROW = 3.0
-"""Length of an arrow head, mm; it is a third as wide."""
+"""Length of an arrow head, mm; its width is a third of it."""
 GAP = 1.0
 """From the part to the start of an extension line, and from a dimension line to its text, mm."""
 BEYOND = 2.0
-"""How far an extension line passes the dimension line, mm."""
+"""Length of an extension line past the dimension line, mm."""
 TAIL = 5.0
-"""Length of a dimension line outside its extension lines, where the arrows do not fit between, mm."""
+"""Length of a dimension line outside its extension lines, where the arrow heads do not fit between them, mm."""
 LANDING = 3.0
-"""Level end of a leader before the text, mm."""
+"""Horizontal end of a leader before the text, mm."""
 BOX = 2 * TEXT_HEIGHT
-"""Height of a control frame and of a datum letter's frame, mm."""
+"""Height of a feature control frame and of a datum letter's frame, mm."""
 BALLOON = 5.0
 """Radius of a balloon, mm."""
 DOT = 0.6
-"""Radius of the dot in which a balloon's leader ends, mm."""
+"""Radius of the dot at the end of a balloon's leader, mm."""
+THICK_END, STEM = 6.0, 9.0
+"""Lengths of a cutting line's thick end and of its arrow, mm."""
 
 
 def annotation_primitives(annotation: Annotation, view: View) -> Iterator[Primitive]:
-    """Everything an annotation puts on the paper, in paper coordinates."""
+    """The primitives of an annotation in paper coordinates.
+
+    Args:
+        view: to which the annotation belongs.
+    """
     match annotation:
         case LinearDimension():
             yield from _linear(annotation, view)
         case RadialDimension():
-            yield from _round(annotation, view)
+            yield from _radial(annotation, view)
         case AngularDimension():
             yield from _angular(annotation, view)
         case Callout():
             yield from _callout(annotation, view)
         case FeatureControlFrame():
-            yield from _control_frame(annotation, view)
+            yield from _feature_control_frame(annotation, view)
         case DatumSymbol():
             yield from _datum(annotation, view)
         case SurfaceTextureSymbol():
-            yield from _surface(annotation, view)
+            yield from _surface_texture(annotation, view)
         case Balloon():
             yield from _balloon(annotation, view)
         case SectionMark():
@@ -74,32 +80,10 @@ def annotation_primitives(annotation: Annotation, view: View) -> Iterator[Primit
 
 
 def note_primitives(note: Note) -> Iterator[Primitive]:
-    """The lines of a note, from the top down to its lower left corner."""
+    """The texts and symbols of a note."""
     x, y = note.at
     for number, line in enumerate(reversed(note.lines)):
         yield from symbol_text_primitives(line, (x, y + number * LINE_PITCH * note.height), note.height)
-
-
-def text_box(words: Text) -> Box2:
-    """Room of a text at a multiple of 90 degrees: from the base line to the height of capitals, paper."""
-    width = symbol_text_width(words.text, words.height)
-    start = {"left": 0.0, "middle": -width / 2, "right": -width}[words.alignment]
-    turn = math.radians(words.angle)
-    c, s = math.cos(turn), math.sin(turn)
-    corners = [
-        (words.at[0] + x * c - y * s, words.at[1] + x * s + y * c)
-        for x in (start, start + width)
-        for y in (0.0, words.height)
-    ]
-    xs, ys = zip(*corners)
-    return (min(xs), min(ys), max(xs), max(ys))
-
-
-def primitive_box(primitive: Primitive) -> Box2:
-    """Bounding box of a primitive, paper."""
-    if isinstance(primitive, Text):
-        return text_box(primitive)
-    return bounding_box(extreme_points(primitive.arc) if isinstance(primitive, ArcStroke) else primitive.points)
 
 
 def label_primitives(view: View) -> Iterator[Primitive]:
@@ -110,38 +94,24 @@ def label_primitives(view: View) -> Iterator[Primitive]:
         yield Text(view.label, at, LARGE_HEIGHT, "middle")
 
 
-def text_boxes(ink: Iterable[Primitive]) -> list[Box2]:
-    """Room of all texts among some ink."""
-    return [text_box(item) for item in ink if isinstance(item, Text)]
+def primitive_box(primitive: Primitive) -> Box2:
+    """Bounding box of a primitive, paper."""
+    if isinstance(primitive, Text):
+        return text_box(primitive)
+    return bounding_box(extreme_points(primitive.arc) if isinstance(primitive, ArcStroke) else primitive.points)
 
 
-def arrow(tip: Point2, direction: Point2, length: float = ARROW) -> FilledPolygon:
-    """A closed, filled arrow head whose tip points along a unit vector."""
-    (x, y), (u, v) = tip, direction
-    back = (x - u * length, y - v * length)
-    half = length / 6
-    return FilledPolygon((tip, (back[0] - v * half, back[1] + u * half), (back[0] + v * half, back[1] - u * half)))
+def text_box(text: Text) -> Box2:
+    """Bounding box of a text from the base line to the height of capitals, paper."""
+    width = symbol_text_width(text.text, text.height)
+    start = {"left": 0.0, "middle": -width / 2, "right": -width}[text.alignment]
+    u = _direction(text.angle)
+    return bounding_box([_offset(text.at, u, x, y) for x in (start, start + width) for y in (0.0, text.height)])
 
 
-def _centred(text: str, at: Point2, height: float = TEXT_HEIGHT, angle: float = 0.0) -> Text:
-    """A text whose middle is at a point."""
-    turn = math.radians(angle)
-    return Text(
-        text, (at[0] + math.sin(turn) * height / 2, at[1] - math.cos(turn) * height / 2), height, "middle", angle
-    )
-
-
-def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primitive]:
-    """A text that may have symbols in it, its middle at a point; symbols stand level only."""
-    if "{" in text and abs(angle) < 1e-9:
-        yield from symbol_text_primitives(text, (at[0] - symbol_text_width(text) / 2, at[1] - TEXT_HEIGHT / 2))
-    else:
-        yield _centred(text, at, TEXT_HEIGHT, angle)
-
-
-def _unit(start: Point2, end: Point2) -> Point2:
-    length = math.dist(start, end)
-    return ((end[0] - start[0]) / length, (end[1] - start[1]) / length) if length > 1e-9 else (1.0, 0.0)
+def text_boxes(primitives: Iterable[Primitive]) -> list[Box2]:
+    """Bounding boxes of the texts among primitives."""
+    return [text_box(primitive) for primitive in primitives if isinstance(primitive, Text)]
 
 
 def readable(angle: float) -> float:
@@ -150,98 +120,109 @@ def readable(angle: float) -> float:
     return 90.0 if abs(angle + 90.0) < 1e-6 else angle
 
 
-def _linear(d: LinearDimension, view: View) -> Iterator[Primitive]:
-    turn = math.radians(d.angle)
-    u = (math.cos(turn), math.sin(turn))
-    first, second = view.to_paper(d.first), view.to_paper(d.second)
+def _direction(angle: float) -> Point2:
+    """Unit vector at an angle, degrees."""
+    return (math.cos(math.radians(angle)), math.sin(math.radians(angle)))
 
-    def foot(point: Point2) -> Point2:
-        """Where the dimension line is met from a measured point."""
-        along = (point[0] - d.line_at[0]) * u[0] + (point[1] - d.line_at[1]) * u[1]
-        return (d.line_at[0] + along * u[0], d.line_at[1] + along * u[1])
 
-    ends = [foot(first), foot(second)]
-    for point, end in zip((first, second), ends):
-        away = math.dist(point, end)
-        if away > 2 * GAP:
-            n = _unit(point, end)
-            start = (point[0] + n[0] * GAP, point[1] + n[1] * GAP)
-            yield Stroke((start, (end[0] + n[0] * BEYOND, end[1] + n[1] * BEYOND)))
-    span = math.dist(*ends)
-    along = _unit(*ends)
-    back = (-along[0], -along[1])
-    angle = readable(d.angle)
-    up = (-math.sin(math.radians(angle)), math.cos(math.radians(angle)))
-    width = symbol_text_width(d.text)
-    middle = ((ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2)
-    rise = TEXT_HEIGHT / 2 + GAP
-    text_at = d.text_at or (middle[0] + up[0] * rise, middle[1] + up[1] * rise)
-    # Along the line from its first end: 0 to span is between the arrows.
-    reach = [0.0, span]
-    if span < 2 * ARROW + 1.0:
-        yield arrow(ends[0], along)
-        yield arrow(ends[1], back)
-        reach = [-TAIL, span + TAIL]
+def _unit(start: Point2, end: Point2) -> Point2:
+    """Unit vector from one point to another; to the right where they coincide."""
+    length = math.dist(start, end)
+    return ((end[0] - start[0]) / length, (end[1] - start[1]) / length) if length > 1e-9 else (1.0, 0.0)
+
+
+def _opposite(u: Point2) -> Point2:
+    return (-u[0], -u[1])
+
+
+def _offset(point: Point2, u: Point2, along: float, across: float = 0.0) -> Point2:
+    """A point moved along a unit vector and across it, to its left."""
+    return (point[0] + u[0] * along - u[1] * across, point[1] + u[1] * along + u[0] * across)
+
+
+def _distance_along(point: Point2, start: Point2, u: Point2) -> float:
+    """Distance of a point from a start along a unit vector."""
+    return (point[0] - start[0]) * u[0] + (point[1] - start[1]) * u[1]
+
+
+def _arrow(tip: Point2, direction: Point2, length: float = ARROW) -> FilledPolygon:
+    """A closed, filled arrow head whose tip points along a unit vector."""
+    half = length / 6
+    return FilledPolygon((tip, _offset(tip, direction, -length, half), _offset(tip, direction, -length, -half)))
+
+
+def _centred(text: str, at: Point2, height: float = TEXT_HEIGHT, angle: float = 0.0) -> Text:
+    """A text whose middle is at a point."""
+    return Text(text, _offset(at, _direction(angle), 0.0, -height / 2), height, "middle", angle)
+
+
+def _centred_line(text: str, at: Point2, angle: float = 0.0) -> Iterator[Primitive]:
+    """A text, with its symbols where it is horizontal, whose middle is at a point."""
+    if "{" in text and abs(angle) < 1e-9:
+        yield from symbol_text_primitives(text, (at[0] - symbol_text_width(text) / 2, at[1] - TEXT_HEIGHT / 2))
     else:
-        yield arrow(ends[0], back)
-        yield arrow(ends[1], along)
-    at = (text_at[0] - ends[0][0]) * along[0] + (text_at[1] - ends[0][1]) * along[1]
+        yield _centred(text, at, TEXT_HEIGHT, angle)
+
+
+def _linear(d: LinearDimension, view: View) -> Iterator[Primitive]:
+    u = _direction(d.angle)
+    points = (view.to_paper(d.first), view.to_paper(d.second))
+    # Where the extension lines meet the dimension line.
+    ends = [_offset(d.line_at, u, _distance_along(point, d.line_at, u)) for point in points]
+    for point, end in zip(points, ends):
+        if math.dist(point, end) > 2 * GAP:
+            n = _unit(point, end)
+            yield Stroke((_offset(point, n, GAP), _offset(end, n, BEYOND)))
+    start, span = ends[0], math.dist(*ends)
+    along = _unit(*ends)
+    angle = readable(d.angle)
+    text_at = d.text_at or _offset(_offset(start, along, span / 2), _direction(angle), 0.0, TEXT_HEIGHT / 2 + GAP)
+    inside = span >= 2 * ARROW + 1.0
+    yield _arrow(ends[0], _opposite(along) if inside else along)
+    yield _arrow(ends[1], along if inside else _opposite(along))
+    low, high = (0.0, span) if inside else (-TAIL, span + TAIL)
+    at = _distance_along(text_at, start, along)
     if at < 0.0 or at > span:
-        # The text stands beside the measured stretch: the line runs on under it.
-        reach = [min(reach[0], at - width / 2), max(reach[1], at + width / 2)]
-    yield Stroke(
-        tuple((ends[0][0] + r * along[0], ends[0][1] + r * along[1]) for r in reach)  # type: ignore[arg-type]
-    )
+        # The text is beside the extension lines: the dimension line is extended under it.
+        half = symbol_text_width(d.text) / 2
+        low, high = min(low, at - half), max(high, at + half)
+    yield Stroke((_offset(start, along, low), _offset(start, along, high)))
     yield from _centred_line(d.text, text_at, angle)
 
 
-def _round(d: RadialDimension, view: View) -> Iterator[Primitive]:
-    turn = math.radians(d.towards)
-    out = (math.cos(turn), math.sin(turn))
-    centre = view.to_paper(d.centre)
-    radius = d.radius * view.scale
-    on = (centre[0] + out[0] * radius, centre[1] + out[1] * radius)
-    elbow, shelf_end = _shelf(d.text, d.text_at, on)
-    yield arrow(on, _unit(elbow, on))
-    yield Stroke((on, elbow, shelf_end))
+def _radial(d: RadialDimension, view: View) -> Iterator[Primitive]:
+    on_circle = _offset(view.to_paper(d.centre), _direction(d.towards), d.radius * view.scale)
+    # The line under the text, from its end next to the circle.
+    x, y = d.text_at
+    half = symbol_text_width(d.text) / 2 + GAP
+    near, far = (x - half, x + half) if on_circle[0] <= x else (x + half, x - half)
+    y -= TEXT_HEIGHT / 2 + GAP
+    yield _arrow(on_circle, _unit((near, y), on_circle))
+    yield Stroke((on_circle, (near, y), (far, y)))
     yield from _centred_line(d.text, d.text_at)
-
-
-def _shelf(text: str, text_at: Point2, from_point: Point2) -> tuple[Point2, Point2]:
-    """The level line under a text: its end towards a point, and the other."""
-    half, y = symbol_text_width(text) / 2 + GAP, text_at[1] - TEXT_HEIGHT / 2 - GAP
-    ends = ((text_at[0] - half, y), (text_at[0] + half, y))
-    return ends if from_point[0] <= text_at[0] else (ends[1], ends[0])
 
 
 def _angular(d: AngularDimension, view: View) -> Iterator[Primitive]:
     vertex = view.to_paper(d.vertex)
     radius = math.dist(vertex, d.arc_at)
-    start, end = (
-        math.degrees(math.atan2(p[1] - vertex[1], p[0] - vertex[0]))
-        for p in (view.to_paper(d.first), view.to_paper(d.second))
-    )
+    points = (view.to_paper(d.first), view.to_paper(d.second))
+    start, end = (math.degrees(math.atan2(p[1] - vertex[1], p[0] - vertex[0])) for p in points)
     end = end if end > start else end + 360.0
     yield ArcStroke(Arc(vertex, radius, start, end))
-    for point, at, sign in ((d.first, start, -1.0), (d.second, end, 1.0)):
-        turn = math.radians(at)
-        out = (math.cos(turn), math.sin(turn))
-        tip = (vertex[0] + out[0] * radius, vertex[1] + out[1] * radius)
-        # The head lies on the arc: turned by half of what it covers.
-        lean = turn + sign * (math.pi / 2 - ARROW / radius / 2)
-        yield arrow(tip, (math.cos(lean), math.sin(lean)))
-        near = view.to_paper(point)
-        reach = math.dist(vertex, near)
-        if radius > reach + GAP:
-            beyond = (vertex[0] + out[0] * (radius + BEYOND), vertex[1] + out[1] * (radius + BEYOND))
-            yield Stroke(((near[0] + out[0] * GAP, near[1] + out[1] * GAP), beyond))
+    for point, angle, sign in ((points[0], start, -1.0), (points[1], end, 1.0)):
+        out = _direction(angle)
+        # The head is a chord of the arc: turned from its tangent by half of the angle that it covers.
+        turned = angle + sign * (90.0 - math.degrees(ARROW / radius / 2))
+        yield _arrow(_offset(vertex, out, radius), _direction(turned))
+        if radius > math.dist(vertex, point) + GAP:
+            yield Stroke((_offset(point, out, GAP), _offset(vertex, out, radius + BEYOND)))
     out = _unit(vertex, d.arc_at)
     away = GAP + abs(out[0]) * symbol_text_width(d.text) / 2 + abs(out[1]) * TEXT_HEIGHT / 2
-    yield _centred(d.text, (d.arc_at[0] + out[0] * away, d.arc_at[1] + out[1] * away))
+    yield _centred(d.text, _offset(d.arc_at, out, away))
 
 
 def callout_box(c: Callout, number: int) -> Box2:
-    """Room of one of a callout's lines, symbols included, paper."""
+    """Bounding box of one line of a callout, symbols included, paper."""
     width, away = symbol_text_width(c.lines[number]), LANDING + GAP
     x = c.elbow[0] - away - width if c.leftward else c.elbow[0] + away
     y = c.elbow[1] - TEXT_HEIGHT / 2 - number * LINE_PITCH * TEXT_HEIGHT
@@ -251,85 +232,65 @@ def callout_box(c: Callout, number: int) -> Box2:
 def _callout(c: Callout, view: View) -> Iterator[Primitive]:
     at = view.to_paper(c.at)
     end = (c.elbow[0] + (-LANDING if c.leftward else LANDING), c.elbow[1])
-    yield arrow(at, _unit(c.elbow, at))
+    yield _arrow(at, _unit(c.elbow, at))
     yield Stroke((at, c.elbow, end))
     for number, line in enumerate(c.lines):
         yield from symbol_text_primitives(line, callout_box(c, number)[:2])
 
 
-def _control_frame(f: FeatureControlFrame, view: View) -> Iterator[Primitive]:
+def _feature_control_frame(f: FeatureControlFrame, view: View) -> Iterator[Primitive]:
     at = view.to_paper(f.at)
     widths = [symbol_width(f.characteristic) + TEXT_HEIGHT, symbol_text_width(f.tolerance) + TEXT_HEIGHT]
     widths += [max(BOX, symbol_text_width(letter) + TEXT_HEIGHT) for letter in f.datums]
-    left = f.elbow[0] if f.elbow[0] >= at[0] - 1e-6 else f.elbow[0] - sum(widths)
+    x = f.elbow[0] if f.elbow[0] >= at[0] - 1e-6 else f.elbow[0] - sum(widths)
     low = f.elbow[1] - BOX / 2
     if math.dist(at, f.elbow) > ARROW:
-        yield arrow(at, _unit(f.elbow, at))
+        yield _arrow(at, _unit(f.elbow, at))
         yield Stroke((at, f.elbow))
-    x = left
-    for number, width in enumerate(widths):
+    for text, width in zip(("", f.tolerance, *f.datums), widths, strict=True):
         yield rectangle((x, low, x + width, low + BOX))
-        if number == 0:
-            yield from symbol_primitives(f.characteristic, (x + TEXT_HEIGHT / 2, low + TEXT_HEIGHT / 2))
-        else:
-            text = f.tolerance if number == 1 else f.datums[number - 2]
+        if text:
             yield from _centred_line(text, (x + width / 2, low + BOX / 2))
+        else:
+            yield from symbol_primitives(f.characteristic, (x + TEXT_HEIGHT / 2, low + TEXT_HEIGHT / 2))
         x += width
 
 
 def _datum(m: DatumSymbol, view: View) -> Iterator[Primitive]:
     at = view.to_paper(m.at)
     out = _unit(at, m.frame_at)
-    half = BOX / 2
-    apex = (at[0] + out[0] * TEXT_HEIGHT, at[1] + out[1] * TEXT_HEIGHT)
-    wide = TEXT_HEIGHT * 0.6
-    yield FilledPolygon(
-        (apex, (at[0] - out[1] * wide, at[1] + out[0] * wide), (at[0] + out[1] * wide, at[1] - out[0] * wide))
-    )
-    x, y = m.frame_at
+    apex, base = _offset(at, out, TEXT_HEIGHT), TEXT_HEIGHT * 0.6
+    yield FilledPolygon((apex, _offset(at, out, 0.0, base), _offset(at, out, 0.0, -base)))
+    (x, y), half = m.frame_at, BOX / 2
     # The leader ends where it meets the frame.
-    reach = half / max(abs(out[0]), abs(out[1]))
-    yield Stroke((apex, (x - out[0] * reach, y - out[1] * reach)))
+    yield Stroke((apex, _offset(m.frame_at, out, -half / max(abs(out[0]), abs(out[1])))))
     yield rectangle((x - half, y - half, x + half, y + half))
     yield _centred(m.letter, m.frame_at)
 
 
-def _surface(m: SurfaceTextureSymbol, view: View) -> Iterator[Primitive]:
-    x, y = view.to_paper(m.at)
-    turn = math.radians(m.angle)
-    c, s = math.cos(turn), math.sin(turn)
-
-    def place(a: float, b: float) -> Point2:
-        return (x + a * c - b * s, y + a * s + b * c)
-
+def _surface_texture(m: SurfaceTextureSymbol, view: View) -> Iterator[Primitive]:
+    at, u = view.to_paper(m.at), _direction(m.angle)
     low, high = 1.4 * TEXT_HEIGHT, 3.0 * TEXT_HEIGHT
     run = 1 / math.tan(math.radians(60))
-    shelf = symbol_text_width(m.text) + 2 * GAP
-    yield Stroke((place(-low * run, low), (x, y), place(high * run, high), place(high * run + shelf, high)))
-    yield Stroke((place(-low * run, low), place(low * run, low)))
-    at = place(high * run + GAP, high - GAP - TEXT_HEIGHT)
-    yield Text(m.text, at, TEXT_HEIGHT, "left", m.angle)
+    left, corner = _offset(at, u, -low * run, low), _offset(at, u, high * run, high)
+    yield Stroke((left, at, corner, _offset(corner, u, symbol_text_width(m.text) + 2 * GAP)))
+    yield Stroke((left, _offset(at, u, low * run, low)))
+    yield Text(m.text, _offset(corner, u, GAP, -GAP - TEXT_HEIGHT), TEXT_HEIGHT, "left", m.angle)
 
 
 def _balloon(b: Balloon, view: View) -> Iterator[Primitive]:
     at = view.to_paper(b.at)
-    out = _unit(b.centre, at)
     yield ArcStroke(Arc(b.centre, BALLOON))
-    yield Stroke(((b.centre[0] + out[0] * BALLOON, b.centre[1] + out[1] * BALLOON), at))
-    turns = [t * math.pi / 6 for t in range(12)]
-    yield FilledPolygon(tuple((at[0] + DOT * math.cos(t), at[1] + DOT * math.sin(t)) for t in turns))
+    yield Stroke((_offset(b.centre, _unit(b.centre, at), BALLOON), at))
+    yield FilledPolygon(tuple(_offset(at, _direction(angle), DOT) for angle in range(0, 360, 30)))
     yield _centred(str(b.number), b.centre)
 
 
 def _section(m: SectionMark) -> Iterator[Primitive]:
     along = _unit(m.start, m.end)
-    thick, stem = 6.0, 9.0
-    for point, inward in ((m.start, along), (m.end, (-along[0], -along[1]))):
-        yield Stroke((point, (point[0] + inward[0] * thick, point[1] + inward[1] * thick)), "SECTION", THICK)
-        tip = (point[0] + m.sight[0] * stem, point[1] + m.sight[1] * stem)
+    for point, inward in ((m.start, along), (m.end, _opposite(along))):
+        tip = _offset(point, m.sight, STEM)
+        yield Stroke((point, _offset(point, inward, THICK_END)), "SECTION", THICK)
         yield Stroke((point, tip))
-        yield arrow(tip, m.sight, ARROW * 1.3)
-        out = (-inward[0] * 4.5, -inward[1] * 4.5)
-        beside = stem / 2
-        at = (point[0] + m.sight[0] * beside + out[0], point[1] + m.sight[1] * beside + out[1])
-        yield _centred(m.letter, at, LARGE_HEIGHT)
+        yield _arrow(tip, m.sight, ARROW * 1.3)
+        yield _centred(m.letter, _offset(_offset(point, m.sight, STEM / 2), inward, -4.5), LARGE_HEIGHT)

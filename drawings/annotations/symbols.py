@@ -1,7 +1,6 @@
 """Symbols drawn as geometry, since no font has them all: of holes, of geometrical tolerances, of surface texture.
 
-Each is given for a height of capitals of 1 with its lower left corner at the origin; proportions after ISO 7083 (form
-and position), ISO 129-1 (depth, counterbore) and ISO 21920-1 (surface).
+Proportions after ISO 7083 (form and position), ISO 129-1 (depth, counterbore) and ISO 21920-1 (surface texture).
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import cache
-from typing import get_args
+from typing import NamedTuple, get_args
 
 from drawings.annotations.annotation import Symbol
 from drawings.annotations.font import TEXT_HEIGHT, text_width
@@ -19,94 +18,82 @@ from drawings.views.view import Arc, Point2
 _SPACE = 0.35
 """Space on both sides of a symbol within a text, over its height."""
 
-_WIDTHS: dict[Symbol, float] = {
-    "counterbore": 1.3,
-    "countersink": 1.3,
-    "depth": 0.9,
-    "diameter": 1.0,
-    "surface": 1.2,
-    "flatness": 1.5,
-    "parallelism": 1.2,
-    "perpendicularity": 1.3,
-    "position": 1.4,
-    "cylindricity": 1.5,
-}
 
+class _Shape(NamedTuple):
+    """A symbol at a height of capitals of 1, its lower left corner at the origin.
+
+    Attributes:
+        lines: polylines.
+        circles: centre and radius.
+        polygons: filled.
+    """
+
+    width: float
+    lines: tuple[tuple[Point2, ...], ...]
+    circles: tuple[tuple[Point2, float], ...] = ()
+    polygons: tuple[tuple[Point2, ...], ...] = ()
+
+
+_SHAPES: dict[Symbol, _Shape] = {
+    "counterbore": _Shape(1.3, (((0, 0.75), (0, 0.05), (1.3, 0.05), (1.3, 0.75)),)),
+    "countersink": _Shape(1.3, (((0, 0.8), (0.65, 0.05), (1.3, 0.8)),)),
+    "depth": _Shape(
+        0.9, (((0, 1), (0.9, 1)), ((0.45, 1), (0.45, 0.3))), polygons=(((0.45, 0), (0.2, 0.5), (0.7, 0.5)),)
+    ),
+    "diameter": _Shape(1.0, (((0.15, 0), (0.85, 1)),), (((0.5, 0.5), 0.36),)),
+    "surface": _Shape(1.2, (((0, 0.5), (0.3, 0), (0.9, 1.0)), ((0, 0.5), (0.6, 0.5)))),
+    "flatness": _Shape(1.5, (((0, 0.1), (1.1, 0.1), (1.5, 0.9), (0.4, 0.9), (0, 0.1)),)),
+    "parallelism": _Shape(1.2, (((0, 0), (0.6, 1)), ((0.6, 0), (1.2, 1)))),
+    "perpendicularity": _Shape(1.3, (((0, 0.05), (1.3, 0.05)), ((0.65, 0.05), (0.65, 1)))),
+    "position": _Shape(1.4, (((0, 0.5), (1.4, 0.5)), ((0.7, -0.2), (0.7, 1.2))), (((0.7, 0.5), 0.45),)),
+    "cylindricity": _Shape(1.5, (((0.0, 0), (0.6, 1)), ((0.9, 0), (1.5, 1))), (((0.75, 0.5), 0.36),)),
+}
 _NAMED = re.compile(r"\{(" + "|".join(get_args(Symbol)) + r")\}")
 
 
 def symbol_width(symbol: Symbol, height: float = TEXT_HEIGHT) -> float:
     """Width of a symbol at a height of capitals, mm."""
-    return _WIDTHS[symbol] * height
+    return _SHAPES[symbol].width * height
 
 
 def symbol_primitives(symbol: Symbol, at: Point2, height: float = TEXT_HEIGHT) -> Iterator[Primitive]:
     """A symbol with its lower left corner at a point of the paper."""
 
-    def place(x: float, y: float) -> Point2:
-        return (at[0] + x * height, at[1] + y * height)
+    def place(point: Point2) -> Point2:
+        return (at[0] + point[0] * height, at[1] + point[1] * height)
 
-    def line(*points: Point2) -> Stroke:
-        return Stroke(tuple(place(*point) for point in points))
-
-    def ring(x: float, y: float, radius: float) -> ArcStroke:
-        return ArcStroke(Arc(place(x, y), radius * height))
-
-    if symbol == "counterbore":
-        yield line((0, 0.75), (0, 0.05), (1.3, 0.05), (1.3, 0.75))
-    elif symbol == "countersink":
-        yield line((0, 0.8), (0.65, 0.05), (1.3, 0.8))
-    elif symbol == "depth":
-        yield line((0, 1), (0.9, 1))
-        yield line((0.45, 1), (0.45, 0.3))
-        yield FilledPolygon((place(0.45, 0), place(0.2, 0.5), place(0.7, 0.5)))
-    elif symbol == "diameter":
-        yield ring(0.5, 0.5, 0.36)
-        yield line((0.15, 0), (0.85, 1))
-    elif symbol == "surface":
-        yield line((0, 0.5), (0.3, 0), (0.9, 1.0))
-        yield line((0, 0.5), (0.6, 0.5))
-    elif symbol == "flatness":
-        yield line((0, 0.1), (1.1, 0.1), (1.5, 0.9), (0.4, 0.9), (0, 0.1))
-    elif symbol == "parallelism":
-        yield line((0, 0), (0.6, 1))
-        yield line((0.6, 0), (1.2, 1))
-    elif symbol == "perpendicularity":
-        yield line((0, 0.05), (1.3, 0.05))
-        yield line((0.65, 0.05), (0.65, 1))
-    elif symbol == "position":
-        yield ring(0.7, 0.5, 0.45)
-        yield line((0, 0.5), (1.4, 0.5))
-        yield line((0.7, -0.2), (0.7, 1.2))
-    else:
-        yield ring(0.75, 0.5, 0.36)
-        yield line((0.0, 0), (0.6, 1))
-        yield line((0.9, 0), (1.5, 1))
+    shape = _SHAPES[symbol]
+    for points in shape.lines:
+        yield Stroke(tuple(map(place, points)))
+    for centre, radius in shape.circles:
+        yield ArcStroke(Arc(place(centre), radius * height))
+    for points in shape.polygons:
+        yield FilledPolygon(tuple(map(place, points)))
 
 
-def _pieces(text: str) -> Iterator[tuple[str, bool]]:
-    """The plain stretches and the symbols of a text, and whether each is a symbol."""
+def _pieces(text: str) -> Iterator[tuple[str, Symbol | None]]:
+    """The stretches of a text: plain text, or a symbol."""
     for number, piece in enumerate(_NAMED.split(text)):
         if piece:
-            yield piece, bool(number % 2)
+            yield (piece, None) if number % 2 == 0 else ("", piece)  # type: ignore[misc]
+
+
+def _piece_width(text: str, symbol: Symbol | None, height: float) -> float:
+    return symbol_width(symbol, height) + 2 * _SPACE * height if symbol else text_width(text, height)
 
 
 @cache
 def symbol_text_width(text: str, height: float = TEXT_HEIGHT) -> float:
     """Width of a text in which `{depth}` and the like stand for symbols, mm."""
-    return sum(
-        (_WIDTHS[piece] + 2 * _SPACE) * height if is_symbol else text_width(piece, height)  # type: ignore[index]
-        for piece, is_symbol in _pieces(text)
-    )
+    return sum(_piece_width(*piece, height) for piece in _pieces(text))
 
 
 def symbol_text_primitives(text: str, at: Point2, height: float = TEXT_HEIGHT) -> Iterator[Primitive]:
-    """A text with symbols in it, from its left end on the base line."""
+    """A text in which `{depth}` and the like stand for symbols, from its left end on the base line."""
     x, y = at
-    for piece, is_symbol in _pieces(text):
-        if is_symbol:
-            yield from symbol_primitives(piece, (x + _SPACE * height, y), height)  # type: ignore[arg-type]
-            x += (_WIDTHS[piece] + 2 * _SPACE) * height  # type: ignore[index]
+    for piece, symbol in _pieces(text):
+        if symbol:
+            yield from symbol_primitives(symbol, (x + _SPACE * height, y), height)
         else:
             yield Text(piece, (x, y), height)
-            x += text_width(piece, height)
+        x += _piece_width(piece, symbol, height)

@@ -21,9 +21,20 @@ from drawings.sheets.title_block import TitleBlock
 from drawings.views.view import PROJECTIONS, Arc, Polyline, Segment, View
 
 TITLE = TitleBlock(
-    "plate", "Machine", "FILE_NAME", "Al 6061-T651", "1.25 kg", "1:2", 2, 3, "0.1.0", "a1b2c3d4", "Part drawing",
-    "Ra 3.2", (("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01"), ("ANGLE", "±0.5°")),
-)  # fmt: skip
+    title="plate",
+    supplement="Machine",
+    number="FILE_NAME",
+    material="Al 6061-T651",
+    mass="1.25 kg",
+    scale="1:2",
+    sheet=2,
+    sheets=3,
+    revision="0.1.0",
+    parameters="a1b2c3d4",
+    kind="Part drawing",
+    finish="Ra 3.2",
+    tolerances=(("X.", "±0.1"), ("X.X", "±0.1"), ("X.XX", "±0.01"), ("ANGLE", "±0.5°")),
+)
 
 
 def plate(scale: float, place: tuple[float, float], name: str = "top") -> View:
@@ -59,7 +70,6 @@ def sheet() -> Sheet:
         SectionMark("top", (70, 180), (135, 180), (0, 1), "B"),
         DetailMark("top", (30, 10), 6.0, (125, 195), "X"),
     )
-    return Sheet(
-        "plate", "plate", "A3", 0.5, TITLE, (plate(0.5, (100, 180)), plate(2.0, (300, 200), "detail")), annotations,
-        (Note((30, 40), ("NOTES", "lapped to {surface} Ra 1")),),
-    )  # fmt: skip
+    views = (plate(0.5, (100, 180)), plate(2.0, (300, 200), "detail"))
+    notes = (Note((30, 40), ("NOTES", "lapped to {surface} Ra 1")),)
+    return Sheet("plate", "plate", "A3", 0.5, TITLE, views, annotations, notes)
