@@ -96,14 +96,14 @@ def rendering_seconds(runs: int) -> tuple[float, float]:
     from drawings.export.dxf import dxf_document
     from drawings.export.pdf import pdf_bytes, png_bytes
     from drawings.export.svg import svg_bytes
-    from drawings.sheets.part import sheets_of
+    from drawings.sheets.part import part_sheets
     from stagecad.parameters.load import load_design
     from stagecad.solids.artefacts.part import build_part
     from stagecad.solids.artefacts.store import ArtefactStore
 
     design = load_design()
     with tempfile.TemporaryDirectory() as folder:
-        (sheet,) = sheets_of(describe(build_part(ArtefactStore(Path(folder)), "stage", design), design), design)
+        (sheet,) = part_sheets(describe(build_part(ArtefactStore(Path(folder)), "stage", design), design), design)
     drawing = drawing_model(sheet)
     document = dxf_document(drawing)
 

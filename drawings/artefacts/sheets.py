@@ -26,9 +26,9 @@ from stagecad.solids.modelling.registry import ASSEMBLY, module_name, part_defin
 if TYPE_CHECKING:
     from drawings.pictures.picture import Picture
     from drawings.procedure.figures import ProcedureValues
-    from drawings.sheets.assembly import Assembled
-    from drawings.sheets.assembly_dimensions import Extent
-    from drawings.sheets.part import Described
+    from drawings.sheets.assembly import AssemblyDescription
+    from drawings.sheets.assembly_dimensions import MachineSize
+    from drawings.sheets.part import PartDescription
     from drawings.sheets.sheet import Sheet
     from stagecad.solids.assembly.assemble import Instance
 
@@ -172,21 +172,21 @@ def _sheets(artefact: Artefact) -> tuple[BuiltSheet, ...]:
 def _part_sheets(part: BuiltPart, design: Any, folder: Path, *, exact: bool) -> Sequence[Sheet]:
     """The sheets of a part; its STEP AP242 file is written into the folder."""
     from drawings.pmi.ap242 import write_ap242
-    from drawings.sheets.part import sheets_of
+    from drawings.sheets.part import part_sheets
     from stagecad.solids.modelling.verification import DimensionVerifier
 
     described = describe(part, design)
     verifier = DimensionVerifier(described.solid)
     write_ap242(part.name, design, described.solid, folder / f"{part.name}_ap242.step", verifier)
-    return sheets_of(described, design, verifier, exact=exact)
+    return part_sheets(described, design, verifier, exact=exact)
 
 
-def describe(part: BuiltPart, design: Any) -> Described:
+def describe(part: BuiltPart, design: Any) -> PartDescription:
     """A part as its sheets need it."""
-    from drawings.sheets.part import Described
+    from drawings.sheets.part import PartDescription
 
     module: Any = part_definition(part.name)
-    return Described(
+    return PartDescription(
         name=part.name,
         solid=part.solid,
         dimensions=module.dimensions(design),
@@ -236,25 +236,25 @@ def _pictures(
     return {name: picture for name, picture in pictures.items() if picture is not None}
 
 
-def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> Assembled:
+def _assembled(instances: Sequence[Instance], parts: dict[str, BuiltPart], design: Any) -> AssemblyDescription:
     """The machine as its sheets need it."""
-    from drawings.sheets.assembly import Assembled
+    from drawings.sheets.assembly import AssemblyDescription
     from stagecad.solids.assembly.bill_of_materials import bill_of_materials
 
     masses = {name: part_mass(part, design) for name, part in parts.items()}
     reads = sorted({name for part in parts.values() for name in part.entry.reads})
-    return Assembled(
+    return AssemblyDescription(
         bill_of_materials(instances, parts, masses, design),
-        extent_of(instances, parts, design),
+        machine_size(instances, parts, design),
         _mass_text(combined(placed(masses[i.part], i.frame) for i in instances).mass),
         digest(design, reads),
         __version__,
     )
 
 
-def extent_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> Extent:
+def machine_size(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], design: Any) -> MachineSize:
     """Bounding box of all parts at the middle of travel, from the corners of each part's own box; and the travel."""
-    from drawings.sheets.assembly_dimensions import Extent
+    from drawings.sheets.assembly_dimensions import MachineSize
 
     corners = []
     for instance in instances:
@@ -262,7 +262,7 @@ def extent_of(instances: Sequence[Instance], parts: Mapping[str, BuiltPart], des
         corners += [instance.frame.point((x, y, z)) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
     axes = tuple(zip(*corners, strict=True))
     low, high = ((pick(axes[0]), pick(axes[1]), pick(axes[2])) for pick in (min, max))
-    return Extent(low, high, design.stage.travel)
+    return MachineSize(low, high, design.stage.travel)
 
 
 def _mass_text(kilograms: float) -> str:

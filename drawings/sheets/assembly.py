@@ -1,4 +1,4 @@
-"""The assembly's sheet: the machine from above, cut through actuator 1, and apart with balloons; its parts list."""
+"""The assembly sheet: top view, section through actuator 1, exploded views with balloons, parts list."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.font import LARGE_HEIGHT, LINE_PITCH, SMALL_HEIGHT, TEXT_HEIGHT, text_width
 from drawings.annotations.primitives import Primitive, Stroke, Text
 from drawings.pictures.picture import EXPLODED, FROM_BELOW, SCALE, SECTION, TOP, Picture
-from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, Extent, overall, reach_of
+from drawings.sheets.assembly_dimensions import DIMENSIONED, FIRST, SIDE, MachineSize, overall_dimensions, travel_range
 from drawings.sheets.frame import Paper
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area
 from drawings.sheets.title_block import TitleBlock, title_box
@@ -30,38 +30,38 @@ ROW = 6.5
 
 
 @dataclass(frozen=True)
-class Assembled:
-    """The machine as its sheet needs it.
+class AssemblyDescription:
+    """The data of the machine for its sheets.
 
     Args:
         rows: bill of materials.
-        extent: its room, and that of the stage.
-        mass: of the whole, with its unit.
+        size: overall size and travel.
+        mass: total, with its unit.
         digest: hash of the parameters.
         revision: of the program.
     """
 
     rows: tuple[Row, ...]
-    extent: Extent
+    size: MachineSize
     mass: str
     digest: str
     revision: str
 
 
-def assembly_sheet(machine: Assembled, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
+def assembly_sheet(machine: AssemblyDescription, design: Any, pictures: Mapping[str, Picture]) -> Sheet:
     """The sheet of the whole machine.
 
     Args:
-        pictures: of it, by name (`drawings.pictures.machine`).
+        pictures: by name (`drawings.pictures.machine`).
     """
-    taken_apart = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
+    exploded = [pictures[name] for name in (EXPLODED, FROM_BELOW) if name in pictures]
     cut = pictures[SECTION]
-    reach = reach_of([line for part, lines in cut.pieces if part == "stage" for line in lines], machine.extent.travel)
-    front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": reach.lines})
-    notes = (*_NOTES, f"- Travel {machine.extent.travel:.1f} mm; chain lines with two dots show its ends.")
-    views = _placed([pictures[TOP].view, front, *(one.view for one in taken_apart)], len(machine.rows), len(notes))
-    marks: list[Annotation] = [_mark(views[0]), *overall(machine.extent, views[0], views[1], reach)]
-    placed = [replace(one, view=view) for one, view in zip(taken_apart, views[2:], strict=True)]
+    ends = travel_range([line for part, lines in cut.pieces if part == "stage" for line in lines], machine.size.travel)
+    front = replace(cut.view, curves={**cut.view.curves, "PHANTOM": ends.lines})
+    notes = (*_NOTES, f"- Travel {machine.size.travel:.1f} mm; chain lines with two dots show its ends.")
+    views = _placed([pictures[TOP].view, front, *(one.view for one in exploded)], len(machine.rows), len(notes))
+    marks: list[Annotation] = [_mark(views[0]), *overall_dimensions(machine.size, views[0], views[1], ends)]
+    placed = [replace(one, view=view) for one, view in zip(exploded, views[2:], strict=True)]
     marks += all_balloons(placed, machine.rows)
     return Sheet(
         name="assembly",
@@ -94,9 +94,9 @@ _NOTES = (
 
 
 def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
-    """Views on the paper: top over section on the left, the exploded one in the middle, the one from below under it.
+    """Views on the paper: top view above the section on the left, exploded view in the middle, from below under it.
 
-    Where there is no room for that one under the exploded one, it stands at half the scale above the parts list.
+    The view from below is at half the scale above the parts list if it does not fit under the exploded view.
     """
     x0, y0, x1, y1 = sheet_area(PAPER).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
@@ -127,7 +127,7 @@ def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
 
 
 def _stacked(upper: Box2, lower: Box2, area: Box2) -> tuple[Point2, Point2] | None:
-    """Places of two views one above the other in an area, the lower with a label; none where they do not fit."""
+    """Places of two views one above the other in an area, the lower with a label; None if they do not fit."""
     label = 2 * LARGE_HEIGHT
     gap = (area[3] - area[1] - (upper[3] - upper[1]) - (lower[3] - lower[1]) - label) / 3
     wide = max(box[2] - box[0] for box in (upper, lower)) + 8 * BALLOON
@@ -148,11 +148,10 @@ def _mark(top: View) -> SectionMark:
 
 
 def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
-    """A balloon for each row of the parts list, in two columns beside the view, in the order of what they point at.
+    """Balloons of rows of the parts list, in two columns beside a view, in the order of the heights of their parts.
 
     Args:
-        shown: its view placed.
-        rows: of the parts list that are to have one.
+        shown: with its view placed.
     """
     view = shown.view
     x0, y0, x1, y1 = view_box(view) or (0.0, 0.0, 0.0, 0.0)
@@ -160,7 +159,7 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
     ends: dict[int, list[Point2]] = {
         row.item: [at for part, piece in shown.pieces if part == row.part for at in _points(piece)] for row in rows
     }
-    # What lies farthest to one side gets its balloon on that side.
+    # The left half of the points gets balloons on the left.
     chosen: list[tuple[float, int, Point2]] = []
     for item, points in ends.items():
         if points:
@@ -176,20 +175,20 @@ def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
 
 
 def _points(piece: Sequence[Curve]) -> Iterator[Point2]:
-    """Middles of the straight lines of a piece that are long enough to be seen, else points amid all its curves."""
+    """Middles of the long straight lines of a piece, or if it has none, middle points of its curves."""
     from drawings.views.bounding_box import extreme_points
 
     straight = [c for c in piece if isinstance(c, Segment) and math.dist(c.start, c.end) > 4.0]
     if straight:
         yield from (((c.start[0] + c.end[0]) / 2, (c.start[1] + c.end[1]) / 2) for c in straight)
     else:
-        # A curve's ends may be where something else begins to hide it.
+        # An end of a curve may be where another piece begins to hide it.
         yield from (points[len(points) // 2] for points in map(extreme_points, piece))
 
 
-def spread(wished: Sequence[float], apart: float, low: float, high: float) -> list[float]:
-    """Heights near the wished ones, in their order, at least `apart` from each other, within the limits if they fit."""
-    places = list(wished)
+def spread(wanted: Sequence[float], apart: float, low: float, high: float) -> list[float]:
+    """Heights near the wanted ones, in their order, at least `apart` from each other, within the limits if they fit."""
+    places = list(wanted)
     for i in range(1, len(places)):
         places[i] = max(places[i], places[i - 1] + apart)
     if places and places[-1] > high:
@@ -201,7 +200,7 @@ def spread(wished: Sequence[float], apart: float, low: float, high: float) -> li
 
 
 def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Primitive]:
-    """The parts list on top of the title block, counted from below (ISO 7573)."""
+    """The parts list above the title block, numbered from below (ISO 7573)."""
     x0, _, x1, y0 = title_box(paper)
     cells = [["Item", "Qty", "Part", "Number", "Material", "Mass each"]]
     for row in rows:
@@ -224,7 +223,7 @@ def parts_list(rows: Sequence[Row], paper: Paper) -> Iterator[Primitive]:
         left += width
 
 
-def title_of(machine: Assembled, design: Any, sheet: str) -> TitleBlock:
+def title_of(machine: AssemblyDescription, design: Any, sheet: str) -> TitleBlock:
     """Title block of a sheet of the whole machine: `assembly`, or its `procedure`."""
     from drawings.sheets.part import tolerances_of
 

@@ -1,7 +1,4 @@
-"""What a shop wants to know of the whole machine before it finds a place for it: its size, and how far its stage goes.
-
-All of it is for reference, in brackets (ISO 129-1): each number follows from the parts' own dimensions.
-"""
+"""Overall dimensions of the machine and the travel of its stage, as reference dimensions in brackets (ISO 129-1)."""
 
 from __future__ import annotations
 
@@ -16,20 +13,20 @@ from drawings.views.view import Curve, Point2, Segment, View
 from stagecad.parameters.dimension import Point
 
 FIRST, NEXT = 12.0, 10.0
-"""From a view to its first dimension line, and from one to the next, mm on paper."""
+"""Distance of the first dimension line from the view, and of the next ones, mm on the paper."""
 SIDE = 24.0
-"""From the view from above to the dimension line of its width, which passes the letters of the section, mm on paper."""
+"""Distance of the dimension line of the width from the top view, beyond the letters of the section, mm on the paper."""
 DIMENSIONED = FIRST + 2 * NEXT
-"""Room that the dimensions above a view take, mm on paper."""
+"""Height of the dimensions above a view, mm on the paper."""
 _NEAR = 1e-3
 
 
 @dataclass(frozen=True)
-class Extent:
-    """How much room the machine takes.
+class MachineSize:
+    """Size of the machine.
 
     Args:
-        low, high: corners of its box at the middle of travel, assembly coordinates, mm.
+        low, high: corners of its bounding box at the middle of travel, assembly coordinates, mm.
         travel: of the stage from end to end, mm.
     """
 
@@ -39,30 +36,30 @@ class Extent:
 
 
 @dataclass(frozen=True)
-class Reach:
-    """The ends of the stage's travel in a view along which it goes.
+class TravelRange:
+    """The stage at both ends of its travel, in a view with the travel along u.
 
     Args:
-        lines: what is drawn of the stage there, view coordinates.
-        corners: the upper corner of the stage's end face, on the left and on the right, at the middle of travel.
+        lines: outline of the stage at the ends, view coordinates.
+        corners: upper corners of its end faces, left and right, at the middle of travel.
     """
 
     lines: tuple[Curve, ...]
     corners: tuple[Point2, Point2]
 
 
-def reach_of(stage: Sequence[Curve], travel: float) -> Reach:
-    """Both end faces of the stage at the ends of travel, and its sides from there to where it stands in the view.
+def travel_range(stage: Sequence[Curve], travel: float) -> TravelRange:
+    """The end faces of the stage at the ends of travel, and its upper and lower edges up to the middle position.
 
     Args:
-        stage: its visible lines, view coordinates; it goes to the left and to the right.
+        stage: its visible lines, view coordinates.
         travel: from end to end, mm.
     """
     lines: list[Curve] = []
     corners: list[Point2] = []
     for side in (-1.0, 1.0):
-        ends = {number: max(side * u for u, _ in extreme_points(curve)) for number, curve in enumerate(stage)}
-        face = [stage[number] for number, end in ends.items() if end > max(ends.values()) - _NEAR]
+        farthest = {number: max(side * u for u, _ in extreme_points(curve)) for number, curve in enumerate(stage)}
+        face = [stage[number] for number, end in farthest.items() if end > max(farthest.values()) - _NEAR]
         upright = [c for c in face if isinstance(c, Segment) and abs(c.start[0] - c.end[0]) < _NEAR]
         shift = side * travel / 2
         low, high = (
@@ -73,29 +70,29 @@ def reach_of(stage: Sequence[Curve], travel: float) -> Reach:
         moved = [(u + shift, v) for u, v in (low, high)]
         lines.append(Segment(moved[0], moved[1]))
         lines += [Segment(at, end) for at, end in zip((low, high), moved, strict=True)]
-    return Reach(tuple(lines), (corners[0], corners[1]))
+    return TravelRange(tuple(lines), (corners[0], corners[1]))
 
 
-def overall(extent: Extent, top: View, front: View, reach: Reach) -> Iterator[LinearDimension]:
+def overall_dimensions(size: MachineSize, top: View, front: View, ends: TravelRange) -> Iterator[LinearDimension]:
     """Length and width at the view from above, height and travel at the section.
 
     Args:
-        top, front: placed; with all their lines.
-        reach: drawn in the section.
+        top, front: placed, with all their lines.
+        ends: as drawn in the section.
     """
-    (x0, y0, z0), (x1, y1, z1) = extent.low, extent.high
+    (x0, y0, z0), (x1, y1, z1) = size.low, size.high
     left, _, _, above = view_box(top) or (0.0, 0.0, 0.0, 0.0)
     yield _reference(top, (x0, y1), (x1, y1), 0.0, (left, above + FIRST), "overall length")
     yield _reference(top, (x0, y0), (x0, y1), 90.0, (left - SIDE, above), "overall width")
     _, _, right, above = view_box(front) or (0.0, 0.0, 0.0, 0.0)
-    half = extent.travel / 2
-    (u0, v0), (u1, v1) = reach.corners
+    half = size.travel / 2
+    (u0, v0), (u1, v1) = ends.corners
     yield _reference(front, (x1, z0), (u1 + half, z1), 90.0, (right + FIRST, above), "overall height")
     halves = [
         _reference(front, first, second, 0.0, (right, above + FIRST), "half of the travel")
         for first, second in (((u0 - half, v0), (u0, v0)), ((u1, v1), (u1 + half, v1)))
     ]
-    # Between arrows that stand too close for the number, it is left to the notes.
+    # Where the number does not fit between the arrows, the travel is in the notes only.
     if half * front.scale > max(text_width(one.text) for one in halves) + 2 * ARROW:
         yield from halves
     over = (right, above + FIRST + NEXT)
@@ -103,6 +100,6 @@ def overall(extent: Extent, top: View, front: View, reach: Reach) -> Iterator[Li
 
 
 def _reference(view: View, first: Point2, second: Point2, angle: float, line_at: Point2, name: str) -> LinearDimension:
-    """A dimension in brackets, level or upright, between two points of a view."""
+    """A horizontal or vertical dimension in brackets between two points of a view."""
     measured = abs(second[0] - first[0]) if angle == 0.0 else abs(second[1] - first[1])
     return LinearDimension(view.name, first, second, angle, line_at, f"({measured:.1f})", measured, (name,))

@@ -1,4 +1,4 @@
-"""The sheets of a part: its views projected, its declarations asked for and arranged, its title block filled in."""
+"""The sheets of a part: projection of the views, placement of the dimensions, title block."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drawings.sheets.frame import PAPERS, Paper
 from drawings.sheets.plans import SheetPlan, ViewPlan, sheet_of, sheet_of_requirement, sheet_plans
 from drawings.sheets.sheet import Sheet, scale_text, sheet_area, wrapped
 from drawings.sheets.title_block import TitleBlock, title_box
-from drawings.views.centre_lines import Axis, axes_of, centre_lines
+from drawings.views.centre_lines import axes_of, centre_lines
 from drawings.views.detail import clipped
 from drawings.views.projection import project, with_simple_curves
 from drawings.views.section import cut_faces, cut_shape, hatch
@@ -30,46 +30,40 @@ if TYPE_CHECKING:
 
 
 TITLES = {"tip": "actuator tip", "holder": "piezo holder"}
-"""Titles that say more than the part's name, as the thesis has them."""
+"""Titles of the thesis where they differ from the names of the parts."""
 
 
 DETACHABLE = ("bottom", "back", "left")
-"""Views that may stand by themselves where a sheet is too small for them in line; they are named then."""
+"""Views that may be detached from their row, with a label, where the paper is too small."""
 
 
-class Views:
-    """Makes the views of one part; what several views need is worked out once.
+def part_views(shape: TopoDS_Shape, plans: Sequence[SheetPlan], *, exact: bool = True) -> tuple[tuple[View, ...], ...]:
+    """The views of each sheet of a part, not yet placed; a projection that several sheets show is computed once.
 
     Args:
         shape: the solid.
-        exact: hidden lines by the exact algorithm (`drawings.views.projection.project`).
+        exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
+    axes = axes_of(shape)
+    drawn = with_simple_curves(shape) if exact else shape
+    outside = {(plan.projection, plan.hidden) for sheet in plans for plan in sheet.views if not plan.cut}
+    projected = {
+        (name, hidden): project(drawn, PROJECTIONS[name], hidden=hidden, exact=exact, simple=True)
+        for name, hidden in outside
+    }
 
-    def __init__(self, shape: TopoDS_Shape, *, exact: bool = True) -> None:
-        self._shape = shape
-        self._exact = exact
-        self._drawn = with_simple_curves(shape) if exact else shape
-        self._axes: tuple[Axis, ...] = axes_of(shape)
-        self._projected: dict[tuple[str, bool], dict[Layer, tuple[Curve, ...]]] = {}
-
-    def of(self, plan: SheetPlan) -> tuple[View, ...]:
-        """The views of a sheet, without places."""
-        return tuple(self._view(view, plan.scale) for view in plan.views)
-
-    def _view(self, plan: ViewPlan, sheet_scale: float) -> View:
-        scale, projection = plan.scale or sheet_scale, PROJECTIONS[plan.projection]
-        label = ""
+    def view(plan: ViewPlan, sheet_scale: float) -> View:
+        scale, projection, label, clip = plan.scale or sheet_scale, PROJECTIONS[plan.projection], "", None
         curves: dict[Layer, tuple[Curve, ...]]
         if plan.cut:
-            left = cut_shape(self._shape, plan.cut)
-            curves = dict(project(left, projection, hidden=False, exact=self._exact))
+            left = cut_shape(shape, plan.cut)
+            curves = project(left, projection, hidden=False, exact=exact)
             curves["HATCH"] = hatch(cut_faces(left, plan.cut), projection, scale)
             label = f"{plan.cut.letter}-{plan.cut.letter}"
         else:
-            curves = dict(self._outside(plan))
+            curves = dict(projected[plan.projection, plan.hidden])
         if plan.projection != "iso":
-            curves["CENTRE"] = centre_lines(curves, self._axes, projection, scale, plan.symmetry)
-        clip = None
+            curves["CENTRE"] = centre_lines(curves, axes, projection, scale, plan.symmetry)
         if plan.detail:
             clip = (projection.to_view(plan.detail[0]), plan.detail[1])
             curves = {layer: clipped(lines, *clip) for layer, lines in curves.items()}
@@ -79,26 +73,20 @@ class Views:
             label = f"{label} ({scale_text(scale)})"
         return View(plan.name, projection, curves, scale, label=label, clip=clip, cut=plan.cut, beside=plan.beside)
 
-    def _outside(self, plan: ViewPlan) -> dict[Layer, tuple[Curve, ...]]:
-        key = (plan.projection, plan.hidden)
-        if key not in self._projected:
-            projection = PROJECTIONS[plan.projection]
-            self._projected[key] = project(self._drawn, projection, hidden=plan.hidden, exact=self._exact, simple=True)
-        return self._projected[key]
+    return tuple(tuple(view(plan, sheet.scale) for plan in sheet.views) for sheet in plans)
 
 
 @dataclass(frozen=True)
-class Described:
-    """A part as its sheets need it.
+class PartDescription:
+    """The data of a part for its sheets.
 
     Args:
-        name: of the part.
         solid: in part coordinates.
-        dimensions, requirements: what is declared beside its features.
-        notes: of the part's module.
-        material: as it is ordered.
+        dimensions, requirements: the declarations of the part.
+        notes: of the part.
+        material: as ordered.
         mass: with its unit.
-        digest: hash of the parameters its sheets depend on.
+        digest: hash of the parameters of the part.
         revision: of the program.
     """
 
@@ -113,67 +101,65 @@ class Described:
     revision: str
 
 
-def sheets_of(
-    part: Described, design: Any, gauge: DimensionVerifier | None = None, *, exact: bool = True
+def part_sheets(
+    part: PartDescription, design: Any, verifier: DimensionVerifier | None = None, *, exact: bool = True
 ) -> tuple[Sheet, ...]:
     """The sheets of a part.
 
     Args:
-        part: what is drawn.
-        design: for scales that depend on it, tolerances and the title.
-        gauge: of the solid, where it has been read before.
-        exact: how lines are hidden (`drawings.views.projection.project`).
+        design: for scales, tolerances and the title.
+        verifier: of the solid, if there is one already.
+        exact: method of hidden-line removal (`drawings.views.projection.project`).
     """
     plans = sheet_plans(part.name, design)
-    views = Views(part.solid.wrapped, exact=exact)
-    gauge = gauge or DimensionVerifier(part.solid)
+    views = part_views(part.solid.wrapped, plans, exact=exact)
+    verifier = verifier or DimensionVerifier(part.solid)
     return tuple(
-        _sheet(part, design, plans, number, views.of(plan), gauge) for number, plan in enumerate(plans, start=1)
+        _sheet(part, design, plans, number, views[number - 1], verifier) for number in range(1, len(plans) + 1)
     )
 
 
 def _sheet(
-    part: Described,
+    part: PartDescription,
     design: Any,
     plans: tuple[SheetPlan, ...],
     number: int,
     views: tuple[View, ...],
-    gauge: DimensionVerifier,
+    verifier: DimensionVerifier,
 ) -> Sheet:
     plan = plans[number - 1]
     dimensions = [d for d in part.dimensions if sheet_of(plans, d.name) is plan]
     requirements = [r for r in part.requirements if sheet_of_requirement(plans, r) is plan]
-    shown = sheet_dimensions(dimensions, requirements, design, gauge, views)
+    shown = sheet_dimensions(dimensions, requirements, design, verifier, views)
     if shown.missing:
         raise ValueError(f"sheet '{plan.name}': no view shows {', '.join(shown.missing)}")
-    lines = _note_lines(part, shown.notes)
-    paper, arranged, note = _arranged(plan, views, shown.specs, lines)
+    paper, arranged, note = _arranged(plan, views, shown.specs, _note_lines(part, shown.notes))
     title = _title(part, design, plan, number, len(plans))
     return Sheet(plan.name, part.name, paper, plan.scale, title, arranged.views, arranged.annotations, (note,))
 
 
 def _arranged(
-    plan: SheetPlan, views: tuple[View, ...], asked: Sequence[DimensionSpec], texts: tuple[str, ...]
+    plan: SheetPlan, views: tuple[View, ...], specs: Sequence[DimensionSpec], texts: tuple[str, ...]
 ) -> tuple[Paper, Arrangement, Note]:
     """Views, annotations and notes on the smallest paper on which they fit."""
-    every = annotated_views(views, asked)
+    every = annotated_views(views, specs)
     loose = [view.name for view in plan.views if view.name in DETACHABLE and view.beside]
-    ways = {"": every}
+    variants = {"": every}
     sizes = list(PAPERS)
     for paper in (*plan.papers, *sizes[sizes.index(plan.papers[-1]) + 1 :]):
         for name in ("", *loose):
-            if name not in ways:
-                ways[name] = detached(every, name)
-            for note, room in _notes(paper, texts):
-                arranged = arrange(ways[name], sheet_area(paper, (room,)))
+            if name not in variants:
+                variants[name] = detached(every, name)
+            for note, box in _notes(paper, texts):
+                arranged = arrange(variants[name], sheet_area(paper, (box,)))
                 if arranged.fits:
                     return paper, arranged, note
-    note, room = _notes(plan.papers[-1], texts)[0]
-    return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (room,))), note
+    note, box = _notes(plan.papers[-1], texts)[0]
+    return plan.papers[-1], arrange(every, sheet_area(plan.papers[-1], (box,))), note
 
 
 def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
-    """The notes beside the title block, in the lower left corner, or above it, and the room they take."""
+    """Two positions of the notes, in the lower left corner and above the title block, with their bounding boxes."""
     x0, y0, _, _ = sheet_area(paper).space
     title = title_box(paper)
     found = []
@@ -182,18 +168,18 @@ def _notes(paper: Paper, texts: tuple[str, ...]) -> list[tuple[Note, Box2]]:
         (title[0], title[3] + 2 * TEXT_HEIGHT, title[2] - title[0]),
     ):
         lines = [line for text in texts for line in wrapped(text, width, indent="  ")]
-        room = (
+        box = (
             left,
             low,
             left + max(map(symbol_text_width, lines)) + TEXT_HEIGHT,
             low + (len(lines) + 1) * LINE_PITCH * TEXT_HEIGHT,
         )
-        found.append((Note((left, low), tuple(lines)), room))
+        found.append((Note((left, low), tuple(lines)), box))
     return found
 
 
-def _note_lines(part: Described, numbered: Sequence[str]) -> tuple[str, ...]:
-    """Notes of the sheet: general ones, the part's own, and those that dimensions refer to by number."""
+def _note_lines(part: PartDescription, numbered: Sequence[str]) -> tuple[str, ...]:
+    """Notes of the sheet: general, of the part, and those that dimensions refer to by number."""
     lines = [
         "NOTES",
         "- Tolerances by the decimals of a dimension: see the table.",
@@ -203,7 +189,7 @@ def _note_lines(part: Described, numbered: Sequence[str]) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
+def _title(part: PartDescription, design: Any, plan: SheetPlan, number: int, count: int) -> TitleBlock:
     drawing = design.drawing
     words = TITLES.get(part.name, part.name.replace("_", " "))
     return TitleBlock(
@@ -224,7 +210,7 @@ def _title(part: Described, design: Any, plan: SheetPlan, number: int, count: in
 
 
 def tolerances_of(design: Any) -> tuple[tuple[str, str], ...]:
-    """What the decimals of a dimension allow, and what an angle is allowed, as the title block says it."""
+    """Tolerance classes and their tolerances for the title block."""
     drawing = design.drawing
     return (
         ("X.", f"±{drawing.tolerance_x:g}"),

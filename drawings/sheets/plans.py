@@ -1,8 +1,8 @@
-"""Which views each part needs, on which sheets, at which scale: what a draughtsman decides before he draws.
+"""Sheet plans: the views of each part, their sheets and scales.
 
-Scales are the thesis's: tip, holder and pins 1:1, stage 1:2, bearing way 1:4, base on three sheets at 1:5, 1:5 and 0.35
-with detail X at 1:2. Small parts that the thesis does not draw have the standard scale that shows them. Where a view
-is too small for its dimensions at the sheet's scale, a section or detail at a larger one stands beside it.
+Scales of the thesis: tip, holder and pins 1:1, stage 1:2, bearing way 1:4, base on three sheets at 1:5, 1:5 and 0.35
+with detail X at 1:2. Small parts that the thesis does not draw have a standard scale. Where a view is too small for
+its dimensions, there is a section or detail at a larger scale.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from stagecad.solids.parts.base_clamp import clamps
 
 @dataclass(frozen=True)
 class ViewPlan:
-    """A view that a sheet is to have.
+    """Plan of a view.
 
     Args:
         name: as in `drawings.views.view.View`.
         projection: key of `drawings.views.view.PROJECTIONS`.
-        beside: the view it stands in line with.
+        beside: name of the view with which it is aligned.
         hidden: whether it shows hidden lines.
         cut: plane of a section.
-        detail: centre, part coordinates, and radius of what a detail shows, mm.
+        detail: centre, part coordinates, and radius of a detail, mm.
         letter: of a detail.
-        scale: where it is not the sheet's.
+        scale: if it differs from that of the sheet.
         symmetry: `u`, `v`: lines of symmetry through the part's origin.
     """
 
@@ -48,14 +48,14 @@ class ViewPlan:
 
 @dataclass(frozen=True)
 class SheetPlan:
-    """A sheet that a part is to have.
+    """Plan of a sheet of a part.
 
     Args:
         name: of its files.
         papers: sizes to try, smallest first.
-        scale: of the views that have none of their own.
+        scale: of the views without a scale.
         views: the main one first.
-        shows: beginnings of the names of the declarations it shows; empty for all that no other sheet shows.
+        shows: prefixes of the names of its declarations; empty for all that no other sheet shows.
     """
 
     name: str
@@ -159,7 +159,7 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
         (top, _FRONT, _RIGHT, _ISO),
         ("length", "width", "height", "edge chamfer", "way ", "hole chamfer", "setting-pin", "pocket", "lead channel"),
     )
-    # From the pocket's axis to the far corner of the lug's slot, and a little more.
+    # From the axis of the pocket to beyond the far corner of the slot of the lug.
     finger = (*first.place(first.slot / 2, base.clamp_reach / 2), 0.0)
     reach = math.hypot(first.slot, base.clamp_reach) / 2 + 10.0
     two = SheetPlan(
@@ -187,34 +187,28 @@ def _base(design: Any) -> tuple[SheetPlan, ...]:
     return (one, two, three)
 
 
-def _height_pin_1(design: Any) -> tuple[SheetPlan, ...]:
-    views = (_FRONT_ALONE, ViewPlan("top", "top", "front"), ViewPlan("right", "right", "front"), _ISO)
-    return (SheetPlan("height_pin_1", ("A3",), 1.0, views),)
+def _height_pin(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
+    return lambda design: (SheetPlan(name, ("A3",), 1.0, _PIN_VIEWS),)
 
 
-def _height_pin_2(design: Any) -> tuple[SheetPlan, ...]:
-    views = (_FRONT_ALONE, ViewPlan("top", "top", "front"), ViewPlan("right", "right", "front"), _ISO)
-    return (SheetPlan("height_pin_2", ("A3",), 1.0, views),)
+_PIN_VIEWS = (
+    ViewPlan("front", "front", hidden=True),
+    ViewPlan("top", "top", "front"),
+    ViewPlan("right", "right", "front"),
+    _ISO,
+)
 
-
-_FRONT_ALONE = ViewPlan("front", "front", hidden=True)
-
-
-_SMALL = (
+_SMALL_VIEWS = (
     ViewPlan("front", "front"),
     ViewPlan("top", "top", "front"),
     ViewPlan("right", "right", "front"),
     ViewPlan("iso", "iso", scale=2.0),
 )
-"""Views of a part that is drawn larger than it is."""
+"""Views of a part that is drawn enlarged."""
 
 
-def _magnet(design: Any) -> tuple[SheetPlan, ...]:
-    return (SheetPlan("magnet", ("A3", "A2"), 5.0, _SMALL),)
-
-
-def _tooth_iron(design: Any) -> tuple[SheetPlan, ...]:
-    return (SheetPlan("tooth_iron", ("A3", "A2"), 5.0, _SMALL),)
+def _small(name: str) -> Callable[[Any], tuple[SheetPlan, ...]]:
+    return lambda design: (SheetPlan(name, ("A3", "A2"), 5.0, _SMALL_VIEWS),)
 
 
 def _tooth_bar(design: Any) -> tuple[SheetPlan, ...]:
@@ -233,9 +227,9 @@ _PLANS: dict[str, Callable[[Any], tuple[SheetPlan, ...]]] = {
     "stage": _stage,
     "bearing_way": _bearing_way,
     "base": _base,
-    "height_pin_1": _height_pin_1,
-    "height_pin_2": _height_pin_2,
-    "magnet": _magnet,
-    "tooth_iron": _tooth_iron,
+    "height_pin_1": _height_pin("height_pin_1"),
+    "height_pin_2": _height_pin("height_pin_2"),
+    "magnet": _small("magnet"),
+    "tooth_iron": _small("tooth_iron"),
     "tooth_bar": _tooth_bar,
 }

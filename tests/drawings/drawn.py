@@ -10,7 +10,7 @@ from ezdxf.document import Drawing
 from drawings.annotations.annotation import AngularDimension, Annotation, Callout, LinearDimension, RadialDimension
 from drawings.export.drawing_model import drawing_model
 from drawings.export.dxf import dxf_document
-from drawings.sheets.part import Described, sheets_of
+from drawings.sheets.part import PartDescription, part_sheets
 from drawings.sheets.sheet import Sheet
 from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
@@ -22,10 +22,10 @@ def thesis() -> Design:
     return load_design()
 
 
-def described(name: str, design: Any) -> Described:
+def described(name: str, design: Any) -> PartDescription:
     """A part as its sheets need it; mass and hash are others' business."""
     module = part_definition(name)
-    return Described(
+    return PartDescription(
         name,
         module.build(design),
         module.dimensions(design),
@@ -41,7 +41,7 @@ def described(name: str, design: Any) -> Described:
 @cache
 def sheets(name: str) -> tuple[Sheet, ...]:
     """The sheets of a part of the thesis's design."""
-    return sheets_of(described(name, thesis()), thesis())
+    return part_sheets(described(name, thesis()), thesis())
 
 
 def words(annotation: Annotation) -> str:

@@ -19,7 +19,7 @@ from drawings.dimensions.dimensioning import sheet_dimensions
 from drawings.dimensions.specification import CalloutSpec, FrameSpec
 from drawings.pmi.ap242 import ap242_bytes, pmi_of, write_ap242
 from drawings.pmi.step_text import with_properties
-from drawings.sheets.part import Views
+from drawings.sheets.part import part_views
 from drawings.sheets.plans import sheet_of, sheet_of_requirement, sheet_plans
 from stagecad.parameters.design import Design
 from stagecad.parameters.dimension import (
@@ -254,7 +254,7 @@ def test_the_sheet_says_the_same(name: str, read) -> None:
     file, places = read(name), decimals(bytes_of(name).decode())
     texts: dict[str, str] = {}
     frames, letters = [], set()
-    for asked in asked_of(name):
+    for asked in specs_of(name):
         if isinstance(asked, FrameSpec):
             letters |= {asked.letter} - {""}
             if asked.characteristic:
@@ -273,13 +273,13 @@ def test_the_sheet_says_the_same(name: str, read) -> None:
     )
 
 
-def asked_of(name: str):
-    """What the sheets of a part are asked to show."""
-    plans, views, gauge = sheet_plans(name, thesis()), Views(solid_of(name).wrapped), DimensionVerifier(solid_of(name))
-    for plan in plans:
+def specs_of(name: str):
+    """Specifications of all sheets of a part."""
+    plans, verifier = sheet_plans(name, thesis()), DimensionVerifier(solid_of(name))
+    for plan, views in zip(plans, part_views(solid_of(name).wrapped, plans), strict=True):
         dimensions = [d for d in declared(name) if sheet_of(plans, d.name) is plan]
         requirements = [r for r in required(name) if sheet_of_requirement(plans, r) is plan]
-        made = sheet_dimensions(dimensions, requirements, thesis(), gauge, views.of(plan))
+        made = sheet_dimensions(dimensions, requirements, thesis(), verifier, views)
         assert not made.missing
         yield from made.specs
 

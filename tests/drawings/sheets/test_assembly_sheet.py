@@ -17,12 +17,12 @@ import pytest
 from drawings.annotations.annotation import Balloon, LinearDimension
 from drawings.annotations.annotation_geometry import BALLOON
 from drawings.annotations.primitives import Text
-from drawings.artefacts.sheets import PICTURES, extent_of
+from drawings.artefacts.sheets import PICTURES, machine_size
 from drawings.export.lint import lint
 from drawings.pictures.machine import machine_picture
 from drawings.pictures.picture import Picture
 from drawings.pictures.scene import scene_of
-from drawings.sheets.assembly import Assembled, assembly_sheet, spread
+from drawings.sheets.assembly import AssemblyDescription, assembly_sheet, spread
 from drawings.sheets.frame import drawing_space
 from drawings.sheets.sheet import Sheet
 from drawings.views.bounding_box import view_box
@@ -62,8 +62,8 @@ def pictures(shown: Callable[..., Picture]) -> dict[str, Picture]:
 
 @pytest.fixture(scope="module")
 def sheet(machine: Machine, design: Design, pictures: dict[str, Picture]) -> Sheet:
-    extent = extent_of(machine.assembly.instances, machine.parts, design)
-    return assembly_sheet(Assembled(machine.bill_of_materials, extent, "1 kg", "0", "0"), design, pictures)
+    size = machine_size(machine.assembly.instances, machine.parts, design)
+    return assembly_sheet(AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", "0"), design, pictures)
 
 
 def test_every_row_of_the_list_has_one_balloon(sheet: Sheet, machine: Machine) -> None:
@@ -149,8 +149,8 @@ def test_what_has_no_room_under_the_exploded_view_stands_smaller_above_the_list(
 ) -> None:
     below = pictures["from below"]
     tall = replace(below, view=replace(below.view, curves={"VISIBLE": (Segment((0.0, 0.0), (0.0, 600.0)),)}), pieces=())
-    extent = extent_of(machine.assembly.instances, machine.parts, design)
-    machine_now = Assembled(machine.bill_of_materials, extent, "1 kg", "0", "0")
+    size = machine_size(machine.assembly.instances, machine.parts, design)
+    machine_now = AssemblyDescription(machine.bill_of_materials, size, "1 kg", "0", "0")
     views = {view.name: view for view in assembly_sheet(machine_now, design, {**pictures, "from below": tall}).views}
     assert views["from below"].scale == views["top"].scale / 2
     assert views["from below"].label == "FROM BELOW (1:4)"

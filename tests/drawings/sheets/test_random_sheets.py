@@ -11,7 +11,7 @@ import pytest
 
 from drawings.artefacts.sheets import PICTURES, build_sheets
 from drawings.export.lint import lint
-from drawings.sheets.part import sheets_of
+from drawings.sheets.part import part_sheets
 from stagecad.parameters.derived import COMPUTED
 from stagecad.parameters.design import Design
 from stagecad.parameters.errors import InputError
@@ -65,7 +65,7 @@ def faults(design: Design) -> list[str]:
         reading = TrackedDesign(design, notes)
         hits = [
             f"{sheet.name}: {hit}"
-            for sheet in sheets_of(described(name, reading), reading)
+            for sheet in part_sheets(described(name, reading), reading)
             for hit in lint(document_of(sheet))
         ]
         if not hits:
