@@ -43,7 +43,7 @@ VIEWPORT_LAYER, VIEWPORT_COLOUR = "VIEWPORT", 9
 DESCRIPTIONS: dict[LineType, str] = {
     "DASHED": "hidden edges",
     "CHAIN": "centre lines and cutting planes",
-    "PHANTOM": "ends of what moves",
+    "PHANTOM": "end positions of moving parts",
 }
 MILLIMETRES = 4
 """Unit of the drawing, as DXF numbers it."""

@@ -60,7 +60,7 @@ def lint(document: Drawing) -> list[Hit]:
 
 def _cut_off(content: PaperContent) -> Iterator[Hit]:
     for what in content.cut_off:
-        yield Hit("viewport", f"{what} is cut by its viewport, or in none", (0.0, 0.0))
+        yield Hit("viewport", f"{what} is not completely within a viewport", (0.0, 0.0))
 
 
 def _texts_on_texts(content: PaperContent) -> Iterator[Hit]:
@@ -148,7 +148,7 @@ def _shared_lines(content: PaperContent) -> Iterator[Hit]:
         )
         for other in placed:
             if _on_one_line((start, end), other[:2]):
-                yield Hit("dimensions", f"dimension lines of {d.text} and {other[2]} run on one line", start)
+                yield Hit("dimensions", f"dimension lines of {d.text} and {other[2]} overlap on one line", start)
         placed.append((start, end, d.text))
 
 

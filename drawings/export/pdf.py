@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from typing import Any
 
 from drawings.annotations.font import FONT, WIDTH_FACTOR, em_over_cap_height, font_path
 from drawings.annotations.primitives import LINE_TYPES, ArcStroke, Stroke
@@ -58,7 +59,8 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
     return data.getvalue()
 
 
-def _add(path, stroke: Stroke | ArcStroke) -> None:  # type: ignore[no-untyped-def]
+def _add(path: Any, stroke: Stroke | ArcStroke) -> None:
+    """Add a line or an arc to a path of reportlab."""
     if isinstance(stroke, Stroke):
         path.moveTo(*stroke.points[0])
         for point in stroke.points[1:]:
