@@ -1,1 +1,1 @@
-"""Design calculators: pure functions on SI numbers, one file each; `checks` alone knows the design."""
+"""Design calculators: pure functions on SI numbers; `machine` and `checks` apply them to a design."""

@@ -63,7 +63,7 @@ def feed_for(load: float, diameter: float, supply: float) -> float:
     """The lambda with which a bearing carries a load: one point of a catalogue fixes it.
 
     Raises:
-        InputError: a load that no feed gives: not between 0 and supply times area.
+        InputError: a load outside the range of any feed: not between 0 and supply times area.
     """
     most = float(load_of_feed(1e3, diameter, supply))
     if not 0 < load < most:

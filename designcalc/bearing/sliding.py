@@ -119,7 +119,7 @@ def averaged_roughness(
         pads: number of pads that share the load.
 
     Raises:
-        InputError: correlation length too long for the averaging to hold.
+        InputError: correlation length too long for the averaging to be valid.
     """
     ra, correlation = np.asarray(roughness, float), np.asarray(correlation_length, float)
     if not np.all(correlation <= min(length, width) / 3):

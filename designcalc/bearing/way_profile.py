@@ -1,4 +1,4 @@
-"""Profiles of a lapped way, measured or made up, and the height of a stage carried over them."""
+"""Profiles of a lapped way, measured or synthetic, and the height of a stage on pads that follow them."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def synthetic_profiles(
         heights, m, shape (count, n), and their spacing, m.
 
     Raises:
-        InputError: a correlation length above a third of the contact, for which the mean across does not hold.
+        InputError: a correlation length above a third of the contact, for which the mean across is not valid.
     """
     l = surface.correlation_length  # noqa: E741
     if not l <= min(contact_length, contact_width) / 3:
@@ -93,7 +93,7 @@ def synthetic_profiles(
 
 
 def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> Array:
-    """Height of a stage on pads that each ride their own profile, over the travel, m.
+    """Height of a stage on pads that each follow their own profile, over the travel, m.
 
     Each pad takes the mean over its contact, its pressure falling as a parabola (`averaged_profile`); the stage takes
     the mean of its pads.

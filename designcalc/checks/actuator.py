@@ -68,7 +68,7 @@ def pad_resonance(r: DesignInputs) -> Check:
 
 
 def pushing_force(r: DesignInputs) -> Check:
-    """The lift-off force is asked of the piezos at mid-stroke, where each has half of its blocking force left."""
+    """The lift-off force at mid-stroke, where each piezo has half of its blocking force left."""
     force = weight(r) + r("preload.force")
     available = PIEZOS * r("piezo.blocking_force") / 2
     return Check(
@@ -83,7 +83,7 @@ def pushing_force(r: DesignInputs) -> Check:
 
 
 def _speed_frequency(r: DesignInputs) -> float:
-    """Of the drive at the speed asked for, coasting, Hz."""
+    """Of the drive at the required speed, coasting, Hz."""
     X, _ = usable_ellipse(r)
     return float(frequency_for(r("requirements.speed"), X)["coasting"])
 
@@ -101,7 +101,7 @@ def heat(r: DesignInputs) -> Check:
         formula="P = 2 pi f C (V/2)^2 tan(delta)",
         substituted=f"f = {show(f, 'Hz')}, V = {show(voltage, 'V')}, tan(delta) = {loss:.3g}: {show(watts, 'W')}",
         proposal=f"full speed for {100 * duty:.2g} % of the time, or a holder that takes {show(watts, 'W')}",
-        thesis=f"'milliwatts' is {show(watts, 'W')} at the speed asked for",
+        thesis=f"'milliwatts' is {show(watts, 'W')} at the required speed",
         requirement=_ACTUATOR,
     )
 
@@ -145,7 +145,7 @@ def tension(r: DesignInputs) -> Check:
 
 
 def bending(r: DesignInputs) -> Check:
-    """The tip's side force goes into the stacks until they lean on their bores."""
+    """The tip's side force bends the stacks until they touch their bores."""
     force = r("drive.friction") * (weight(r) + r("preload.force")) / PIEZOS
     proud = r("piezo.length") + r("holder.floor") - r("holder.height")
     play = (r("holder.bore_diameter") - r("piezo.diameter")) / 2
@@ -156,7 +156,7 @@ def bending(r: DesignInputs) -> Check:
     return Check(
         "side load of the drive on a piezo",
         at_most(float(load.stress), limit, "Pa"),
-        source="element bent as a cantilever until its bore holds it; its case left out",
+        source="element bent as a cantilever until its bore holds it; its case neglected",
         formula="sigma = F L c/I <= tensile limit, F = mu N/3",
         substituted=f"F = {show(force, 'N')}: end bends {show(float(load.deflection), 'm')} in {show(play, 'm')} of "
         f"play, {'the bore holds it' if load.touches else 'the bore does not hold it'}",

@@ -40,14 +40,14 @@ class Suspension:
     """place by cost"""
     stable: bool
     fits_drive: bool
-    """goes with a friction drive and its magnets in the space there is"""
+    """is compatible with a friction drive and its magnets in the available space"""
     why: str
     places: float = 0.0
     """sum of places over the criteria"""
 
 
 def checks(design: Design) -> list[CheckFunction]:
-    """Each candidate passed over: a check passes where the reason to pass it over holds for this design."""
+    """Suspensions that the thesis rejects: a check passes where the reason is valid for this design."""
     return [
         air_model,
         air_surface,
@@ -75,13 +75,13 @@ def air_model(r: DesignInputs) -> Check:
         source="porous disc fed everywhere, isothermal viscous film; its feed fixed by the catalogue's load alone",
         formula="|K_model/K_catalogue - 1|, K = -dW/dh",
         substituted=f"{show(found, 'N/m')} against {show(stated, 'N/m')}",
-        proposal="ask the maker: load and stiffness of the catalogue point do not belong together",
-        note=f"{_AIR_SOURCE}; a pad of the stage bears {show(load, 'N')}",
+        proposal="ask the maker: load and stiffness of the catalogue point are not consistent",
+        note=f"{_AIR_SOURCE}; load of a pad of the stage {show(load, 'N')}",
     )
 
 
 def air_surface(r: DesignInputs) -> Check:
-    """The way that the sliding pads need is smoother than an air bearing asks for: no reason against it, but noted."""
+    """The way that the sliding pads need is smoother than an air bearing requires: for information."""
     rough = 4 * r("bearing.proposed_way_roughness")
     drawn = 4 * r("bearing.way_roughness")
     limit = r("candidates.air_bearing.gap") / 4
@@ -106,7 +106,7 @@ def air_height(r: DesignInputs) -> Check:
         source="geometry",
         formula="pad thickness > height of the stage over the way: it does not fit between them",
         substituted=f"{show(thick, 'm')} against {show(room, 'm')}",
-        proposal="the air bearing would fit: weigh it again",
+        proposal="the air bearing would fit: reconsider it",
     )
 
 
@@ -148,7 +148,7 @@ def small_ball(r: DesignInputs, label: str) -> Check:
     radius, modulus = r("candidates.ball_spring.small_diameter") / 2, _ball_modulus(r, label)
     load = weight(r) / 3
     pressure = float(point_contact(load, radius, np.inf, modulus).peak_pressure)
-    # Whichever body gives first: the aluminium stage, or a soft ball.
+    # Whichever body yields first: the aluminium stage, or a soft ball.
     limits = {
         "the stage": r.material("stage", "strength") / float(peak_mises(1.0, r.material("stage", "poisson_ratio"))),
         "the ball": r(f"{_BALLS[label]}.strength") / float(peak_mises(1.0, r(f"{_BALLS[label]}.poisson_ratio"))),
@@ -160,10 +160,10 @@ def small_ball(r: DesignInputs, label: str) -> Check:
         f"ball on spring passed over: pressure of a 5 mm {label} ball",
         at_least(pressure, limits[first], "Pa"),
         source=_BALL_SOURCE + "; first yield, section 6.1",
-        formula="p0 above Sy/(largest von Mises stress over p0): ball or stage gives",
+        formula="p0 above Sy/(largest von Mises stress over p0): ball or stage yields",
         substituted=f"F = {show(load, 'N')} a ball: {show(pressure, 'Pa')} against {show(limits[first], 'Pa')}, where "
-        f"{first} gives; {show(stated, 'Pa')} at {show(giga, 'N')}",
-        proposal="a small ball would do: weigh it again",
+        f"{first} yields; {show(stated, 'Pa')} at {show(giga, 'N')}",
+        proposal="a small ball would suffice: reconsider it",
         thesis=(f"1 GPa is stated without a load: it is reached at {show(giga, 'N')}" if label == "steel" else ""),
     )
 
@@ -183,7 +183,7 @@ def ball_stiffness(r: DesignInputs, label: str) -> Check:
         formula="3 dF/ddelta of a ball below the stiffness of the sliding pads",
         substituted=f"F = {show(load, 'N')} a ball: {show(stiffness / 3, 'N/m')} each, "
         f"{show(float(contact.peak_pressure), 'Pa')}; pads {show(slide, 'N/m')}",
-        proposal="balls would be stiffer than the pads: weigh them again",
+        proposal="balls would be stiffer than the pads: reconsider them",
         thesis=(
             f"30 N/um is stated without a load: with a {label} ball it takes {show(at, 'N')}"
             if label != "polymer"
@@ -200,7 +200,7 @@ def ball_smoothness(r: DesignInputs) -> Check:
         source="ISO 3290, grade 5; a ball's deviation passes into the motion whole",
         formula="deviation from a sphere above 1 nm",
         substituted=f"{show(round_to, 'm')}",
-        proposal="such balls would be smooth enough: weigh them again",
+        proposal="such balls would be smooth enough: reconsider them",
         thesis="'44 um variation for 127 um balls' is garbled: it would be a third of the ball; grade 5 balls are "
         f"round to {show(round_to, 'm')}, and still too coarse",
         requirement="Table 1: smoothness",
@@ -210,7 +210,7 @@ def ball_smoothness(r: DesignInputs) -> Check:
 def ranking(r: DesignInputs) -> list[Suspension]:
     """The suspensions by the criteria of thesis 2.3.2: stiffness, smoothness, resolution, repeatability, cost.
 
-    Places in each are added up; what cannot stand (Earnshaw) or does not go with the drive comes after what can.
+    Ranks are summed; unstable suspensions (Earnshaw) and those incompatible with the drive come last.
     """
     load, count = weight(r) + r("preload.force"), int(r("pads.count"))
     spot = 2 * float(film(r, heaviest_pad(r)).radius)

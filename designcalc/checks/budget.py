@@ -63,7 +63,7 @@ def _vibration(r: DesignInputs, stiffness: float) -> float:
 
 
 def _roughness(r: DesignInputs) -> float:
-    """What one pad feels of the lapped way's roughness, m."""
+    """Height error of one pad by the lapped way's roughness, m."""
     side = 2 * float(film(r, heaviest_pad(r)).radius)
     return float(
         averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), side, side)
@@ -84,7 +84,7 @@ def resolution(r: DesignInputs) -> list[Contribution]:
 
 
 def smoothness(r: DesignInputs) -> list[Contribution]:
-    """Error normal to the motion, shorter than the travel, while the drive gives the least acceleration asked for."""
+    """Error normal to the motion, shorter than the travel, at the least required acceleration."""
     rough, wave = _roughness(r), r("bearing.way_waviness") / np.sqrt(2)
     lever = r("pads.spacing_along")
     pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
@@ -119,20 +119,20 @@ def straightness(r: DesignInputs) -> list[Contribution]:
 
 
 def repeatability(r: DesignInputs) -> list[Contribution]:
-    """Coming back to a place along the travel, after the temperature has changed."""
+    """Repeatability of a position along the travel after a change of temperature."""
     change = r("environment.temperature_change")
     growth = r.material("base", "expansion") * r("stage.travel") / 2 * change
     plate = r.material("stage", "expansion") * r("stage.length") / 2 * change
     friction = r("bearing.static_friction") * (weight(r) + r("preload.force"))
     bow, length = r("bearing.way_straightness"), r("bearing_way.length")
     linearity = r("sensors.probe.linearity") * r("sensors.probe.range")
-    # A tenth of the pitch does not come back: pads settle anew on their film.
+    # A tenth of the pitch is not repeatable: the pads settle differently on their film.
     turn = 0.1 * 4 * bow / length
     slip = friction / holding_stiffness(r)
     return [
         Contribution("growth of the base", "half the travel from its middle", (growth, 0, 0), random=False),
         Contribution("growth of the stage", "target on its end face", (plate, 0, 0), random=False),
-        Contribution("wind-up by the pads' friction", "tip and contact give before the stage moves", (slip, 0, 0)),
+        Contribution("wind-up by the pads' friction", "tip and contact deflect before the stage moves", (slip, 0, 0)),
         Contribution("linearity of the probe", "over its range", (linearity, 0, 0)),
         Contribution("pitch that does not come back", "payload off the line of measurement", rotation=(0, turn, 0)),
     ]
@@ -157,7 +157,7 @@ def worked_out(r: DesignInputs, name: str) -> Budget:
     direction, key, requirement, parts = _KINDS[name]
     rows, total = budget(parts(r), payload_point(r))
     axis = AXES[direction]
-    # Rotations reach across their own axis in second order: a hundred-thousandth of the whole says nothing.
+    # Rotations reach across their own axis in second order: below 1e-5 of the total they are omitted.
     rows = [row for row in rows if abs(row[1][axis]) > 1e-5 * total[axis]]
     rows.sort(key=lambda row: -abs(row[1][axis]))
     return Budget(name, direction, key, requirement, tuple(rows), total)

@@ -74,7 +74,7 @@ class Check:
     thesis: str = ""
     """what the thesis states, where that is wrong or differs"""
     requirement: str = ""
-    """entry of the thesis's Tables 1 and 2 that this check bears on"""
+    """entry of the thesis's Tables 1 and 2 that this check applies to"""
     note: str = ""
     trouble: Literal["", "out_of_range", "undecidable"] = ""
     """why there is no verdict: outside the formula's range, or a number is missing"""

@@ -1,4 +1,4 @@
-"""Tip on stage: pressure, the stroke it swallows, stiffness; with what the thesis's printed formulas would give."""
+"""Tip on stage: pressure, stroke lost in the contact, stiffness; with the results of the thesis's printed formulas."""
 
 from __future__ import annotations
 
@@ -104,7 +104,7 @@ def contact_stiffness(r: DesignInputs) -> Check:
         "tip contact against piezo stiffness",
         at_least(float(contact.stiffness), 0.5 * stack, "N/m"),
         source=_JOHNSON + "; catalogue line of the piezo",
-        formula="dF/ddelta = 1.5 F/delta >= k_piezo/2, so that the contact takes less than two thirds of the give",
+        formula="dF/ddelta = 1.5 F/delta >= k_piezo/2, so that less than two thirds of the deflection is the contact's",
         substituted=f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
         proposal=f"nose radius of {show(r('tip.nose_radius') * (0.5 * stack / float(contact.stiffness)) ** 3, 'm')}, "
         "or more preload (stiffness grows as (F R)^(1/3))",

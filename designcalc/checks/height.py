@@ -110,7 +110,7 @@ def return_spring(r: DesignInputs) -> Check:
 
 
 def clamping(r: DesignInputs) -> Check:
-    """After the height is set the clamp is tightened: how far the tip goes then."""
+    """Shift of the tip when the clamp is tightened after the height is set."""
     force, wrap = screw_preload(r, "clamp_long"), clamp_wrap(r)
     shift = clamping_shift(r)
     moved = shift.squeeze + shift.drop

@@ -1,4 +1,4 @@
-"""What else the thesis asks of the machine: two axes one day, modules that come apart, hands that reach in."""
+"""Further requirements of the thesis: extension to two axes, replaceable modules, access."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 
 def two_axes(r: DesignInputs) -> Check:
-    """Every one of three tips stays under the stage: its whole underside is sea then."""
+    """All three tips stay under the stage, whose whole underside is the drive surface then."""
     places = r.design.derived.actuator_places
     far_along = r.given("farthest actuator along", max(abs(x) for x, _ in places) * 1e-3, "m", "layout of the pockets")
     far_across = r.given(

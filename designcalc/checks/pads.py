@@ -61,7 +61,7 @@ def pressure(r: DesignInputs) -> Check:
 
 
 def crown_for(r: DesignInputs, load: float, allowed: float) -> float:
-    """Crown radius at which the peak pressure comes down to what is allowed, m; the present one where it is below."""
+    """Crown radius at which the peak pressure equals the allowed one, m; the present one where it is below."""
     here = r("pads.crown_radius")
 
     def excess(logarithm: float) -> float:
@@ -143,7 +143,7 @@ def preload(r: DesignInputs) -> Check:
 
 
 def normal(r: DesignInputs) -> Check:
-    """Payloads come and go: what one that is a tenth heavier sinks the stage by."""
+    """Deflection of the pads by a payload that is a tenth heavier."""
     springs = pads_stiffness(r)
     more = 0.1 * r("payload.mass") * GRAVITY
     sink = more / springs.normal
@@ -179,7 +179,7 @@ def pitch(r: DesignInputs) -> Check:
 
 
 def yaw(r: DesignInputs) -> Check:
-    """The teeth hold the stage straight against friction that the pads of one side have more of than the other."""
+    """Yaw by unequal friction of the pads on both sides, against the lateral stiffness of the teeth."""
     from designcalc.machine.teeth import CIRCUITS, teeth
 
     work = teeth(r)
@@ -199,5 +199,5 @@ def yaw(r: DesignInputs) -> Check:
         substituted=f"K_x = {show(hold, 'N/m')}, L = {show(reach, 'm')}: {show(angle, 'rad')}",
         proposal=f"irons {show(reach * np.cbrt(angle / limit), 'm')} long (both stiffness and lever grow), or a tip "
         "that pushes through the middle of friction",
-        thesis="magnets are said to align the stage about its axis of motion: here is what they hold",
+        thesis="magnets are stated to align the stage about its axis of motion; this is their stiffness",
     )

@@ -41,7 +41,7 @@ def lvdt_range(r: DesignInputs) -> Check:
         formula="range >= travel",
         substituted=f"{show(r('sensors.lvdt.range'), 'm')} against {show(r('requirements.sensor_range'), 'm')}",
         proposal="a linear encoder, or the interferometer, over the whole travel",
-        thesis="the LVDT covers an eighth of the travel that Table 2 asks of the sensor",
+        thesis="the LVDT covers an eighth of the travel that Table 2 requires of the sensor",
         requirement="Table 2: sensor range",
     )
 
@@ -112,9 +112,9 @@ def interferometer(r: DesignInputs, key: str, label: str) -> Check:
         f"interferometer resolution, {label}",
         at_most(step, r(f"requirements.{key}"), "m"),
         source=_DATASHEET,
-        formula="0.62 nm <= resolution asked for",
+        formula="0.62 nm <= required resolution",
         substituted=show(step, "m"),
-        proposal="a finer interpolation (lambda/2048 and beyond), or say 1 nm",
+        proposal="a finer interpolation (lambda/2048 and beyond), or a resolution of 1 nm",
         thesis=("'meets the requirements': it misses 0.1 nm" if key == "resolution" else ""),
         requirement="Table 2: sensor resolution",
     )

@@ -76,7 +76,7 @@ def smoothness(r: DesignInputs, key: str, label: str) -> Check:
 
 
 def _printed_rule(roughness: float) -> str:
-    """What 'smoothness in the order of sqrt(Ra^3)' comes to: it depends on the unit, for it is no length."""
+    """The printed 'smoothness in the order of sqrt(Ra^3)': not a length, so it depends on the unit."""
     in_metres, in_millimetres = np.sqrt(roughness**3), np.sqrt((roughness * 1e3) ** 3) * 1e-3
     return (
         f"'smoothness in the order of sqrt(Ra^3)' is no length: worked in metres it reads {show(in_metres, 'm')}, "
@@ -88,7 +88,9 @@ def ridden(r: DesignInputs) -> Check:
     """The stage carried over profiles of roughness and waves, its bow left to the straightness."""
     side, places = spot(r), pad_positions(r)
     surface = lapped_surface(r)
-    rough, waves = (_ridden_rms(r, one, side, places) for one in (surface.without_waves(), surface.without_roughness()))
+    rough, waves = (
+        _carried_rms(r, one, side, places) for one in (surface.without_waves(), surface.without_roughness())
+    )
     both = float(np.hypot(rough, waves))
     limit = r("requirements.smoothness")
     may = surface.waviness * np.sqrt(max(limit**2 - rough**2, 0.0)) / waves if waves > 0 else np.inf
@@ -107,10 +109,10 @@ def ridden(r: DesignInputs) -> Check:
     )
 
 
-def _ridden_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
-    """Rms height of the stage over its travel, m; pads in one line ride the same track one after another.
+def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
+    """Rms height of the stage over its travel, m; pads in one line follow the same track one after another.
 
-    Nobody sets the waves of one way against the other's: the worse of in step and opposed counts.
+    The phase of the waves of the two ways is unknown: the worse of in phase and opposed counts.
     """
     travel, spacing = r("stage.travel"), r("pads.spacing_along")
     tracks, track_of = np.unique(places[:, 1], return_inverse=True)
@@ -119,6 +121,6 @@ def _ridden_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[
         profiles, step = synthetic_profiles(surface, travel + spacing, side, side, len(tracks), phase)
         count = int((travel + side) / step)
         starts = np.rint((places[:, 0] - places[:, 0].min()) / step).astype(int)
-        ridden = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]
-        found.append(float(np.std(carried_height(ridden, step, side))))
+        heights = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]
+        found.append(float(np.std(carried_height(heights, step, side))))
     return max(found)

@@ -24,7 +24,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 
 def ratio(r: DesignInputs) -> Check:
-    """The thesis wants the ratio largest, and puts that at l/p = 0.4. The field says it rises towards thin teeth."""
+    """The thesis places the largest ratio at l/p = 0.4; by the field solution it rises towards thin teeth."""
     pitch, width, gap, depth = (r(f"teeth.{name}") for name in ("pitch", "width", "gap", "groove_depth"))
     here = teeth_field(pitch, width, gap, depth).lateral_over_normal
     at_rule = teeth_field(pitch, 0.4 * pitch, gap, depth).lateral_over_normal
@@ -33,7 +33,7 @@ def ratio(r: DesignInputs) -> Check:
         "ratio of lateral to normal stiffness of the teeth",
         at_least(here / thin, 0.8, ""),
         source=_FIELD,
-        formula="K_x/K_z over that of l/p = 0.2, about the thinnest that iron saturation and machining bear",
+        formula="K_x/K_z over that of l/p = 0.2, about the thinnest that iron saturation and machining allow",
         substituted=f"e/p = {gap / pitch:.3g}: {here:.4g} at l/p = {width / pitch:.3g}, {thin:.4g} at 0.2",
         proposal=f"tooth width of {show(0.24 * pitch, 'm')}, as far as the flux density in the teeth allows",
         thesis=f"'l/p about 0.4 of the gap e' mixes up dimensions, and K_x/K_z has no optimum there: it rises steadily "
@@ -80,15 +80,15 @@ def preload_share(r: DesignInputs) -> Check:
         gap = gap_for(work, 1.2 * wanted)
         length = magnet_area_for(work, 1.2 * wanted) / r("magnet.height")
         wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
-        proposal = f"magnets {show(length, 'm')} long, {wider}, or ask for the preload that the magnets give"
+        proposal = f"magnets {show(length, 'm')} long, {wider}, or require the preload that the magnets give"
     else:
-        proposal = "no magnets (teeth.fitted = false), or ask for the preload that they give"
+        proposal = "no magnets (teeth.fitted = false), or require the preload that they give"
     return Check(
         "attraction of the magnets beyond the preload asked for",
         at_most(pull, 1.5 * wanted, "N"),
         source=_FIELD + ", magnet on its recoil line",
-        formula="F <= 1.5 x preload asked for (friction grows with it)",
-        substituted=f"two pockets pull {show(pull, 'N')}, asked for {show(wanted, 'N')}",
+        formula="F <= 1.5 x required preload (friction grows with it)",
+        substituted=f"two pockets pull {show(pull, 'N')}, required {show(wanted, 'N')}",
         proposal=proposal,
         note="leakage beside the gap is left out: the real pull is smaller",
     )

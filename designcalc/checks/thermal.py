@@ -149,7 +149,7 @@ def bow(r: DesignInputs) -> Check:
 
 
 def symmetry(r: DesignInputs) -> Check:
-    """Teeth and ways hold the stage in the middle plane of the base; a tip off that plane grows away from it."""
+    """Teeth and ways locate the stage in the middle plane of the base; a tip off that plane drifts from it."""
     off = max(abs(y) for _, y in r.design.derived.fitted_places[:1]) * 1e-3
     off = r.given("actuator 1 from the middle plane", off, "m", "layout of the pockets")
     change, alpha = r("environment.temperature_change"), r.material("base", "expansion")
@@ -168,7 +168,7 @@ def symmetry(r: DesignInputs) -> Check:
 
 
 def vibration(r: DesignInputs, direction: str) -> Check:
-    """The floor shakes the base; stage and payload follow through what holds them, below its resonance."""
+    """Relative motion of tip and stage by floor vibration, below the resonance."""
     frequency = r("environment.floor_frequency")
     shake = r("environment.floor_velocity") * 2 * math.pi * frequency
     if direction == "along":
@@ -189,7 +189,7 @@ def vibration(r: DesignInputs, direction: str) -> Check:
         proposal="an isolation table, or a stiffer tip contact (larger nose radius)",
         requirement=requirement,
         note=(
-            f"the finest resolution asked for, {show(r('requirements.resolution'), 'm')}, needs a floor "
+            f"the finest required resolution, {show(r('requirements.resolution'), 'm')}, needs a floor "
             f"{max(motion / r('requirements.resolution'), 1):.3g} times quieter"
             if direction == "along"
             else ""

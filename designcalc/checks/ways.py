@@ -170,7 +170,7 @@ def head(r: DesignInputs) -> Check:
     return Check(
         "pressure under the screw heads on the way",
         at_most(pressure, r.material("bearing_way", "strength") / 2, "Pa"),
-        source="mean pressure; half the bending strength, far below what the ceramic bears in compression",
+        source="mean pressure; half the bending strength, far below the compressive strength of the ceramic",
         formula="F/(pi/4 (Dh^2 - d^2)) <= Sb/2",
         substituted=f"{show(force, 'N')} -> {show(pressure, 'Pa')}",
         proposal="a washer, or less torque",
@@ -198,7 +198,7 @@ def heat_of_joint(r: DesignInputs) -> Check:
         source="springs of bolt and clamped parts in series",
         formula="(alpha_bolt - alpha_way) t dT/(1/k_b + 1/k_j) <= F/5",
         substituted=f"{span:.3g} K: {show(span * change, 'N')} of {show(force, 'N')}",
-        proposal="longer bolts (more give)",
+        proposal="longer bolts (more compliance)",
     )
 
 
@@ -238,6 +238,6 @@ def warp(r: DesignInputs) -> Check:
         substituted=f"F = {show(force, 'N')}, p = {show(pitch, 'm')}, d = {show(away, 'm')}: {show(wave, 'm')}",
         proposal=f"torque of {show(r('screws.way.torque') * limit / wave, 'N*m')}, a closer pitch (waves decay "
         "sooner), or lap the way bolted down",
-        thesis="a uniform stiffness along the way is asked for; this is how uneven the screws leave it",
+        thesis="a uniform stiffness along the way is required; this is the variation by the screws",
         requirement="Table 1: smoothness",
     )

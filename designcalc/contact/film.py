@@ -29,14 +29,16 @@ class FilmContact:
 def confined_modulus(modulus: float, poisson: float) -> float:
     """Stiffness of a film that cannot spread: ``E (1-nu)/((1+nu)(1-2nu))``, Pa; nu 0 to below 0.5."""
     if not 0 <= poisson < 0.499:
-        raise InputError(f"sliding bearing: poisson: {poisson:g} must lie in 0 to 0.499 (a film of 0.5 has no give)")
+        raise InputError(
+            f"sliding bearing: poisson: {poisson:g} must lie in 0 to 0.499 (a film of 0.5 is incompressible)"
+        )
     return modulus * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
 
 
 def film_contact(
     load: ArrayLike, crown_radius: float, thickness: float, film_modulus: float, substrate_modulus: float
 ) -> FilmContact:
-    """A spherical crown pressed on a flat through a thin film, on bodies that give as well.
+    """A spherical crown pressed on a flat through a thin film, on elastic bodies.
 
     Two limits are exact: a film on rigid bodies is an elastic foundation (``F = pi M a^4/(4 R t)``,
     ``delta = a^2/(2R)``, ``p0 = M delta/t``), bodies without a film are Hertz's (``F = 4 E* a^3/(3R)``, ``delta =
@@ -77,7 +79,7 @@ def film_contact(
     for _ in range(30):
         film, hertz = force * film_scale / a**4, force * hertz_scale / a**3
         a = a * np.exp((film + hertz - 1) / (4 * film + 3 * hertz))
-    share = force * film_scale / a**4  # 1 where the film alone gives
+    share = force * film_scale / a**4  # 1 where only the film deflects
     film_stiffness = np.pi * film_modulus * a**2 / thickness
     peak = (1.5 + 0.5 * share) * force / (np.pi * a**2)
     return FilmContact(

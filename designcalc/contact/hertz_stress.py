@@ -130,7 +130,7 @@ def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:
 def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike) -> Array:
     """Largest tensile stress of a circular contact, at its edge on the surface: ``(1 - 2 nu) p0/3``, Pa.
 
-    What cracks a brittle body or coating. A thin coating strained with a body beneath it bears this times the ratio of
+    It cracks a brittle body or coating. In a thin coating on a body the stress is this times the ratio of
     ``E/(1 - nu^2)`` of coating and body.
 
     Args:

@@ -116,7 +116,7 @@ def teeth_field(
         groove_depth: d, m; half the pitch when left out; d/p 0.01 or more.
         offset: lateral shift x of one iron, m.
         functions: even and odd functions along each mouth; when left out 14, and 24 for gaps below a twentieth of the
-            pitch, whose field bunches at the corners. `error` says what that leaves: 1e-7 at e/p = 0.2.
+            pitch, whose field bunches at the corners. `error` estimates the rest: 1e-7 at e/p = 0.2.
 
     Returns:
         `TeethField`: numbers for numbers, arrays of the common shape for arrays.

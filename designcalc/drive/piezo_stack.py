@@ -1,4 +1,4 @@
-"""What a friction drive asks of its piezo stacks: tension, side load, tilt; and what the tip on them is like."""
+"""Load of the piezo stacks of a friction drive: tension, side load, tilt; inertia and stiffness of the tip on them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class SideLoad:
     stress: Array
     """largest bending stress, at the foot or where the bore holds it, Pa"""
     deflection: Array
-    """of the end if nothing held it, m"""
+    """of the free end, m"""
     touches: NDArray[np.bool_]
     """whether the end bends as far as its bore, which then holds it"""
 
@@ -92,7 +92,7 @@ def side_load(
 def tilt_stress(angle: ArrayLike, length: ArrayLike, area: ArrayLike, modulus: ArrayLike) -> Array:
     """Bending stress of a stack with flat, bonded ends whose end is tilted and held sideways: ``4 E c theta/L``, Pa.
 
-    A rounded end rolls instead, and bears next to none of it.
+    A rounded end rolls instead, and has almost none of this stress.
 
     Args:
         angle: theta, rad.

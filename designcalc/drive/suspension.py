@@ -16,7 +16,7 @@ def dipole_hessian(moment_1: ArrayLike, moment_2: ArrayLike, separation: ArrayLi
     """Stiffness matrix of one rigid magnet near another: second derivatives of ``U = -m2 . B1(r)``, N/m.
 
     ``U = mu0/(4 pi) [m1.m2/r^3 - 3 (m1.r)(m2.r)/r^5]``. Its trace is zero wherever there is no other magnet (Earnshaw):
-    a direction that holds is paid for by one that does not. Magnets of any shape are sums of such dipoles.
+    a stable direction implies an unstable one. Magnets of any shape are sums of such dipoles.
 
     Args:
         moment_1, moment_2: magnetic moments, A m^2, shape (3,), fixed in direction.

@@ -1,4 +1,4 @@
-"""How the margins move when one parameter is swept."""
+"""Margins over the values of one parameter."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ DEFAULT_POINTS = 11
 
 @dataclass(frozen=True)
 class Range:
-    """What is swept: a key, and its values in the unit that its attribute keeps."""
+    """A key and its values, in the unit of its attribute."""
 
     key: str
     unit: str
@@ -41,7 +41,7 @@ class Point:
     """SI"""
     checks: tuple[Check, ...]
     refused: str = ""
-    """why the design does not stand with this value; then there are no checks"""
+    """why the design is refused with this value; then there are no checks"""
 
 
 def read_range(text: str, design: Design) -> Range:
@@ -51,7 +51,7 @@ def read_range(text: str, design: Design) -> Range:
         InputError: another form, an unknown key, a wrong quantity, or a key that is no number.
     """
     key, equals, rest = (part.strip() for part in text.partition("="))
-    # Quotation marks that no shell took away, as in a list of words of a script, mean nothing here.
+    # Quotation marks left by a script that bypasses the shell are ignored.
     parts = [part.strip().strip("\"'").strip() for part in rest.split(":")]
     if not equals or len(parts) not in (2, 3) or not all(parts):
         raise InputError(f"--sweep '{text}': write KEY=LOW:HIGH or KEY=LOW:HIGH:N, like stage.thickness=8mm:20mm:13")
@@ -82,7 +82,7 @@ def run_point(
     value: float,
     load: Callable[[str], Design],
     base: Design,
-    weigh: Callable[[Design], BodyMasses | None],
+    masses_of: Callable[[Design], BodyMasses | None],
 ) -> Point:
     """The checks at one value of a sweep.
 
@@ -91,17 +91,17 @@ def run_point(
         value: one of its values.
         load: design with one more override, `KEY=VALUE`.
         base: the design as it stands.
-        weigh: what a design's own solids weigh; None estimates from plain volumes.
+        masses_of: masses of a design's own solids; None estimates them from plain volumes.
 
     Returns:
-        the point; one that breaks a rule of the design says so in place of its checks.
+        the point; one that breaks a rule of the design has the reason in place of its checks.
     """
     si = to_si(value, swept.unit)
     try:
         design = load(swept.override(int(value) if isinstance(base.value(swept.key), int) else value))
     except InputError as error:
         return Point(si, (), str(error))
-    return Point(si, tuple(run_checks(design, weigh(design))))
+    return Point(si, tuple(run_checks(design, masses_of(design))))
 
 
 def table(swept: Range, points: Sequence[Point]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""What the tolerances of the dimensions do to the margins."""
+"""Effect of the dimensions' tolerances on the margins."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Spread:
-    """What the tolerances make of one check's margin."""
+    """Distribution of one check's margin over the tolerances."""
 
     name: str
     nominal: float
@@ -32,12 +32,12 @@ class Spread:
     failing: float
     """share of the machines that fail"""
     leading: str
-    """the dimension that moves it most"""
+    """the dimension with the largest effect"""
 
 
 @dataclass(frozen=True)
 class Influence:
-    """What one dimension's tolerance does to the checks."""
+    """Effect of one dimension's tolerance on the checks."""
 
     key: str
     tolerance: str
@@ -59,14 +59,14 @@ class ToleranceStudy:
 
     @property
     def matter_most(self) -> tuple[Influence, ...]:
-        """The three dimensions whose tolerance eats most of a margin."""
+        """The three dimensions whose tolerance uses up most of a margin."""
         return self.influences[:3]
 
     @property
     def could_be_loosened(self) -> tuple[Influence, ...]:
         """Three dimensions, of the tightest class first, whose tolerance matters least to the checks.
 
-        The checks know stiffness, force and drift; fits and assembly may want a tolerance that no check misses.
+        The checks cover stiffness, force and drift; fits and assembly may need a tolerance that no check reads.
         """
         return tuple(sorted(self.influences[3:], key=lambda i: (i.plus_minus, i.share))[:3])
 
@@ -109,13 +109,13 @@ def tolerance_study(
     Args:
         design: the design.
         load: design with one more override `KEY=VALUE`, without the rules across values.
-        masses: what the solids of the design as it stands weigh, or None.
+        masses: of the solids of the nominal design, or None.
         samples: number of machines.
         seed: of the random numbers.
-        subjects: of the checks to look at; all but the candidates when left out.
-        run_all: runs a job on every key, in order; the default in this process, one after another.
+        subjects: of the checks to run; by default all but the alternative suspensions.
+        run_all: runs a job on every key, in order; by default one after another in this process.
     """
-    # A candidate passed over is not made: no tolerance of it matters.
+    # Alternative suspensions are not made, so that their tolerances do not matter.
     wanted = tuple(name for name in subjects or SUBJECTS if name != "candidates")
     base = run_checks(design, masses, wanted)
     named = {check.name: check.margin for check in base if check.margin is not None}
@@ -126,15 +126,15 @@ def tolerance_study(
     keys = [entry.key for entry in design.entries if entry.key in readers and design.plus_minus(entry.key) > 0]
     names = list(named)
     nominal = np.array([named[n] for n in names], float)
-    slope, bend = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
+    slope, curvature = np.zeros((len(keys), len(names))), np.zeros((len(keys), len(names)))
     found = run_all(partial(_ends, design, load, masses, readers, named), keys)
     for row, ends in enumerate(found):
         slope[row] = (ends[1] - ends[0]) / 2
-        bend[row] = (ends[1] + ends[0]) / 2 - nominal
+        curvature[row] = (ends[1] + ends[0]) / 2 - nominal
     x = np.random.default_rng(seed).uniform(-1, 1, (samples, len(keys)))
-    margins = nominal + x @ slope + x**2 @ bend
+    margins = nominal + x @ slope + x**2 @ curvature
     low, high = np.quantile(margins, [0.05, 0.95], axis=0)
-    reach = np.maximum(np.abs(slope + bend), np.abs(slope - bend))
+    reach = np.maximum(np.abs(slope + curvature), np.abs(slope - curvature))
     room = np.maximum(np.abs(nominal), 0.01)
     used = reach / room
     spreads = tuple(
@@ -184,7 +184,7 @@ def _ends(
 
 
 def scaled_masses(design: Design, base: Design, masses: BodyMasses | None) -> BodyMasses | None:
-    """What a design that differs by tolerances weighs, without making its solids.
+    """Masses of a design that differs by tolerances, without building its solids.
 
     The base design's body with the mass of the plain plate's change added: exact for a longer, wider or thicker plate
     but for the features cut through it, a tenth of a change that is itself a hundredth of the mass.

@@ -198,7 +198,7 @@ def test_what_the_design_does_not_say_is_named(
 
 
 def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workbench.identification.design_values, "design_mass", lambda run: 1.8)
+    monkeypatch.setattr(workbench.identification.design_values, "_design_mass", lambda run: 1.8)
     told = design_values(Run(None, (), Path("build"), None))("mass")
     assert told == DesignValue(1.8, pytest.approx(0.018))
 
