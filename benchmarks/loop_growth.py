@@ -43,7 +43,7 @@ case = load_problem(sys.argv[1])
 base = fit_case(case)
 clock, processor = perf_counter(), process_time()
 looks = looks_on(case, base, [e.name for e in case.start.effects])
-print("used", process_time() - processor, perf_counter() - clock, len(looks.looks))
+print("used", process_time() - processor, perf_counter() - clock, len(looks.fits))
 """
 DIAGNOSE = """
 import resource, sys

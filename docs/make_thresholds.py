@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
 from sysid.diagnosis import verdict_limits
-from sysid.estimation import covariance, misfit, reference_fit
+from sysid.estimation import covariance, misfit, variant_selection
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
@@ -55,7 +55,7 @@ CONSTANTS = (
         "standard errors that are enough for an effect that takes `MOST_OF_IT` of all",
     ),
     (verdict_limits, "MORE_IS_MISSING", "ranking error beside which effects that gain the same to 1 % are a tie"),
-    (reference_fit, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
+    (variant_selection, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
     (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
     (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
     (verdict_limits, "NEARLY_ALL_OF_TWO", "share of two from which what they leave may follow the position"),

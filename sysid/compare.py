@@ -1,4 +1,4 @@
-"""The model as it stands against the records: how far above the noise it fails, and where."""
+"""Comparison of the stated model with its records: misfit over the noise, and residual maps."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from sysid.prediction.problem import Problem, load_problem
 
 @dataclass(frozen=True)
 class Comparison:
-    """A fitted model held against its records.
+    """A fitted model compared with its records.
 
     Args:
         problem, base: what was compared.
         fit, validate: misfit by channel on the records of the fit and the held-out ones.
-        maps: of the residual against every coordinate, strongest first.
+        maps: of the residual over every coordinate, largest explained share first.
         seconds: taken.
     """
 
@@ -33,11 +33,11 @@ class Comparison:
 
 
 def compare(source: str | Path | Problem, design: DesignValues | None = None) -> Comparison:
-    """Fit the model of an experiment as it stands and see where it fails.
+    """Fit the stated model of an experiment and compare it with the records.
 
     Args:
         source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        design: what a known value of `"design"` stands for.
+        design: values of the design for known quantities stated as `"design"`.
 
     Raises:
         InputError: a fault in a file, in one line.
@@ -48,6 +48,10 @@ def compare(source: str | Path | Problem, design: DesignValues | None = None) ->
     model = base.fitted.model
     maps = residual_maps(model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights)
     return Comparison(
-        problem, base, misfit(model, problem.fit_records), misfit(model, problem.validate_records), tuple(maps),
-        perf_counter() - began,
-    )  # fmt: skip
+        problem=problem,
+        base=base,
+        fit=misfit(model, problem.fit_records),
+        validate=misfit(model, problem.validate_records),
+        maps=tuple(maps),
+        seconds=perf_counter() - began,
+    )

@@ -1,4 +1,4 @@
-"""Which physical effect is missing: every candidate scored and refitted, judged on held-out records."""
+"""Diagnosis: which physical effect is missing. Candidates are scored, refitted, and compared on held-out records."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from time import perf_counter
 
 from sysid.diagnosis.evidence import Evidence, is_worthwhile
-from sysid.diagnosis.pairs import forward_after_deletion
+from sysid.diagnosis.pairs import ReducedModels, forward_after_deletion
 from sysid.diagnosis.quantised_channel import coarse_steps
 from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, residual_maps
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
@@ -44,20 +44,22 @@ IN_FULL = 6
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is missing, and how sure that is.
+    """Which effect is missing from a model, and how certain that is.
 
     Args:
         problem, base: what was diagnosed.
-        trials: every effect tried, best first; one law per effect.
+        trials: every candidate, lowest held-out error first; one variant per effect.
         verdict: `missing-effect`, `adequate` or `unexplained`.
-        best: the trial named, for `missing-effect`.
-        indistinguishable: effects that these records cannot tell from it.
-        maps: of the residual that the base model leaves.
-        unexplained_share: of the variance above the noise that stays after the best effect.
-        reason: why this verdict, in words.
+        best: the candidate named, for `missing-effect`.
+        indistinguishable: effects that these records cannot distinguish from it.
+        maps: of the residual of the base model.
+        unexplained_share: of the variance above the noise that remains with the best effect.
+        reason: of the verdict, in words.
+        before_fit, before_validate: misfit of the base model by channel, on the records of the fit and held out.
         seconds: taken.
-        swaps: effects added earlier that should go, or make place for others.
-        told_by: what tells of the effect named, in words, where it is not the error that falls.
+        swaps: effects added earlier that should be removed or replaced.
+        detected_by: how the effect was detected, in words, where it was not by a reduction of the error.
+        reported_in_full: how many of the trials are reported with their errors and values.
     """
 
     problem: Problem
@@ -78,7 +80,7 @@ class Diagnosis:
 
     @property
     def effect(self) -> str | None:
-        """The name everyone uses of the effect that is missing; none otherwise."""
+        """Public name of the missing effect; none otherwise."""
         return self.best.public_name if self.best is not None else None
 
 
@@ -92,8 +94,8 @@ def diagnose(
 
     Args:
         source: folder of the experiment, its `experiment.toml`, or a problem already built.
-        all_effects: try whatever else the library has besides the names everyone uses.
-        design: what a known value of `"design"` stands for.
+        all_effects: try all effects of the library, not only those with public names.
+        design: values of the design for known quantities stated as `"design"`.
         progress: called with a name, a count and a total.
 
     Raises:
@@ -102,54 +104,58 @@ def diagnose(
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)
-    present = [e.name for e in problem.start.effects]
-    search = evaluate_all(problem, base, present, all_effects, progress)
-    found = judge(
-        problem, base, search, coarse_steps(problem, base, ADEQUATE_OVER_NOISE[problem.form]), began, all_effects
-    )
-    # While something is missing the next round comes first; a model that is enough is asked only what it can spare.
-    swaps = (
-        []
-        if found.effect is not None
-        else find_swaps(problem, base, _added(problem), found.verdict == "unexplained", all_effects, search.first.seen)
-    )
+    search = evaluate_all(problem, base, [e.name for e in problem.start.effects], all_effects, progress)
+    reduced = ReducedModels(problem, base, all_effects, search.screening.jacobians)
+    found = judge(search, coarse_steps(problem, base, ADEQUATE_OVER_NOISE[problem.form]), reduced)
+    swaps: list[Swap] = []
+    if found.effect is None:
+        # While an effect is missing it is added first; replacements are looked for in a model to which none is added.
+        swaps = find_swaps(reduced, _added(problem), found.verdict == "unexplained")
     return replace(found, swaps=tuple(swaps), seconds=perf_counter() - began)
 
 
 def _added(problem: Problem) -> list[str]:
-    """Effects of the model that its ladder added."""
-    rungs = read_history(problem.experiment)
-    first = {public_name(name) for name in rungs[0].effects} if rungs else set()
-    return [e.name for e in problem.start.effects if rungs and public_name(e.name) not in first]
+    """Effects of the model that were added since the first revision of its history."""
+    revisions = read_history(problem.experiment)
+    first = {public_name(name) for name in revisions[0].effects} if revisions else set()
+    return [e.name for e in problem.start.effects if revisions and public_name(e.name) not in first]
 
 
-def judge(
-    problem: Problem,
-    base: ReferenceFit,
-    search: CandidateSearch,
-    quantised: CandidateFit | None,
-    began: float,
-    all_effects: bool = False,
-) -> Diagnosis:
-    """The diagnosis of a base model by the effects tried on it: how well it does, where it fails, the verdict."""
-    before_fit = misfit(base.fitted.model, problem.fit_records)
-    before_validate = misfit(base.fitted.model, problem.validate_records)
-    ranked = _ranked(problem, base, search, all_effects)
-    of_model = base.fitted.model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights
+def judge(search: CandidateSearch, quantised: CandidateFit | None, reduced: ReducedModels) -> Diagnosis:
+    """The diagnosis of a base model from the candidates evaluated on it.
+
+    Args:
+        search: the candidates.
+        quantised: quantisation of a channel as a candidate, where it was found.
+        reduced: the base model without one of its effects; holds the base model itself.
+    """
+    problem, base = reduced.problem, reduced.base
+    began = perf_counter()
+    model = base.fitted.model
+    before_fit, before_validate = misfit(model, problem.fit_records), misfit(model, problem.validate_records)
+    ranked = _ranked(search, reduced)
+    of_model = model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights
     maps = residual_maps(*of_model)
-    pattern = max((m.pattern for m in maps), default=0.0)
-    textured = any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps)
-    added = [e for e in base.fitted.model.effects if e.name in _added(problem)]
-    in_full = IN_FULL
-    over = worst_over_noise(before_fit, before_validate)
-    evidence = Evidence(problem, base, search, ranked, over, pattern, all_effects, added, textured)
+    added = _added(problem)
+    evidence = Evidence(
+        problem=problem,
+        base=base,
+        search=search,
+        ranked=ranked,
+        over=worst_over_noise(before_fit, before_validate),
+        pattern=max((m.split_share for m in maps), default=0.0),
+        all_effects=reduced.all_effects,
+        added=[e for e in model.effects if e.name in added],
+        textured=any(m.coordinate == "position" and m.share >= LEAST_TEXTURE for m in maps),
+    )
     found = verdict_on(evidence, quantised)
     if found.best is None:
-        found = _by_ringing(evidence, found) or found
+        found = _structural_mode_verdict(evidence, found) or found
     if found.verdict == "unexplained":
         maps = compared_with_time(maps, *of_model)
+    in_full = IN_FULL
     if found.best is not None and found.best not in ranked:
-        # Another law of an effect than the one that does most alone.
+        # Another variant than the one with the lowest error alone.
         others = [trial for trial in ranked if trial.public_name != found.best.public_name]
         in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
         ranked = [found.best, *others]
@@ -171,38 +177,33 @@ def judge(
     )
 
 
-def _by_ringing(evidence: Evidence, otherwise: Verdict) -> Verdict | None:
-    """A mode of the structure, where it rings above what the balance sees; none where none does.
+def _structural_mode_verdict(evidence: Evidence, otherwise: Verdict) -> Verdict | None:
+    """A structural mode above the filter band of the force balance as the missing effect; none where none is detected.
 
     Args:
         evidence: on the model without it.
-        otherwise: the verdict that the balance alone gives, which names no effect.
+        otherwise: the verdict from the force balance alone, which names no effect.
     """
     problem, base = evidence.problem, evidence.base
-    found = detect_structural_mode(problem, base.fitted)
-    if found is None:
+    mode = detect_structural_mode(problem, base.fitted)
+    if mode is None:
         return None
-    effect, fitted = with_structural_mode(problem, base.fitted, found)
-    seen = next((t for t in evidence.ranked if t.name == effect.name), None)
-    if seen is not None and prefers_balance_fit(seen.fitted, fitted):
-        trial = seen
-    else:
+    effect, fitted = with_structural_mode(problem, base.fitted, mode)
+    trial = next((t for t in evidence.ranked if t.name == effect.name), None)
+    if trial is None or not prefers_balance_fit(trial.fitted, fitted):
         trial = evaluate_candidate(problem, base, RefittedEffect(effect, 0.0, fitted))
     if trial is None or trial.error > HARDLY_MORE * evidence.error:
         return None
     left = evidence.left_by(trial) if otherwise.verdict == "unexplained" else 0.0
-    return Verdict("missing-effect", trial, (), left, EXPLAINS_ALL, found.words)
+    return Verdict("missing-effect", trial, (), left, EXPLAINS_ALL, mode.words)
 
 
-def _ranked(problem: Problem, base: ReferenceFit, search: CandidateSearch, all_effects: bool) -> list[CandidateFit]:
-    """The best law of each effect, best first; where none does much, effects of the model are searched for anew too."""
+def _ranked(search: CandidateSearch, reduced: ReducedModels) -> list[CandidateFit]:
+    """The best variant of each effect, best first; where none gains much, also with an effect of the model refitted."""
+    base = reduced.base
     ranked = one_per_family(search.trials)
-    before = root_mean_huber(base.residual)
-    nothing = (
-        not ranked or not is_worthwhile(problem, base, ranked[0]) or explained_share(base, ranked[0]) < SHARE_OF_A_PART
-    )
-    if nothing and before > NEARLY_NOISE:
-        present = [e.name for e in problem.start.effects]
-        again = forward_after_deletion(problem, base, present, all_effects, search.first.seen)
-        return one_per_family([*again, *search.trials])
+    gains = ranked and is_worthwhile(reduced.problem, base, ranked[0])
+    little = not gains or explained_share(base, ranked[0]) < SHARE_OF_A_PART
+    if little and root_mean_huber(base.residual) > NEARLY_NOISE:
+        return one_per_family([*forward_after_deletion(reduced), *search.trials])
     return ranked

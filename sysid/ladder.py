@@ -17,17 +17,16 @@ from sysid.estimation.covariance import intervals
 from sysid.estimation.driven_stage_search import lowest_minimum
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual
-from sysid.estimation.reference_fit import (
-    ReferenceFit,
-    fit_stated_model,
+from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
+from sysid.estimation.score_test import profiled_residual
+from sysid.estimation.screening import screen_and_refit
+from sysid.estimation.variant_selection import (
     fits_clearly_better,
     predicts_clearly_better,
     select_variants,
     selectable_effects,
+    without_effect,
 )
-from sysid.estimation.score_test import profiled_residual
-from sysid.estimation.screening import screen_and_refit
-from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues, Experiment
 from sysid.experiment.history import Revision, append_revision, edited_by_hand, read_history
 from sysid.prediction.model import Model, public_name
@@ -165,9 +164,9 @@ def _grow(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, Fi
             f"{experiment.path}: effect '{name}' cannot show on a {problem.kind} rig with these records"
             f"{nearest(name, can)}"
         )
-    basis, target = profiled_residual(fitted)
+    profiled = profiled_residual(fitted)
     tried = [
-        screen_and_refit(fitted, option, problem.fit_records, problem.scales, basis, target, starts=3, iterations=40)
+        screen_and_refit(fitted, option, problem.fit_records, problem.scales, profiled, starts=3, iterations=40)
         for option in options
     ]
     good = [c for c in tried if c is not None]

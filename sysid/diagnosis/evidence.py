@@ -40,7 +40,8 @@ from sysid.estimation.misfit import (
     huber_square,
     worst_over_noise,
 )
-from sysid.estimation.reference_fit import ReferenceFit, predicts_clearly_better, select_variants
+from sysid.estimation.reference_fit import ReferenceFit
+from sysid.estimation.variant_selection import predicts_clearly_better, select_variants
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, variant_group
 from sysid.prediction.problem import Problem
@@ -142,7 +143,7 @@ class Evidence:
 
     def on_top(self, trial: CandidateFit) -> list[Pair]:
         """An effect with each of the most promising others on top of it, best first."""
-        return pairs_on_top(self.problem, self.base, trial.refit, self.all_effects, self.search.first.seen)
+        return pairs_on_top(self.problem, self.base, trial.refit, self.all_effects, self.search.screening.jacobians)
 
     def share_away(self, trial: CandidateFit) -> float | None:
         """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.

@@ -135,13 +135,13 @@ def _samples(
     """Coordinates, residual (n,) and block number (n,) at the scored samples of all records that hold the channel."""
     coordinates: dict[str, list[np.ndarray]] = {}
     residuals, block_numbers, start = [], [], 0
-    for record, deviations, samples in zip(records, weights.deviations, weights.samples, strict=True):
+    for record, std, samples in zip(records, weights.std, weights.samples, strict=True):
         pick = samples.get(channel)
         if pick is None:
             continue
         predicted = predict(record, model.effects, model.values)
         of_record = coordinates_of(record)
-        residuals.append((record.measured[channel][pick] - predicted[channel][pick]) / deviations[channel][pick])
+        residuals.append((record.measured[channel][pick] - predicted[channel][pick]) / std[channel][pick])
         block_numbers.append(start + (pick * BLOCKS) // record.size)
         for name, values in of_record.items():
             base, _, only = name.partition("@")
@@ -176,7 +176,7 @@ class Told:
     foretold: np.ndarray
     drawn: int
     share: float
-    pattern: float
+    split_share: float
 
 
 def told_by(name: str, learn: Samples, judge: Samples) -> Told:

@@ -19,7 +19,7 @@ from stagecad.parallel import fork_map
 from sysid.diagnosis.trials import CandidateFit, CandidateJacobians, ScreeningResult, evaluate_candidate, screen_all
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import weighted_residual
-from sysid.estimation.reference_fit import ReferenceFit, has_shape
+from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit
 from sysid.estimation.score_test import IN_PAIRS, ScoreStatistic, out_of_bounds, profiled_residual, start_for
 from sysid.estimation.screening import RefittedEffect, ScoredCandidate, ScreeningFit, refit_candidate, screen_candidate
 from sysid.estimation.variant_selection import with_bounds_of, without_public_effect
@@ -94,7 +94,7 @@ def best_pairs(
     start = 0
     alone = root_mean_huber(base.fitted.fit.residual)
     # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
-    able = [look for look in first.looks if look.linear or look.error < alone]
+    able = [look for look in first.fits if look.linear or look.error < alone]
     for known in [*able, *first.unfitted]:
         for score in known.scores[:IN_PAIRS]:
             norms = np.maximum(np.linalg.norm(score.columns, axis=0), 1e-300)
@@ -197,7 +197,7 @@ def pairs_on_top(
     base: ReferenceFit,
     first: RefittedEffect,
     all_effects: bool = False,
-    seen: CandidateJacobians | None = None,
+    jacobians: CandidateJacobians | None = None,
 ) -> list[Pair]:
     """Pairs with the second effect looked for on top of the first one's fit, best on the held-out records first.
 
@@ -208,11 +208,9 @@ def pairs_on_top(
         problem, base: records, and the fitted base model.
         first: effect on top of it.
         all_effects: try whatever else the library has, too.
-        seen: what effects do to the residual of the base model.
+        jacobians: what effects do to the residual of the base model.
     """
-    below = ReferenceFit(
-        first.fitted, base.weights, weighted_residual(first.fitted.model, problem.validate_records, base.weights)
-    )
+    below = reference_fit(problem, first.fitted, base.weights)
     present = [e.name for e in first.fitted.model.effects]
 
     def refitted(look: ScreeningFit) -> Pair | None:
@@ -225,87 +223,93 @@ def pairs_on_top(
     before = root_mean_huber(base.fitted.fit.residual) ** 2
     enough = before - COULD_EXPLAIN * max(before - 1.0, 0.0)
     needed = 1.0 - enough / max(root_mean_huber(first.fitted.fit.residual) ** 2, 1e-300)
-    seen_on_top = screen_all(problem, below, present, all_effects, promising=PROMISING, seen=seen, needed=needed).looks
-    looks = [look for look in seen_on_top if look.error**2 <= enough][:ON_TOP]
+    screening = screen_all(
+        problem, below, present, all_effects, promising=PROMISING, jacobians=jacobians, needed=needed
+    )
+    looks = [look for look in screening.fits if look.error**2 <= enough][:ON_TOP]
     shared = (*(look.effect for look in looks), *first.fitted.model.effects, first.effect, base.fitted.weights)
     found = fork_map(refitted, looks, shared)
     return sorted((pair for pair in found if pair is not None), key=lambda pair: pair.error)
 
 
-def forward_after_deletion(
-    problem: Problem,
-    base: ReferenceFit,
-    present: Sequence[str],
-    all_effects: bool = False,
-    seen: CandidateJacobians | None = None,
-) -> list[CandidateFit]:
-    """Effects tried while one that the model has is searched for anew, best first.
+class ReducedModels:
+    """Fits of a model without one of its effects, and the candidates screened on top of them, each computed once.
 
-    A pitch fitted while another effect was missing may sit in a wrong place that no step leads out of; every effect
-    tried on top of it then seems to do little.
-
-    Args:
-        problem, base: records, and the fitted model.
-        present: names of its effects.
-        all_effects: try whatever else the library has, too.
-        seen: what effects do to the residual of the model.
+    The search after a deletion and the search for replacements need the same ones.
     """
+
+    def __init__(
+        self,
+        problem: Problem,
+        base: ReferenceFit,
+        all_effects: bool = False,
+        jacobians: CandidateJacobians | None = None,
+    ) -> None:
+        """Args:
+        problem, base: records, and the fitted model.
+        all_effects: screen all effects of the library, not only those with public names.
+        jacobians: sensitivities of the model's residual to candidate effects.
+        """
+        self.problem = problem
+        self.base = base
+        self.all_effects = all_effects
+        self._jacobians = jacobians
+        self._fits: dict[str, ReferenceFit] = {}
+        self._screenings: dict[str, ScreeningResult] = {}
+
+    def fit(self, name: str) -> ReferenceFit:
+        """The fit without every effect of a public name, with the same residual weights."""
+        if name not in self._fits:
+            model = without_public_effect(self.base.fitted.model, name)
+            rest = fit_model(model, self.problem.fit_records, self.base.fitted.weights, near=self.base.fitted)
+            self._fits[name] = reference_fit(self.problem, rest, self.base.weights)
+        return self._fits[name]
+
+    def screening(self, name: str) -> ScreeningResult:
+        """The candidates screened on top of that fit."""
+        if name not in self._screenings:
+            others = [e.name for e in self.problem.start.effects if public_name(e.name) != name]
+            self._screenings[name] = screen_all(
+                self.problem, self.fit(name), others, self.all_effects, promising=PROMISING, jacobians=self._jacobians
+            )
+        return self._screenings[name]
+
+
+def forward_after_deletion(reduced: ReducedModels) -> list[CandidateFit]:
+    """Candidates evaluated together with a refit of one effect of the model from its screening, best first.
+
+    A pitch fitted while another effect was missing may sit in a local minimum; every candidate on top of it then seems
+    to gain little.
+    """
+    problem, base = reduced.problem, reduced.base
     trials = []
-    for family in _shaped(base.fitted.model):
-        below, first = less_one(problem, base, present, family, all_effects, seen)
-        for pair in best_pairs(problem, below, first, family, base.fitted.model)[:2]:
-            trial = evaluate_candidate(problem, base, RefittedEffect(pair.other(family), 0.0, pair.fitted))
+    for name in _shaped(base.fitted.model):
+        for pair in best_pairs(problem, reduced.fit(name), reduced.screening(name), name, base.fitted.model)[:2]:
+            trial = evaluate_candidate(problem, base, RefittedEffect(pair.other(name), 0.0, pair.fitted))
             if trial is not None:
                 trials.append(trial)
     return sorted(trials, key=lambda trial: trial.error)
 
 
 def add_after_deletion(problem: Problem, base: ReferenceFit, options: Sequence[Effect]) -> list[FittedModel]:
-    """Fits of the model with one of `options` added, while one effect that it has is searched for anew."""
+    """Fits of the model with one of `options` added, together with a refit of one effect of the model."""
     fits = []
-    for family in _shaped(base.fitted.model):
-        below = less(problem, base, family)
+    reduced = ReducedModels(problem, base)
+    for name in _shaped(base.fitted.model):
+        below = reduced.fit(name)
         basis, target = profiled_residual(below.fitted)
-        own = [effect for effect in base.fitted.model.effects if public_name(effect.name) == family]
+        own = [effect for effect in base.fitted.model.effects if public_name(effect.name) == name]
         found = [
             screen_candidate(below.fitted, e, problem.fit_records, problem.scales, basis, target)
             for e in (*own, *options)
         ]
-        seen = ScreeningResult([look for look in found if look is not None], [], target)
-        pairs = best_pairs(problem, below, seen, family, base.fitted.model)
+        screening = ScreeningResult([one for one in found if one is not None], [], target)
+        pairs = best_pairs(problem, below, screening, name, base.fitted.model)
         fits += [pair.fitted for pair in pairs[:1]]
     return fits
 
 
 def _shaped(model: Model) -> list[str]:
-    """Families of the model's effects that have a shape which the fit may move."""
+    """Public names of the effects of a model that have fitted shape parameters."""
     free = {u.key.partition(".")[0] for u in model.unknowns}
     return [public_name(effect.name) for effect in model.effects if has_shape(effect) and effect.name in free]
-
-
-def less_one(
-    problem: Problem,
-    base: ReferenceFit,
-    present: Sequence[str],
-    family: str,
-    all_effects: bool,
-    seen: CandidateJacobians | None = None,
-) -> tuple[ReferenceFit, ScreeningResult]:
-    """The fit without one family of effects, and the looks on top of it, once for whoever asks."""
-    below = less(problem, base, family)
-    key = f"looks, {all_effects}"
-    if key not in below.memo:
-        others = [name for name in present if public_name(name) != family]
-        below.memo[key] = screen_all(problem, below, others, all_effects, promising=PROMISING, seen=seen)
-    return below, below.memo[key]
-
-
-def less(problem: Problem, base: ReferenceFit, family: str) -> ReferenceFit:
-    """The fit of the model without one family of effects, on the same weights."""
-    key = f"less {family}"
-    if key not in base.memo:
-        model = without_public_effect(base.fitted.model, family)
-        rest = fit_model(model, problem.fit_records, base.fitted.weights, near=base.fitted)
-        residual = weighted_residual(rest.model, problem.validate_records, base.weights)
-        base.memo[key] = ReferenceFit(rest, base.weights, residual)
-    return base.memo[key]

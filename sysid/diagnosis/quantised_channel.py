@@ -1,4 +1,4 @@
-"""Quantisation is read off the values themselves: a channel whose steps are coarser than its noise."""
+"""Quantisation of a channel, found from its values: a least significant bit larger than the stated noise."""
 
 from __future__ import annotations
 
@@ -12,42 +12,45 @@ from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.screening import RefittedEffect
 from sysid.prediction.problem import Problem, build_problem
 
-NOISE_IS_GONE = 0.2
-"""Error over the noise below which that noise cannot be in the values: they were rounded."""
+BELOW_THE_NOISE = 0.2
+"""Misfit over noise below which the stated noise cannot be in the values: they were rounded."""
 
 
-def coarse_steps(problem: Problem, base: ReferenceFit, enough: float) -> CandidateFit | None:
-    """The coarse grid of a channel's values as a trial, where it is coarser than the noise the user gave.
+def coarse_steps(problem: Problem, base: ReferenceFit, adequate: float) -> CandidateFit | None:
+    """Quantisation as a candidate, where the least significant bit of a channel exceeds the noise that the user gave.
 
-    None where there is none, where the base model's error over noise is `enough` as it is, or where little falls. A
-    channel that shows few values may be met exactly, by levels that are a little off: its noise, gone, tells of steps.
+    None where no channel is quantised so coarsely, where the misfit of the base model is `adequate`, or where it is
+    hardly reduced. A channel of very few levels may be fitted exactly: a misfit far below the noise shows quantisation.
     """
     if any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
         return None
-    coarse = [
-        channel for channel, noise in problem.noise.items()
-        if noise.quantisation_step is not None and noise.quantisation_step / np.sqrt(12.0) > noise.value
-    ]  # fmt: skip
+    stds = {
+        c: noise.quantisation_step / np.sqrt(12.0)
+        for c, noise in problem.noise.items()
+        if noise.quantisation_step is not None
+    }
+    coarse = [channel for channel, std in stds.items() if std > problem.noise[channel].value]
     if not coarse:
         return None
-    names = [
-        *problem.experiment.effects,
-        *(
-            ["sensor_quantisation"]
-            if len(problem.noise) == len(coarse)
-            else [f"sensor_quantisation@{c}" for c in coarse]
-        ),
-    ]
-    other = build_problem(problem.experiment, problem.records, names)
+    every = len(problem.noise) == len(coarse)
+    added = ["sensor_quantisation"] if every else [f"sensor_quantisation@{c}" for c in coarse]
+    other = build_problem(problem.experiment, problem.records, [*problem.experiment.effects, *added])
     refit = fit_stated_model(other)
-    after_fit = misfit(refit.fitted.model, other.fit_records)
-    after = misfit(refit.fitted.model, other.validate_records)
-    before = worst_over_noise(
-        misfit(base.fitted.model, problem.fit_records), misfit(base.fitted.model, problem.validate_records)
-    )
-    rounded_away = before < NOISE_IS_GONE
-    if not rounded_away and (before <= enough or worst_over_noise(after_fit, after) > 0.9 * before):
+    model = refit.fitted.model
+    after_fit, after_validate = misfit(model, other.fit_records), misfit(model, other.validate_records)
+    model = base.fitted.model
+    before = worst_over_noise(misfit(model, problem.fit_records), misfit(model, problem.validate_records))
+    reduced = worst_over_noise(after_fit, after_validate) <= 0.9 * before
+    if before >= BELOW_THE_NOISE and (before <= adequate or not reduced):
         return None
-    error = root_mean_huber(refit.residual)
-    candidate = RefittedEffect(find("sensor_quantisation"), 1.0, refit.fitted)
-    return CandidateFit(candidate, error, 0.0, 99.0, 0.0, refit.residual, after_fit, after, law=names[-1])
+    return CandidateFit(
+        refit=RefittedEffect(find("sensor_quantisation"), 1.0, refit.fitted),
+        error=root_mean_huber(refit.residual),
+        gain=0.0,
+        significance=99.0,
+        fit_gain=0.0,
+        residual=refit.residual,
+        after_fit=after_fit,
+        after_validate=after_validate,
+        law=added[-1],
+    )

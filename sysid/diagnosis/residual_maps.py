@@ -34,7 +34,7 @@ class ResidualMap:
     Args:
         coordinate: its name.
         share: of the residual's variance that the map explains where it was not learned, in [0, 1].
-        pattern: what a verdict goes by: the same before what happened once is taken off.
+        split_share: what a verdict goes by: the same before what happened once is taken off.
         beside_time: share that the coordinate explains of what time leaves, less that of time of what it leaves.
         p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
             unrelated.
@@ -44,7 +44,7 @@ class ResidualMap:
 
     coordinate: str
     share: float
-    pattern: float
+    split_share: float
     p_value: float
     centres: np.ndarray
     forward: np.ndarray
@@ -73,7 +73,7 @@ def residual_maps(
     for m in maps:
         other = best.get(m.coordinate, m)
         kept = m if m.share > other.share else other
-        best[m.coordinate] = replace(kept, pattern=max(m.pattern, other.pattern))
+        best[m.coordinate] = replace(kept, split_share=max(m.split_share, other.split_share))
     return order_maps(list(best.values()))
 
 
@@ -84,12 +84,14 @@ def dependence_by_coordinate(
     held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> dict[str, float]:
-    """`ResidualMap.pattern` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
+    """`ResidualMap.split_share` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
     out: dict[str, float] = {}
     for channel, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
         for name in shared(learn, judge):
-            out[name] = max(out.get(name, 0.0), told_by(name, learn, judge).pattern)
-        out["frequency"] = max(out.get("frequency", 0.0), _spectrum(model, held_out or fit_records, channel).pattern)
+            out[name] = max(out.get(name, 0.0), told_by(name, learn, judge).split_share)
+        out["frequency"] = max(
+            out.get("frequency", 0.0), _spectrum(model, held_out or fit_records, channel).split_share
+        )
     return out
 
 
@@ -152,7 +154,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     means = means_of(cells_of(told.values, told.direction, fine), told.residual, 2 * (fine.size - 1))
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], told.values)
     forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
-    return ResidualMap(name, told.share, told.pattern, p_value, centres, forward, backward)
+    return ResidualMap(name, told.share, told.split_share, p_value, centres, forward, backward)
 
 
 def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale
-from sysid.estimation.reference_fit import fits_clearly_better
+from sysid.estimation.variant_selection import fits_clearly_better
 from sysid.experiment.unknowns import Prior
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.predict import unfiltered_force

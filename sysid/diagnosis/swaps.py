@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sysid.diagnosis.pairs import less, less_one
-from sysid.diagnosis.trials import CandidateJacobians, evaluate_candidate
+from sysid.diagnosis.pairs import ReducedModels
+from sysid.diagnosis.trials import evaluate_candidate
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import ReferenceFit
@@ -42,23 +42,15 @@ class Swap:
     after: float
 
 
-def find_swaps(
-    problem: Problem,
-    base: ReferenceFit,
-    added: Sequence[str],
-    others_too: bool = True,
-    all_effects: bool = False,
-    seen: CandidateJacobians | None = None,
-) -> list[Swap]:
-    """Effects added earlier that should go, each with what should come in its place.
+def find_swaps(reduced: ReducedModels, added: Sequence[str], others_too: bool = True) -> list[Swap]:
+    """Effects added earlier that should be removed or replaced.
 
     Args:
-        problem, base: the model as it is, fitted.
+        reduced: the model without one of its effects.
         added: names of the effects that were added to it.
-        others_too: look for effects to put in their place, not only for those that nothing needs.
-        all_effects: try whatever else the library has, too.
-        seen: what effects do to the residual of the model.
+        others_too: look for replacements, not only for effects that are not needed.
     """
+    problem, base = reduced.problem, reduced.base
     now = root_mean_huber(base.residual)
     found = []
     for name in added:
@@ -72,16 +64,16 @@ def find_swaps(
         if own and all(u.prior is not None for u in own):
             # Something else than these residuals told of it, as a mode's ringing does above what they show.
             continue
-        below = less(problem, base, family)
+        below = reduced.fit(family)
         without = root_mean_huber(below.residual)
         if without <= NEEDLESS * now:
             found.append(Swap(name, None, _worst(problem, base), _worst(problem, below)))
             continue
         if not others_too:
             continue
-        below, first = less_one(problem, base, [e.name for e in problem.start.effects], family, all_effects, seen)
+        first = reduced.screening(family)
         best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
-        for look in [look for look in first.looks if public_name(look.effect.name) != family][:TRIED]:
+        for look in [look for look in first.fits if public_name(look.effect.name) != family][:TRIED]:
             candidate = refit_candidate(below.fitted, look, problem.fit_records, problem.scales)
             trial = evaluate_candidate(problem, below, candidate)
             if trial is not None and trial.error**2 - 1.0 < least:

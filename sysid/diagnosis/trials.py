@@ -21,7 +21,7 @@ from sysid.estimation.misfit import (
     misfit,
     weighted_residual,
 )
-from sysid.estimation.reference_fit import ReferenceFit, select_variants
+from sysid.estimation.reference_fit import ReferenceFit
 from sysid.estimation.score_test import EVERY_ROW, GridPoint, candidate_directions, profiled_residual, score_test
 from sysid.estimation.screening import (
     RefittedEffect,
@@ -32,6 +32,7 @@ from sysid.estimation.screening import (
     screen_scored,
     search_lower_minimum,
 )
+from sysid.estimation.variant_selection import select_variants
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import in_contact, public_name
 from sysid.prediction.observable import candidate_effects
@@ -136,16 +137,16 @@ class ScreeningResult:
     """Every candidate on top of a fitted model at first sight.
 
     Args:
-        looks: short fits, best first.
+        fits: screening fits, best first.
         unfitted: scores of the effects that promised too little for a fit.
         target: residual of the model as the scores took it, (n,).
-        seen: what each effect does to the residual, for looks on top of this model.
+        jacobians: sensitivities of the residual to each candidate, for screenings on top of this model.
     """
 
-    looks: list[ScreeningFit]
+    fits: list[ScreeningFit]
     unfitted: list[ScoredCandidate]
     target: np.ndarray
-    seen: CandidateJacobians | None = None
+    jacobians: CandidateJacobians | None = None
 
 
 @dataclass(frozen=True)
@@ -154,11 +155,11 @@ class CandidateSearch:
 
     Args:
         trials: best on the held-out records first.
-        first: the looks they began with.
+        screening: the screening that they started from.
     """
 
     trials: list[CandidateFit]
-    first: ScreeningResult
+    screening: ScreeningResult
 
 
 def screen_all(
@@ -168,7 +169,7 @@ def screen_all(
     all_effects: bool = False,
     progress: Progress | None = None,
     promising: int | None = None,
-    seen: CandidateJacobians | None = None,
+    jacobians: CandidateJacobians | None = None,
     needed: float = 0.0,
 ) -> ScreeningResult:
     """A first look at every candidate on top of a fitted model.
@@ -179,16 +180,16 @@ def screen_all(
         all_effects: try whatever else the library has, too.
         progress: called after each step with the name of the effect, the number of steps before, and their total.
         promising: effects fitted shortly, at the most: those whose scores promise most; all where left out.
-        seen: what effects do to the residual of a model much like it, for their scores; only what is not there is
+        jacobians: what effects do to the residual of a model much like it, for their scores; only what is not there is
             looked at anew.
         needed: share of the squared residual that an effect has to take to be of any use.
     """
     fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
-    if seen is not None and (seen.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
+    if jacobians is not None and (jacobians.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
         # One effect more, and a driven stage slips at other times.
-        seen = None
-    rows = EVERY_ROW if seen is None else seen.rows
+        jacobians = None
+    rows = EVERY_ROW if jacobians is None else jacobians.rows
     kept = slice(None, None, max(1, size // ROWS_SEEN))
     basis, target = profiled_residual(fitted, rows)
     effects = candidate_effects(problem, present, all_effects)
@@ -203,10 +204,10 @@ def screen_all(
             progress(effect.name, next(steps), 2 * len(effects))
 
     def score(effect: Effect) -> tuple[ScoredCandidate, list[GridPoint]]:
-        if seen is not None and effect.name in seen.grids:
-            return ScoredCandidate(effect, score_test(effect, seen.grids[effect.name], basis, target)), []
+        if jacobians is not None and effect.name in jacobians.grids:
+            return ScoredCandidate(effect, score_test(effect, jacobians.grids[effect.name], basis, target)), []
         grid = candidate_directions(fitted, effect, records, problem.scales, rows)
-        thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if seen is None else []
+        thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if jacobians is None else []
         return ScoredCandidate(effect, score_test(effect, grid, basis, target)), thinned
 
     def look(scored: ScoredCandidate) -> ScreeningFit | None:
@@ -227,7 +228,9 @@ def screen_all(
     found = fork_map(look, fitting, shared, report)
     looks = [one for one in found if one is not None and np.isfinite(one.error)]
     looks.sort(key=lambda look: look.error)
-    return ScreeningResult(looks, unfitted, target, CandidateJacobians(size, kept, grids) if seen is None else seen)
+    if jacobians is None:
+        jacobians = CandidateJacobians(size, kept, grids)
+    return ScreeningResult(looks, unfitted, target, jacobians)
 
 
 def _bring_in(problem: Problem, effects: Sequence[Effect]) -> None:
@@ -273,8 +276,8 @@ def evaluate_all(
         if progress is not None and k < REFITTED:
             progress(f"refitting {look.effect.name}", next(counts), steps)
 
-    shared = (*(look.effect for look in first.looks), *fitted.model.effects, fitted.weights)
-    found = fork_map(tried, list(enumerate(first.looks)), shared, report)
+    shared = (*(look.effect for look in first.fits), *fitted.model.effects, fitted.weights)
+    found = fork_map(tried, list(enumerate(first.fits)), shared, report)
     trials = [trial for trial in found if trial is not None]
     if progress is not None:
         progress("", steps, steps)

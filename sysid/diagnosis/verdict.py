@@ -124,7 +124,7 @@ def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
     if worst_over_noise(best.after_fit, best.after_validate) <= NEARLY_NOISE:
         return named.missing(EXPLAINS_ALL)
     bent = named.enough_alone and evidence.bent(best)
-    pairs = best_pairs(evidence.problem, evidence.base, evidence.search.first)
+    pairs = best_pairs(evidence.problem, evidence.base, evidence.search.screening)
     pair, first = _beside(evidence, best, pairs)
     if first is not best:
         named = _named(evidence, first, ())
@@ -288,7 +288,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
 def _only_together(evidence: Evidence, best: CandidateFit | None) -> Iterator[Pair]:
     """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
     problem, base, search = evidence.problem, evidence.base, evidence.search
-    yield from best_pairs(problem, base, search.first)[:1]
+    yield from best_pairs(problem, base, search.screening)[:1]
     if best is not None:
         yield from evidence.on_top(best)[:1]
 

@@ -1,15 +1,14 @@
-"""Intervals of fitted values by refitting: what the values would have been, had the records' errors fallen otherwise.
+"""Intervals of fitted values by the wild bootstrap in blocks of time (Liu 1988; Shao 2010).
 
-The wild bootstrap in blocks of time (Liu 1988; Shao 2010). Each draw makes records
+Each draw makes records
 
     y* = f(best) + s_b e_b + sum_j g_j c_j,    s_b = +1 or -1 for each block b,   g_j standard normal
 
-and fits the model to them anew, from its best values. A block of the residual keeps its place and its inside, so the
-errors of a draw are as correlated and as uneven as those measured, and zero where they were; only how blocks stand to
-each other is chance. `e_b` is the residual as it would be had the block not pulled the fit towards itself,
-(1 - H_b)^-1 of what is left (MacKinnon and Webb 2018). `c_j` are the changes of `sysid.estimation.systematic_errors`,
-and what was known of a value beforehand is drawn anew too. Unlike `sysid.estimation.covariance`, nothing is taken to be
-linear or far from its bounds.
+and refits the model to them from its best values. Only the signs of whole blocks are random, so the errors of a draw
+are as correlated and as uneven as those measured. `e_b` is the residual of block b corrected for its leverage, (1 -
+H_b)^-1 times the residual (MacKinnon and Webb 2018). `c_j` are the changes of `sysid.estimation.systematic_errors`; the
+means of the priors are drawn too. Unlike `sysid.estimation.covariance`, no linearity is assumed, and values may lie
+near their bounds.
 """
 
 from __future__ import annotations
@@ -38,21 +37,20 @@ from sysid.prediction.model import Model, PreparedRecord
 from sysid.prediction.problem import Problem, build_problem
 
 ITERATIONS = 15
-"""Of one refit, which begins at the best values."""
+"""Steps of a refit, at the most."""
 LEAST_DRAWS = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """A fitted problem as plain data, so that it can be refitted in another process: records, values, and what is
-    moved.
+    """A fitted problem as plain data that another process can refit: records, values, and unknowns.
 
     Args:
         experiment: without its files.
         records: as read.
-        names: of the model's effects, laws as chosen.
+        names: of the model's effects, with the selected variants.
         values: best values by key.
-        unknowns: what the fit moved.
+        unknowns: of the fit.
         weights: of the fit.
         custom: texts of the user's own effects by file name.
     """
@@ -71,13 +69,13 @@ class _Prepared:
     model: Model
     records: tuple[PreparedRecord, ...]
     residual: np.ndarray  # (n,), at the best values
-    basis: np.ndarray  # (n, p) orthonormal, of the directions in which the fit can follow the records
+    basis: np.ndarray  # (n, p), orthonormal, of the Jacobian
     changes: tuple[np.ndarray, ...]
 
 
 @lru_cache(maxsize=1)
 def _prepared(refit: Refit) -> _Prepared:
-    """What the draws of a problem are made of, worked out once a process."""
+    """Residual, basis and systematic errors from which draws are made; computed once per process."""
     with tempfile.TemporaryDirectory() as folder:
         files = []
         for name, text in refit.custom:
@@ -87,7 +85,7 @@ def _prepared(refit: Refit) -> _Prepared:
         experiment = replace(refit.experiment, custom=tuple(files))
         records = build_problem(experiment, refit.records, refit.names).fit_records
     model = Model(tuple(find(name, custom) for name in refit.names), refit.values, refit.unknowns).at({})
-    # One step from the best values: for the slopes there.
+    # One step, for the Jacobian at the best values.
     result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
     residual = weighted_residual(model, records, refit.weights)
     columns = result.jacobian[:, np.linalg.norm(result.jacobian, axis=0) > 0.0]
@@ -102,7 +100,7 @@ def _residual(refit: Refit, model: Model, records: Sequence[PreparedRecord], poi
 
 
 def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
-    """What another process needs to refit a problem.
+    """The data that another process needs for a refit.
 
     Raises:
         InputError: the model has nothing to fit.
@@ -121,12 +119,12 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
 
 
 def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
-    """Values of one draw, in the order of the unknowns; None where its fit did not settle."""
+    """Values of one draw, in the order of the unknowns; None where its fit did not converge."""
     ready = _prepared(refit)
     random = np.random.default_rng(seed)
     numbers = _blocks(ready.records, refit.weights, float(random.uniform()))
     signs = random.choice((-1.0, 1.0), int(numbers.max()) + 1)[numbers]
-    shift = signs * _without_own_pull(ready.residual, ready.basis, numbers) - ready.residual
+    shift = signs * _leverage_corrected(ready.residual, ready.basis, numbers) - ready.residual
     for change in ready.changes:
         shift = shift + random.normal() * change
     unknowns = tuple(
@@ -149,28 +147,29 @@ def _blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, offset:
     return np.concatenate(parts)
 
 
-def _without_own_pull(residual: np.ndarray, basis: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """The residual (n,) with each block's own pull on the fit taken back: (1 - U_b U_b^T)^-1 e_b."""
+def _leverage_corrected(residual: np.ndarray, basis: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """The residual (n,) corrected for the leverage of each block: (1 - U_b U_b^T)^-1 e_b."""
     out = residual.copy()
     order = np.argsort(numbers, kind="stable")
     edges = np.searchsorted(numbers[order], np.arange(int(numbers.max()) + 2))
     for first, last in pairwise(edges):
         own = order[first:last]
-        share, axes = np.linalg.eigh(basis[own].T @ basis[own])
-        share = np.minimum(share, MOST_LEVERAGE)
-        out[own] += basis[own] @ (axes @ ((axes.T @ (basis[own].T @ residual[own])) / (1.0 - share)))
+        leverage, axes = np.linalg.eigh(basis[own].T @ basis[own])
+        out[own] += basis[own] @ (
+            axes @ ((axes.T @ (basis[own].T @ residual[own])) / (1.0 - np.minimum(leverage, MOST_LEVERAGE)))
+        )
     return out
 
 
 @dataclass(frozen=True)
 class Bootstrap:
-    """Values over the draws.
+    """Values of the draws.
 
     Args:
         keys: of the fitted values.
         best: of the fit itself, (p,).
-        values: (draws, p), of the draws whose fit settled.
-        asked: draws asked for.
+        values: (draws, p), of the draws whose fit converged.
+        asked: number of draws requested.
     """
 
     keys: tuple[str, ...]
@@ -185,25 +184,25 @@ class Bootstrap:
 
     @property
     def band(self) -> tuple[np.ndarray, np.ndarray]:
-        """What 95 % of the draws lie between, (p,) each."""
+        """Limits of the central 95 % of the draws, (p,) each."""
         low, high = np.quantile(self.values, [0.025, 0.975], axis=0)
         return low, high
 
 
 def bootstrap_of(refit: Refit, found: Sequence[tuple[float, ...] | None]) -> Bootstrap:
-    """The draws together.
+    """The result of all draws.
 
     Raises:
-        InputError: too few fits settled to say anything.
+        InputError: too few fits converged.
     """
-    settled = [values for values in found if values is not None]
-    if len(settled) < max(LEAST_DRAWS // 2, len(found) // 2):
+    converged = [values for values in found if values is not None]
+    if len(converged) < max(LEAST_DRAWS // 2, len(found) // 2):
         raise InputError(
-            f"{refit.experiment.path}: only {len(settled)} of {len(found)} refits settled; the model's values are not "
-            "told apart by these records (see what compare says of them)"
+            f"{refit.experiment.path}: only {len(converged)} of {len(found)} refits converged; the values of the model "
+            "are not identifiable from these records (see the output of compare)"
         )
     keys = tuple(u.key for u in refit.unknowns)
-    return Bootstrap(keys, _ordered(refit.values, keys), np.array(settled), len(found))
+    return Bootstrap(keys, _ordered(refit.values, keys), np.array(converged), len(found))
 
 
 def _ordered(values: Mapping[str, float], keys: Sequence[str]) -> np.ndarray:

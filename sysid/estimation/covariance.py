@@ -1,4 +1,4 @@
-"""Intervals of fitted values that stay honest when residuals are correlated in time or uneven."""
+"""Confidence intervals and correlation of fitted values, robust to correlated and uneven residuals."""
 
 from __future__ import annotations
 
@@ -14,10 +14,13 @@ from sysid.prediction.model import PreparedRecord
 
 BLOCKS_PER_RECORD = 40
 
+IDENTIFIABLE = 1e-9
+"""Eigenvalue of the scaled information matrix, over the largest, up to which its direction is not identifiable."""
+
 
 @dataclass(frozen=True)
 class Interval:
-    """A fitted value with its standard deviation and 95 % interval; infinite where the records do not tell."""
+    """A fitted value with its standard deviation and 95 % interval; infinite where it is not identifiable."""
 
     value: float
     std: float
@@ -28,13 +31,13 @@ class Interval:
 
 @dataclass(frozen=True)
 class Intervals:
-    """Intervals of every fitted value, and how the values hang together.
+    """Intervals of every fitted value, and their correlation.
 
     Args:
         by_key: by parameter key.
         keys: order of the correlation matrix.
-        correlation: (p, p); NaN for a value the records say nothing about.
-        unidentified: directions in parameter space that the records do not tell apart, as `a` against `b`, in words.
+        correlation: (p, p); NaN for a value that is not identifiable.
+        unidentified: directions in parameter space that are not identifiable, as `a` against `b`.
     """
 
     by_key: dict[str, Interval]
@@ -43,83 +46,119 @@ class Intervals:
     unidentified: tuple[str, ...]
 
 
-def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Intervals:
-    """95 % intervals from a covariance in which whole blocks of time count as one observation.
+@dataclass(frozen=True)
+class _Information:
+    """Information matrix of the free values of a fit, each scaled by the length of its column.
 
-        cov = H^-1 (sum_b g_b g_b^T + (g_b g_b+1^T + g_b+1 g_b^T)/2) H^-1 * (B - 1)/B
-        g_b = (I - H_b H^-1)^-1 sum over a block of J^T w r,   H = sum_b H_b = J^T J within Huber's corner
-
-    with Student's t on 2/3 B - p degrees of freedom. The factor before the sum undoes that a block has pulled the fit
-    towards itself, and a value that one block alone tells becomes uncertain (CR3: Bell and McCaffrey 2002; Cameron and
-    Miller 2015). The half of the neighbour's product is Bartlett's weight (Newey and West 1987) for correlation across
-    the edge of a block; it costs a third of the freedom. Correlation, filtering and uneven noise widen the interval as
-    they should; sampling faster does not narrow it. What was known before the fit enters as one more observation. What
-    the comparison itself may be wrong by (`sysid.estimation.systematic_errors`) is added, value by value together.
+    Args:
+        free: which values are neither at a bound nor without influence, (p,).
+        size: lengths of the columns, (p,).
+        columns: of the free values, scaled to length one, (n, f).
+        inner: slope of Huber's influence: 1 within the corner, else 0, (n,).
+        vectors: eigenvectors (f, f).
+        identifiable: which of them are identifiable, (f,).
+        root: R with R R^T the inverse of the matrix on the identifiable directions, (f, r).
+        prior: contribution of the priors to the score: precision times their standard deviation, (f,).
     """
+
+    free: np.ndarray
+    size: np.ndarray
+    columns: np.ndarray
+    inner: np.ndarray
+    vectors: np.ndarray
+    identifiable: np.ndarray
+    root: np.ndarray
+    prior: np.ndarray
+
+
+def _information(fitted: FittedModel) -> _Information:
+    """H = J^T J within Huber's corner, plus the precision of the priors."""
     fit = fitted.fit
-    count = len(fit.keys)
-    if count == 0:
-        return Intervals({}, (), np.empty((0, 0)), ())
     norms = np.linalg.norm(fit.jacobian, axis=0)
-    precision = fit.precision if fit.precision.size == count else np.zeros(count)
+    precision = fit.precision if fit.precision.size == len(fit.keys) else np.zeros(len(fit.keys))
     size = np.where(norms > 0.0, norms, np.sqrt(precision))
     bound = np.array([key in fit.at_bound for key in fit.keys])
     free = (size > 0.0) & ~bound
     columns = fit.jacobian[:, free] / size[free]
     known = precision[free] / size[free] ** 2
-    deviations = np.array([0.0 if u.prior is None else u.prior.std for u in fitted.model.unknowns])[free] * size[free]
-    # The slope of Huber's influence, not its weight: beyond the corner a residual no longer pulls harder.
+    stds = np.array([0.0 if u.prior is None else u.prior.std for u in fitted.model.unknowns])[free] * size[free]
     inner = np.where(fit.weights >= 1.0, 1.0, 0.0)
     values, vectors = np.linalg.eigh(columns.T @ (inner[:, None] * columns) + np.diag(known))
-    keep = values > 1e-9 * max(values.max(initial=0.0), 1e-300)
+    keep = values > IDENTIFIABLE * max(values.max(initial=0.0), 1e-300)
     root = vectors[:, keep] / np.sqrt(values[keep])
+    return _Information(free, size, columns, inner, vectors, keep, root, known * stds)
 
+
+def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Intervals:
+    """95 % intervals from a cluster-robust (sandwich) covariance with blocks of time as clusters.
+
+        cov = H^-1 (sum_b g_b g_b^T + (g_b g_b+1^T + g_b+1 g_b^T)/2) H^-1 * (B - 1)/B
+        g_b = (I - H_b H^-1)^-1 sum over a block of J^T w r,   H = sum_b H_b = J^T J within Huber's corner
+
+    with Student's t on 2/3 B - p degrees of freedom. The factor before the sum is the leverage correction CR3 (Bell and
+    McCaffrey 2002; Cameron and Miller 2015). The weight 1/2 of the neighbouring block is Bartlett's (Newey and West
+    1987) for correlation across the edge of a block; it costs a third of the degrees of freedom. Correlation, filtering
+    and uneven noise widen the interval; faster sampling does not narrow it. A prior enters as one more observation, and
+    the systematic errors (`sysid.estimation.systematic_errors`) as further terms of rank one.
+    """
+    fit = fitted.fit
+    if not fit.keys:
+        return Intervals({}, (), np.empty((0, 0)), ())
+    information = _information(fitted)
     numbers = blocks(records, fitted.weights, BLOCKS_PER_RECORD)
-    pulls = _pulls(columns @ root, inner, fit.weights * fit.residual, numbers)
-    crossed = pulls[:-1].T @ pulls[1:]
-    for last in range(BLOCKS_PER_RECORD, pulls.shape[0], BLOCKS_PER_RECORD):
-        # The last block of a record has no neighbour in the next.
-        crossed -= np.outer(pulls[last - 1], pulls[last])
-    seen = int(np.unique(numbers).size)
-    told = (pulls.T @ pulls + 0.5 * (crossed + crossed.T)) * (seen - 1) / seen
-    covariance = root @ (told + root.T @ np.diag((known * deviations) ** 2) @ root) @ root.T
-
-    for change in systematic_errors(fitted, records):
-        shift = root @ (root.T @ (columns.T @ (inner * change)))
-        covariance += np.outer(shift, shift)
-
-    # Never below what independent noise would give: a few lucky blocks are no knowledge.
+    count = int(np.unique(numbers).size)
+    covariance = _covariance(fitted, records, information, numbers, count)
+    free, root = information.free, information.root
+    # Not below the covariance of independent noise, which a few quiet blocks may undercut.
     spread = np.maximum(np.diag(covariance), np.diag(root @ root.T))
-    std = np.full(count, np.inf)
-    std[free] = np.sqrt(spread) / size[free]
+    std = np.full(len(fit.keys), np.inf)
+    std[free] = np.sqrt(spread) / information.size[free]
     unidentified = []
-    keys_free = [k for k, f in zip(fit.keys, free, strict=True) if f]
-    for vector in vectors[:, ~keep].T:
-        strong = [keys_free[i] for i in np.argsort(-np.abs(vector)) if abs(vector[i]) > 0.3]
+    free_keys = [k for k, f in zip(fit.keys, free, strict=True) if f]
+    for vector in information.vectors[:, ~information.identifiable].T:
+        strong = [free_keys[i] for i in np.argsort(-np.abs(vector)) if abs(vector[i]) > 0.3]
         unidentified.append(" against ".join(strong[:3]))
         for key in strong:
             std[fit.keys.index(key)] = np.inf
-    reach = _student(max(int(seen / 1.5) - int(free.sum()), 1)) * std
+    reach = _student(max(int(count / 1.5) - int(free.sum()), 1)) * std
     result = {}
     for k, key in enumerate(fit.keys):
         value = fit.values[key]
-        if bound[k]:
+        if key in fit.at_bound:
             result[key] = Interval(value, float("inf"), float("-inf"), float("inf"), True)
         else:
             result[key] = Interval(value, float(std[k]), value - float(reach[k]), value + float(reach[k]))
-    correlation = np.full((count, count), np.nan)
+    correlation = np.full((len(fit.keys), len(fit.keys)), np.nan)
     index = np.flatnonzero(free)
     scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     correlation[np.ix_(index, index)] = covariance / np.outer(scale, scale)
     return Intervals(result, fit.keys, correlation, tuple(unidentified))
 
 
+def _covariance(
+    fitted: FittedModel, records: Sequence[PreparedRecord], information: _Information, numbers: np.ndarray, count: int
+) -> np.ndarray:
+    """Covariance (f, f) of the scaled free values; `numbers` (n,) of the `count` blocks of time."""
+    root, columns, inner = information.root, information.columns, information.inner
+    scores = _block_scores(columns @ root, inner, fitted.fit.weights * fitted.fit.residual, numbers)
+    crossed = scores[:-1].T @ scores[1:]
+    for last in range(BLOCKS_PER_RECORD, scores.shape[0], BLOCKS_PER_RECORD):
+        # The last block of a record has no neighbour in the next record.
+        crossed -= np.outer(scores[last - 1], scores[last])
+    meat = (scores.T @ scores + 0.5 * (crossed + crossed.T)) * (count - 1) / count
+    covariance = root @ (meat + root.T @ np.diag(information.prior**2) @ root) @ root.T
+    for change in systematic_errors(fitted, records):
+        shift = root @ (root.T @ (columns.T @ (inner * change)))
+        covariance += np.outer(shift, shift)
+    return covariance
+
+
 MOST_LEVERAGE = 0.98
-"""Share of what is known in some direction, told by one block, from which that block is not corrected further."""
+"""Leverage of one block in a direction up to which it is corrected."""
 
 
-def _pulls(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, numbers: np.ndarray) -> np.ndarray:
-    """Pull (B, p) of each block of time on the values, as if the block had not taken part in the fit.
+def _block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+    """Score (B, p) of each block of time, corrected for the leverage of the block.
 
     Args:
         columns: sensitivities (n, p) in coordinates in which J^T J is the unit matrix.
@@ -127,15 +166,15 @@ def _pulls(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, number
         influence: Huber's influence of each residual, (n,).
         numbers: of the block of each sample, (n,).
     """
-    pulls = np.zeros((int(numbers.max()) + 1, columns.shape[1]))
-    np.add.at(pulls, numbers, columns * influence[:, None])
+    scores = np.zeros((int(numbers.max()) + 1, columns.shape[1]))
+    np.add.at(scores, numbers, columns * influence[:, None])
     order = np.argsort(numbers, kind="stable")
-    edges = np.searchsorted(numbers[order], np.arange(pulls.shape[0] + 1))
-    for b in range(pulls.shape[0]):
+    edges = np.searchsorted(numbers[order], np.arange(scores.shape[0] + 1))
+    for b in range(scores.shape[0]):
         own = columns[order[edges[b] : edges[b + 1]]] * inner[order[edges[b] : edges[b + 1]], None]
-        share, axes = np.linalg.eigh(own.T @ own)
-        pulls[b] = axes @ ((axes.T @ pulls[b]) / (1.0 - np.minimum(share, MOST_LEVERAGE)))
-    return pulls
+        leverage, axes = np.linalg.eigh(own.T @ own)
+        scores[b] = axes @ ((axes.T @ scores[b]) / (1.0 - np.minimum(leverage, MOST_LEVERAGE)))
+    return scores
 
 
 def _student(freedom: int) -> float:

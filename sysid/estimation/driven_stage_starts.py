@@ -1,7 +1,8 @@
-"""Where fits of a friction drive begin: a coarse look over gain, press, stiffness, and what pads and contact hold.
+"""Initial values of a friction drive: coarse search over gain, preload indentation, stiffness and friction limits.
 
-Slips and lift-offs add up, so a fit that begins with the wrong side of either stays there. Some hundred rough models
-are held against what the stage does from one stroke to the next, in which nothing adds up; the best few are fitted.
+Slips and lift-offs accumulate, so a fit that starts on the wrong side of either stays there. A few hundred trial points
+are compared with the displacement of the stage from one stroke to the next, in which nothing accumulates; the best are
+refined and fitted.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,43 +23,46 @@ from sysid.prediction.friction_drive.parameters import CONTACT_STIFFNESS, contac
 from sysid.prediction.friction_drive.record import FrictionDriveRecord, leading_segment, predict_friction_drive
 from sysid.prediction.model import Model, PreparedRecord, Scales, in_contact, with_effect
 
+Point: TypeAlias = dict[str, float]
+"""Values of the open parameters, by key."""
+
 QUANTILES = (0.5, 0.75, 0.9)
-"""Of the stage's motion over the tip's, which are tried as the gain: while the contact sticks, the one is the other."""
-PRESSES = (0.25, 0.45, 0.65, 0.85, 1.1)
-"""Over the largest fall of the tip; beyond one it never leaves the stage."""
+"""Quantiles of the ratio of stage to tip motion that are tried as the gain: while the contact sticks they are equal."""
+INDENTATIONS = (0.25, 0.45, 0.65, 0.85, 1.1)
+"""Preload indentations over the largest descent of the tip; above one the tip never leaves the stage."""
 WIND_UPS = (0.01, 0.03, 0.1)
-"""Stretch of the contact when the pads slide, over the stroke."""
-HOLDS = (1.05, 1.4, 2.0, 3.0, 5.0, 9.0)
-"""What the contact holds over what the pads do."""
+"""Elastic displacement of the contact when the pads start to slide, over the stroke."""
+FRICTION_LIMITS = (1.05, 1.4, 2.0, 3.0, 5.0, 9.0)
+"""Friction limit of the contact over that of the pads."""
 STIFFNESSES = (0.15, 0.25, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 4.0)
-"""Over the contact's stiffness at the start, where it is fitted, forces going along: for the best rough models only."""
-FINER = (0.7, 0.84, 1.2, 1.4)
-"""Over each other number of the best rough models, one after the other."""
+"""Contact stiffness over its start, forces scaled alike; for the best points only, where it is fitted."""
+FINE_FACTORS = (0.7, 0.84, 1.2, 1.4)
+"""Factors on each other value of the best points, one after the other."""
 AMONTONS = 1.0
-"""Sensitivity of what a contact holds to its load."""
+"""Sensitivity of a friction limit that is proportional to the load."""
 LOAD_KEY = f"{CONTACT}load_dependent_friction.sensitivity"
 ROWS = 6000
-"""Of a record, at the most, that are looked at."""
-SHORTEST = 12
-"""Rows of a stroke, at the least."""
-MOVES = 1e-4
-"""Of the lean's range, in a row: less is a rest."""
-UNLIKE = 0.2
-"""Relative difference of some number from which two rough models are two starts."""
+"""First rows of each record that are used."""
+SHORTEST_STROKE = 12
+"""Rows, at the least."""
+MOTION_THRESHOLD = 1e-4
+"""Change of the tip's inclination per row over its range below which the row belongs to a rest."""
+DISTINCT = 0.2
+"""Relative difference of some value from which two points are two starts."""
 
-ALIKE = 1e-6
-"""Relative difference of their errors up to which two rough models predict the same."""
+SAME_ERROR = 1e-6
+"""Relative difference of the errors up to which two points predict the same."""
 
 
 @dataclass(frozen=True)
-class Effort:
-    """How much is tried.
+class SearchBudget:
+    """Budget of the initial-value search.
 
     Args:
-        refined: rough models that are looked at more closely.
-        tried: of those, how many are fitted to the beginnings of the records.
+        refined: best trial points that are refined.
+        tried: of those, how many are fitted to the first rows of the records.
         steps: of these fits.
-        kept: of those, how many are then fitted in full.
+        kept: of those, how many are then fitted to convergence.
     """
 
     refined: int = 12
@@ -66,18 +71,16 @@ class Effort:
     kept: int = 2
 
 
-def slipping_starts(
-    base: Model,
-    effect: Effect,
-    records: Sequence[PreparedRecord],
-    scales: Scales,
-    far: bool,
-    point: dict[str, float] | None,
-) -> list[Model]:
-    """Rough models with an effect that decides where a contact slips; none for another effect.
+SMALL = SearchBudget(6, 4, 6, 1)
 
-    Where the base model's contact hardly slips, neither its level nor how that goes with the load has a gradient; where
-    the base model is far off, every number of the contact had to make up for what is missing.
+
+def slipping_starts(
+    base: Model, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, far: bool, point: Point | None
+) -> list[Model]:
+    """Models to start a fit with an effect that acts between tip and stage from; none for another effect.
+
+    Where the contact of the base model hardly slips, its friction limit and load dependence have no gradient; where the
+    base model is far off, the values of its contact compensate for what is missing.
 
     Args:
         base: the fitted model.
@@ -85,38 +88,38 @@ def slipping_starts(
         records: those fitted.
         scales: of the records.
         far: whether the base model is far off.
-        point: values of the effect to begin with, where some are known.
+        point: starting values of the effect, where some are known.
     """
     if not in_contact(effect):
         return []
     grown = with_effect(base, effect, scales, point)
     if effect.friction_state is None and f"{effect.name}.sensitivity" != LOAD_KEY:
-        return rough_starts(grown.at(_neutral(grown)), records, (), Effort(6, 4, 6, 1)) if far else []
+        return rough_starts(grown.at(_default_contact(grown)), records, (), SMALL) if far else []
     plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.friction_state is not None else grown
-    found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), Effort(6, 4, 6, 1))
+    found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), SMALL)
     if effect.friction_state is not None:
-        # A contact that never slips had to make up for every slip: its numbers may be no start.
-        found += rough_starts(plain.at(_neutral(plain)), records, ())
-    # A law with presliding begins from where plain slip comes nearest.
-    levels = {_level_key(plain, True): _level_key(grown, True)}
+        # The values of a contact that never slipped compensate for every slip: start from the default ones too.
+        found += rough_starts(plain.at(_default_contact(plain)), records, ())
+    # A contact with presliding starts from the best contact with plain slip.
+    limits = {_limit_key(plain, True): _limit_key(grown, True)}
     return [
-        grown.at({levels.get(k, k): v for k, v in start.values.items() if levels.get(k, k) in grown.values})
+        grown.at({limits.get(k, k): v for k, v in start.values.items() if limits.get(k, k) in grown.values})
         for start in found
     ]
 
 
 def rough_starts(
-    model: Model, records: Sequence[PreparedRecord], given: Collection[str], effort: Effort | None = None
+    model: Model, records: Sequence[PreparedRecord], given: Collection[str], budget: SearchBudget | None = None
 ) -> list[Model]:
-    """The model at the rough values that come nearest the records, best first; none where nothing is open.
+    """The model at the best points of the initial-value search, best first; none where nothing is open.
 
     Args:
         model: as the experiment states it.
         records: those fitted.
         given: keys whose start the experiment states.
-        effort: how much is tried.
+        budget: of the search.
     """
-    effort = effort or Effort()
+    budget = budget or SearchBudget()
     driven = [leading_segment(r, ROWS) for r in records if isinstance(r, FrictionDriveRecord)]
     free = {u.key: u for u in model.unknowns if u.key not in given}
     grids = _grids(model, driven, free) if driven else {}
@@ -124,48 +127,50 @@ def rough_starts(
         return []
     strokes = [_stroke(record) for record in driven]
 
-    def misses(values: dict[str, float]) -> np.ndarray:
-        return np.concatenate([_misses(r, s, model, values) for r, s in zip(driven, strokes, strict=True)])
+    def stroke_residual(values: Point) -> np.ndarray:
+        return np.concatenate([_stroke_residual(r, s, model, values) for r, s in zip(driven, strokes, strict=True)])
 
-    def ranked(points: list[dict[str, float]]) -> list[dict[str, float]]:
-        near = np.array([np.mean(np.abs(misses({**model.values, **point}))) for point in points])
+    def ranked(points: list[Point]) -> list[Point]:
+        near = np.array([np.mean(np.abs(stroke_residual({**model.values, **point}))) for point in points])
         order = np.argsort(near, kind="stable")
-        # Where a number does nothing (a press under which the tip never leaves), one point stands for all alike.
-        told = np.diff(near[order], prepend=-1.0) > ALIKE * near[order]
-        return [points[k] for k in order[told]]
+        # Where a value has no influence (an indentation under which the tip never leaves), one point is kept.
+        differs = np.diff(near[order], prepend=-1.0) > SAME_ERROR * near[order]
+        return [points[k] for k in order[differs]]
 
-    points = [_absolute(model, dict(zip(grids, v, strict=True)), free) for v in product(*grids.values())]
+    points = [_in_si(model, dict(zip(grids, v, strict=True)), free) for v in product(*grids.values())]
     best = ranked(points)
     stiffness = model.values["rig.contact_stiffness"]
     if "rig.contact_stiffness" in free:
-        stiffer = [
-            _stiffened(model, point, stiffness, part) for point in best[: effort.refined] for part in STIFFNESSES
+        scaled = [
+            _with_stiffness(model, point, stiffness, part) for point in best[: budget.refined] for part in STIFFNESSES
         ]
-        best = ranked(stiffer)
+        best = ranked(scaled)
     for key in grids:
-        finer = [
-            _within(model, {**point, key: part * point[key]}) for point in best[: effort.refined] for part in FINER
+        fine = [
+            _bounded(model, {**point, key: part * point[key]})
+            for point in best[: budget.refined]
+            for part in FINE_FACTORS
         ]
-        best = ranked([*best[: effort.refined], *finer])
+        best = ranked([*best[: budget.refined], *fine])
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
-        return misses({**model.values, **dict(zip(keys, point.tolist(), strict=True))})
+        return stroke_residual({**model.values, **dict(zip(keys, point.tolist(), strict=True))})
 
     fits = [
-        least_squares(residual, model.at(point).unknowns, iterations=effort.steps)
-        for point in _unlike(best, effort.tried, UNLIKE)
+        least_squares(residual, model.at(point).unknowns, iterations=budget.steps)
+        for point in _distinct(best, budget.tried, DISTINCT)
     ]
     nearest = [found.values for found in sorted(fits, key=lambda f: root_mean_huber(f.residual))]
     return [
         model.at(least_squares(residual, model.at(point).unknowns).values)
-        for point in _unlike(nearest, effort.kept, UNLIKE)
+        for point in _distinct(nearest, budget.kept, DISTINCT)
     ]
 
 
-def _unlike(points: Sequence[dict[str, float]], count: int, part: float) -> list[dict[str, float]]:
-    """The first points, each of which differs from those before it by a part of some number."""
-    chosen: list[dict[str, float]] = []
+def _distinct(points: Sequence[Point], count: int, part: float) -> list[Point]:
+    """The first points, each of which differs from those before it by a relative part of some value."""
+    chosen: list[Point] = []
     for point in points:
         if len(chosen) == count:
             break
@@ -175,57 +180,58 @@ def _unlike(points: Sequence[dict[str, float]], count: int, part: float) -> list
 
 
 def _grids(model: Model, records: Sequence[FrictionDriveRecord], free: Collection[str]) -> dict[str, list[float]]:
-    """Values to try: gain and press in SI, what pads hold in metres of the contact's stretch, the contact over them."""
+    """Grid of trial values: gain and indentation in SI, pad friction as elastic displacement of the contact (m),
+    contact friction over pad friction."""
     grids: dict[str, list[float]] = {}
     if "rig.gain" in free:
         grids["rig.gain"] = [*dict.fromkeys([model.values["rig.gain"], *_gains(records)])]
     if "rig.press" in free:
         fall = max(float(np.max(-np.mean(r.drives, axis=0))) for r in records)
         if fall > 0.0:
-            # Over the gain: a tip that falls twice as far leaves as soon if it is pressed in twice as far.
-            grids["rig.press"] = [part * fall for part in PRESSES]
+            # Relative to the gain: a tip that descends twice as far leaves as soon with twice the indentation.
+            grids["rig.press"] = [part * fall for part in INDENTATIONS]
     if LOAD_KEY in free:
         grids[LOAD_KEY] = [AMONTONS]
-    pads = _level_key(model, False)
+    pads = _limit_key(model, False)
     if pads in free:
         stroke = max(float(np.ptp(r.drives[1] - r.drives[0])) * r.lever for r in records)
         grids[pads] = [part * stroke for part in WIND_UPS]
-    contact = _level_key(model, True)
+    contact = _limit_key(model, True)
     if contact in free:
-        grids[contact] = list(HOLDS)
-    # One number alone is for the fit itself to find.
+        grids[contact] = list(FRICTION_LIMITS)
+    # A single value is left to the fit itself.
     return grids if len(grids) > 1 else {}
 
 
-def _level_key(model: Model, contact: bool) -> str:
+def _limit_key(model: Model, contact: bool) -> str:
     name = next(
         (e.name for e in model.effects if e.friction_state is not None and e.name.startswith(CONTACT) == contact), ""
     )
     return f"{name}.force"
 
 
-def _absolute(model: Model, trial: dict[str, float], free: Collection[str]) -> dict[str, float]:
-    """The trial's numbers in SI, within their bounds."""
+def _in_si(model: Model, trial: Point, free: Collection[str]) -> Point:
+    """A trial point in SI units, within the bounds."""
     point = dict(trial)
     gain = trial.get("rig.gain", model.values["rig.gain"])
     if "rig.press" in point:
         point["rig.press"] *= gain
-    pads, contact = _level_key(model, False), _level_key(model, True)
+    pads, contact = _limit_key(model, False), _limit_key(model, True)
     if pads in point:
         point[pads] *= gain * model.values["rig.contact_stiffness"]
     if contact in point:
         point[contact] *= point.get(pads, model.values.get(pads, 1.0))
-    return _within(model, point)
+    return _bounded(model, point)
 
 
-def _stiffened(model: Model, point: dict[str, float], stiffness: float, part: float) -> dict[str, float]:
-    """A point with another stiffness of the contact, its forces going along."""
+def _with_stiffness(model: Model, point: Point, stiffness: float, part: float) -> Point:
+    """A point with the contact stiffness, and its forces, scaled by a factor."""
     forces = {key: part * value for key, value in point.items() if key.endswith(".force")}
-    return _within(model, {**point, **forces, "rig.contact_stiffness": part * stiffness})
+    return _bounded(model, {**point, **forces, "rig.contact_stiffness": part * stiffness})
 
 
-def _neutral(model: Model) -> dict[str, float]:
-    """The contact's own numbers, those of them that are free, where any fit begins."""
+def _default_contact(model: Model) -> Point:
+    """Default stiffness and damping of the contact, those of them that are fitted."""
     free = {u.key for u in model.unknowns}
     stiffness = model.values["rig.contact_stiffness"]
     if "rig.contact_stiffness" in free:
@@ -237,13 +243,14 @@ def _neutral(model: Model) -> dict[str, float]:
     return {key: value for key, value in neutral.items() if key in free}
 
 
-def _within(model: Model, point: dict[str, float]) -> dict[str, float]:
+def _bounded(model: Model, point: Point) -> Point:
     bounds = {u.key: (u.low, u.high) for u in model.unknowns}
     return {key: min(max(value, bounds[key][0]), bounds[key][1]) for key, value in point.items()}
 
 
 def _gains(records: Sequence[FrictionDriveRecord]) -> list[float]:
-    """Gains (m/V) at which the tip would have moved as the stage did, over most of the way."""
+    """Gains (m/V) at which the tip would have moved as the stage did: weighted quantiles of the ratio of their
+    motions."""
     ratios, weights = [], []
     for record in records:
         lag = _stroke(record) // 4
@@ -260,17 +267,17 @@ def _gains(records: Sequence[FrictionDriveRecord]) -> list[float]:
 
 
 def _stroke(record: FrictionDriveRecord) -> int:
-    """Rows of a stroke there and back: twice the mean from one turn of the lean to the next, rests left out."""
-    lean = record.drives[1] - record.drives[0]
-    change = np.diff(lean)
-    moves = np.abs(change) > MOVES * np.ptp(lean)
+    """Rows of a stroke and its return: twice the mean between reversals of the inclination, rests left out."""
+    inclination = record.drives[1] - record.drives[0]
+    change = np.diff(inclination)
+    moves = np.abs(change) > MOTION_THRESHOLD * np.ptp(inclination)
     turns = int(np.count_nonzero(np.diff(np.sign(change[moves]))))
     rows = 2 * int(np.count_nonzero(moves)) // max(turns, 1)
-    return min(max(rows, SHORTEST), record.size // 2)
+    return min(max(rows, SHORTEST_STROKE), record.size // 2)
 
 
-def _misses(record: FrictionDriveRecord, stroke: int, model: Model, values: dict[str, float]) -> np.ndarray:
-    """What the stage does from stroke to stroke less what is predicted, over its noise, (k,)."""
-    miss = record.measured["position"] - predict_friction_drive(record, model.effects, values)["position"]
+def _stroke_residual(record: FrictionDriveRecord, stroke: int, model: Model, values: Point) -> np.ndarray:
+    """Measured less predicted displacement from stroke to stroke, over its noise, (k,)."""
+    error = record.measured["position"] - predict_friction_drive(record, model.effects, values)["position"]
     ok = record.valid["position"][stroke:] & record.valid["position"][:-stroke]
-    return (miss[stroke:] - miss[:-stroke])[ok] / (np.sqrt(2.0) * record.noise["position"])
+    return (error[stroke:] - error[:-stroke])[ok] / (np.sqrt(2.0) * record.noise["position"])

@@ -1,4 +1,4 @@
-"""Fit of a model to records: from the force balance, several starts, bounds and dead columns reported."""
+"""Fit of a model to records: weighted residual, robust least squares, and the fitted model with its Jacobian."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from sysid.prediction.model import Model, PreparedRecord
 
 @dataclass(frozen=True)
 class FittedModel:
-    """A model at its best values, with the fit that found them."""
+    """A model at its best values, with the fit that found them and the residual weights of that fit."""
 
     model: Model
     fit: FitResult
@@ -23,7 +23,7 @@ class FittedModel:
 
     @property
     def columns(self) -> dict[str, np.ndarray]:
-        """What each unknown does to the residual, (n,), by key."""
+        """Column (n,) of the Jacobian of each unknown, by key."""
         return dict(zip(self.fit.keys, self.fit.jacobian.T, strict=True))
 
 
@@ -35,39 +35,39 @@ def fit_model(
     near: FittedModel | None = None,
     final_jacobian: bool = True,
 ) -> FittedModel:
-    """Fit the model's unknowns to the records.
+    """Fit the unknowns of a model to records.
 
-    Without `weights` the deviations are taken from the model's own start, and once more from its first fit.
+    Without `weights` the standard deviations follow from the model at its start, and once more from its first fit.
 
     Args:
         model: with the values to start from.
         records: those fitted.
-        weights: deviations and samples.
-        iterations: steps at the most.
-        near: fit of the same records on the same `weights` at values near the start: what an unknown of it does there
-            is taken for what it does here, until a step tells otherwise.
-        last_word: measure what the unknowns do where the fit ends; without, it is as the steps left it.
+        weights: standard deviations and scored samples.
+        iterations: accepted steps at the most.
+        near: fit of the same records with the same `weights` near the start; its Jacobian columns are the first
+            approximation of those of the same unknowns.
+        final_jacobian: measure the Jacobian at the end; without, it is as the last update left it.
     """
     if weights is not None:
-        # A driven stage slips at other times where a value is another: what its unknowns do, too.
+        # On a driven stage another value moves the times of slip: a Jacobian from elsewhere is no approximation.
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
-        residual = _residual_of(model, records, weights)
+        residual = _residual_function(model, records, weights)
         result = least_squares(
             residual, model.unknowns, iterations=iterations, known=known, final_jacobian=final_jacobian
         )
         return FittedModel(model.at(result.values), result, weights)
     first = fit_model(model, records, residual_weights(model, records), iterations)
     weights = residual_weights(first.model, records)
-    rescaled = _rescaled(first.weights, weights)
-    known = {key: column * rescaled for key, column in first.columns.items()}
-    residual = _residual_of(first.model, records, weights)
+    ratio = _std_ratio(first.weights, weights)
+    known = {key: column * ratio for key, column in first.columns.items()}
+    residual = _residual_function(first.model, records, weights)
     result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, exact_jacobian=True)
     return FittedModel(first.model.at(result.values), result, weights)
 
 
-def _rescaled(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
-    """Deviations of the scored samples before over those after, all channels of all records end to end, (n,)."""
+def _std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
+    """Standard deviations of the scored samples before over those after, (n,)."""
     parts = [
         earlier[channel] / later[channel]
         for earlier, later in zip(before.scored_std, after.scored_std, strict=True)
@@ -76,8 +76,8 @@ def _rescaled(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _residual_of(model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> ResidualFunction:
-    """The weighted residual (n,) of a model at a point (p,) of its unknowns."""
+def _residual_function(model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> ResidualFunction:
+    """The weighted residual (n,) of a model as a function of its unknowns (p,)."""
     keys = [u.key for u in model.unknowns]
 
     def residual(point: np.ndarray) -> np.ndarray:
@@ -88,15 +88,15 @@ def _residual_of(model: Model, records: Sequence[PreparedRecord], weights: Resid
 
 
 def with_final_jacobian(fitted: FittedModel, records: Sequence[PreparedRecord]) -> FittedModel:
-    """The fit with what its unknowns do measured where it ended."""
-    if fitted.fit.measured:
+    """The fit with its Jacobian measured by differences at the best values."""
+    if fitted.fit.exact:
         return fitted
     point = np.array([fitted.fit.values[key] for key in fitted.fit.keys])
-    residual = _residual_of(fitted.model, records, fitted.weights)
+    residual = _residual_function(fitted.model, records, fitted.weights)
     columns = jacobian(residual, point, fitted.fit.residual, fitted.model.unknowns)
-    return replace(fitted, fit=replace(fitted.fit, jacobian=columns, measured=True))
+    return replace(fitted, fit=replace(fitted.fit, jacobian=columns, exact=True))
 
 
 def root_mean_huber(residual: np.ndarray) -> float:
-    """Error by which models are ranked: root mean Huber square of a residual in deviations."""
+    """Root of the mean Huber loss of a residual (n,) in standard deviations: the error by which models are ranked."""
     return float(np.sqrt(np.mean(huber_square(residual)))) if residual.size else float("nan")

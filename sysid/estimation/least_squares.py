@@ -1,7 +1,11 @@
-"""Least squares of a model against prepared records: bounded, scaled, robust to outliers, honest about its columns.
+"""Bounded, robust nonlinear least squares of a model against records (Levenberg-Marquardt with Broyden updates).
 
-A value known beforehand to a deviation pulls the fit as one more measurement of it would (a normal prior). Where the
-model leaves more than the noise, the prior weighs as much more: residuals are then no measure of the values.
+The objective is Huber's loss of the weighted residual plus the normal priors of values known beforehand,
+
+    F(p) = sum_i rho(r_i(p)) + sum_k (s / std_k)^2 (p_k - value_k)^2 / 2
+
+with s the scale of the residual, at least 1: where the model leaves more than the noise, residuals are a poor measure
+of the values, and the priors weigh more.
 """
 
 from __future__ import annotations
@@ -14,7 +18,7 @@ import numpy as np
 from sysid.experiment.unknowns import Unknown
 
 HUBER = 2.5
-"""Residuals beyond this many robust deviations count by their size, not its square."""
+"""Corner of Huber's loss, in robust standard deviations of the residual."""
 
 ResidualFunction = Callable[[np.ndarray], np.ndarray]
 
@@ -29,11 +33,12 @@ class FitResult:
         jacobian: of the weighted residual at the best values, (n, p), without robust weights.
         residual: weighted residual (n,).
         weights: robust weights (n,) in (0, 1].
+        keys: of the values, in the order of the columns.
         at_bound: keys of values that ended on a bound.
-        dead: keys whose change did not change the prediction at the start.
+        inactive: keys of values with a zero column of the Jacobian at the start.
         iterations: accepted steps.
         converged: whether the last step was small.
-        measured: whether the columns are differences at the best values, not from nearby, as the steps amended them.
+        exact: whether the Jacobian was measured by differences at the best values, not carried there by updates.
         precision: what the priors add to the diagonal of J^T w J, (p,); zero where nothing was known.
     """
 
@@ -47,12 +52,12 @@ class FitResult:
     inactive: tuple[str, ...] = ()
     iterations: int = 0
     converged: bool = True
-    measured: bool = True
+    exact: bool = True
     precision: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 def huber_weights(residual: np.ndarray, scale: float) -> np.ndarray:
-    """Weights (n,) of Huber's loss with the corner at `HUBER` times `scale`."""
+    """Weights (n,) of Huber's loss with its corner at `HUBER` times `scale`."""
     size = np.abs(residual)
     corner = HUBER * scale
     return np.where(size <= corner, 1.0, corner / np.maximum(size, 1e-300))
@@ -69,28 +74,29 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
     size = np.abs(residual)
     corner = HUBER * scale
     inner = np.minimum(size, corner)
-    # A step too far may make residuals beyond all numbers: their cost is endless, and the step is not taken.
+    # A step too long may overflow the residual: its cost is infinite, and the step is refused.
     with np.errstate(over="ignore"):
         return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
 
 
-VAST = 1e100
-"""As large as a scale may count: its square is still a number."""
+LARGEST_SCALE = 1e100
+"""Limit of a scale, so that its square does not overflow."""
 
 
 class _Priors:
-    """The priors of a fit as sums: precision (p,) at a residual scale, cost and gradient at a point."""
+    """The normal priors of a fit: precision (p,) at a residual scale, and their part of the objective."""
 
     def __init__(self, unknowns: Sequence[Unknown]) -> None:
         self.value = np.array([0.0 if u.prior is None else u.prior.value for u in unknowns])
-        self.inverse = np.array([0.0 if u.prior is None else max(u.prior.std, 1.0 / VAST) ** -2 for u in unknowns])
+        stds = [None if u.prior is None else max(u.prior.std, 1.0 / LARGEST_SCALE) for u in unknowns]
+        self.inverse = np.array([0.0 if std is None else std**-2 for std in stds])
 
     def precision(self, scale: float) -> np.ndarray:
-        """Weight (p,) of each prior beside residuals of this scale: they are no better than what the model leaves."""
-        return self.inverse * (min(max(scale, 1.0), VAST) ** 2 if np.isfinite(scale) else 1.0)
+        """Precision (p,) of each prior beside residuals of this scale."""
+        return self.inverse * (min(max(scale, 1.0), LARGEST_SCALE) ** 2 if np.isfinite(scale) else 1.0)
 
     def cost(self, point: np.ndarray, scale: float) -> float:
-        """What the priors add to the cost at a point (p,)."""
+        """Part of the objective at a point (p,)."""
         return 0.5 * float(np.sum(self.precision(scale) * (point - self.value) ** 2))
 
 
@@ -101,7 +107,14 @@ def jacobian(
     unknowns: Sequence[Unknown],
     known: Mapping[str, np.ndarray] | None = None,
 ) -> np.ndarray:
-    """Forward (at a high bound, backward) differences (n, p) of the residual, but for the columns that are known."""
+    """Jacobian (n, p) by forward differences, backward at an upper bound.
+
+    Args:
+        function: weighted residual (n,) at a point (p,).
+        point, base: where, and the residual there.
+        unknowns: what is moved.
+        known: columns (n,) that are taken as they are, by key.
+    """
     out = np.empty((base.size, point.size), order="F")
     for k, unknown in enumerate(unknowns):
         if known is not None and unknown.key in known:
@@ -117,8 +130,8 @@ def jacobian(
 
 
 @dataclass(frozen=True)
-class _Loss:
-    """What a fit makes small: Huber's loss of a residual at a fixed scale, and what the priors add.
+class _Objective:
+    """Huber's loss of a residual at a fixed scale, plus the priors.
 
     Args:
         scale: of the residual; infinite for plain squares.
@@ -133,24 +146,55 @@ class _Loss:
         return huber_weights(residual, self.scale) if np.isfinite(self.scale) else np.ones_like(residual)
 
     def of_residual(self, residual: np.ndarray) -> float:
-        """Of a residual (n,) alone."""
+        """Loss of a residual (n,) alone."""
         return huber_cost(residual, self.scale) if np.isfinite(self.scale) else 0.5 * float(residual @ residual)
 
     def __call__(self, residual: np.ndarray, point: np.ndarray) -> float:
-        """Of a residual (n,) at a point (p,); endless where there is no number."""
+        """Objective at a point (p,) with its residual (n,); infinite where the residual is not finite."""
         if not np.isfinite(residual).all():
             return np.inf
         return self.of_residual(residual) + self.priors.cost(point, self.scale)
 
 
 @dataclass(frozen=True)
-class _Bowl:
-    """The loss near a point as its columns foretell it: a quadratic form of the values that are free to move.
+class _Problem:
+    """What is minimised: the residual function, the unknowns with bounds (p,) and priors, and the kind of loss."""
+
+    function: ResidualFunction
+    unknowns: Sequence[Unknown]
+    priors: _Priors
+    low: np.ndarray
+    high: np.ndarray
+    robust: bool
+
+    def objective(self, residual: np.ndarray) -> _Objective:
+        """The objective at the scale of a residual (n,)."""
+        return _Objective(robust_scale(residual) if self.robust else np.inf, self.priors)
+
+
+@dataclass(frozen=True)
+class _Iterate:
+    """A point (p,) with its residual (n,) and Jacobian (n, p); `exact` where the Jacobian was measured there."""
+
+    point: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    exact: bool
+
+    def measured(self, problem: _Problem) -> _Iterate:
+        """The same point with the Jacobian measured by differences."""
+        columns = jacobian(problem.function, self.point, self.residual, problem.unknowns)
+        return _Iterate(self.point, self.residual, columns, True)
+
+
+@dataclass(frozen=True)
+class _QuadraticModel:
+    """Quadratic (Gauss-Newton) model of the objective near a point, of the values that are free to move.
 
     Args:
         free: which values move, (p,).
-        norms: of all columns, (p,).
-        normal: of the scaled values, (f, f).
+        norms: of all columns of the Jacobian, (p,).
+        normal: J^T w J of the scaled free values, (f, f).
         right: its negative gradient, (f,).
     """
 
@@ -160,7 +204,7 @@ class _Bowl:
     right: np.ndarray
 
     def step(self, damping: float) -> tuple[np.ndarray, float] | None:
-        """Step (p,) to its lowest point, damped, and by how much the loss would fall; none where there is none."""
+        """Damped step (p,) to the minimum and the predicted reduction; none where the equations are singular."""
         try:
             scaled = np.linalg.solve(self.normal + damping * np.diag(np.diag(self.normal) + 1e-12), self.right)
         except np.linalg.LinAlgError:
@@ -170,35 +214,64 @@ class _Bowl:
         return out, float(scaled @ (self.right - 0.5 * self.normal @ scaled))
 
 
-def _bowl(
-    columns: np.ndarray, base: np.ndarray, point: np.ndarray, loss: _Loss, low: np.ndarray, high: np.ndarray
-) -> _Bowl | None:
-    """The loss around a point; none where no value is free to move.
+def _quadratic_model(problem: _Problem, at: _Iterate, objective: _Objective) -> _QuadraticModel | None:
+    """The quadratic model at an iterate; none where no value is free to move.
 
-    A value whose gradient pushes it through its bound is held there, and a column of zeros is left out.
+    A value whose gradient pushes it through its bound is fixed for the step, and a zero column is left out. Both would
+    otherwise stall the fit.
     """
-    precision = loss.priors.precision(loss.scale)
-    weighted = loss.weights(base)[:, None] * columns
-    normal = columns.T @ weighted
-    gradient = weighted.T @ base + precision * (point - loss.priors.value)
-    norms = np.sqrt(np.einsum("ij,ij->j", columns, columns))
-    blocked = ((point <= low) & (gradient > 0)) | ((point >= high) & (gradient < 0))
+    precision = problem.priors.precision(objective.scale)
+    weighted = objective.weights(at.residual)[:, None] * at.jacobian
+    normal = at.jacobian.T @ weighted
+    gradient = weighted.T @ at.residual + precision * (at.point - problem.priors.value)
+    norms = np.sqrt(np.einsum("ij,ij->j", at.jacobian, at.jacobian))
+    blocked = ((at.point <= problem.low) & (gradient > 0)) | ((at.point >= problem.high) & (gradient < 0))
     free = (norms > 0.0) & ~blocked
     if not free.any():
         return None
     lengths = norms[free]
     scaled = normal[np.ix_(free, free)] / np.outer(lengths, lengths) + np.diag(precision[free] / lengths**2)
-    return _Bowl(free, norms, scaled, -gradient[free] / lengths)
+    return _QuadraticModel(free, norms, scaled, -gradient[free] / lengths)
 
 
-TRIES = 8
-"""Steps tried from one point, each ten times as damped as the one before."""
+ATTEMPTS = 8
+"""Steps tried from one point, each with ten times the damping of the one before."""
 
-AS_FORETOLD = 0.4
-"""Part of the drop of loss that the columns foretold, or of the one found, from which the step amends the columns."""
+LEAST_GAIN_RATIO = 0.4
+"""Ratio of the predicted to the actual reduction, or the reverse, from which the Jacobian is updated, not measured."""
 
-NO_DROP = 0.01
-"""Part of the tolerance below which a foretold drop is tried once, and no more."""
+NEGLIGIBLE_REDUCTION = 0.01
+"""Part of the tolerance below which a predicted reduction is tried only once."""
+
+
+def _trial_step(
+    problem: _Problem, at: _Iterate, objective: _Objective, model: _QuadraticModel, damping: float, tolerance: float
+) -> tuple[tuple[np.ndarray, np.ndarray, float] | None, float]:
+    """The first damped step that lowers the objective: its point, residual and cost, none where there is none; and
+    the damping to go on with. With an updated Jacobian only one step is tried."""
+    cost = objective(at.residual, at.point)
+    for _ in range(ATTEMPTS):
+        found = model.step(damping)
+        if found is not None:
+            point = np.clip(at.point + found[0], problem.low, problem.high)
+            residual = problem.function(point)
+            new_cost = objective(residual, point)
+            if new_cost < cost:
+                return (point, residual, new_cost), max(damping * 0.1, 1e-9)
+            if not at.exact or found[1] < NEGLIGIBLE_REDUCTION * tolerance * cost:
+                break
+        damping *= 10.0
+    return None, damping
+
+
+def _broyden_update(at: _Iterate, point: np.ndarray, residual: np.ndarray, norms: np.ndarray) -> _Iterate:
+    """The iterate at an accepted point with Broyden's rank-one update of the Jacobian, columns scaled by `norms`."""
+    moved = point - at.point
+    predicted = at.residual + at.jacobian @ moved
+    lengths = norms**2 * moved
+    # As a transpose: columns stay contiguous in memory.
+    updated = at.jacobian + np.outer(lengths / float(lengths @ moved), residual - predicted).T
+    return _Iterate(point, residual, updated, False)
 
 
 def least_squares(
@@ -211,83 +284,65 @@ def least_squares(
     exact_jacobian: bool = False,
     final_jacobian: bool = True,
 ) -> FitResult:
-    """Levenberg-Marquardt within bounds on a weighted residual, with Huber weights renewed at every step.
+    """Minimise a weighted residual within bounds by Levenberg-Marquardt, Huber weights renewed at every step.
 
-    A value whose gradient pushes it through its bound is held there for the step; a column of zeros is left out and
-    reported. Both would otherwise stall the fit in silence.
-
-    A prediction costs far more than a step: while the columns of differences foretell what steps do, each step amends
-    them (C. G. Broyden, Math. Comp. 19 (1965) 577); measured anew, they have the last word, and are what is returned.
+    A prediction costs far more than a step. While the gain ratio (actual over predicted reduction of the objective)
+    stays near one, the Jacobian is carried along by Broyden's update (C. G. Broyden, Math. Comp. 19 (1965) 577);
+    otherwise, and before convergence is declared, it is measured by differences.
 
     Args:
         function: weighted residual (n,) at a point (p,).
         unknowns: what is moved.
         robust: Huber's loss at a scale taken from the residual, else plain squares.
-        iterations: at most so many accepted or refused steps.
-        tolerance: relative change of cost at which it stops.
-        known: columns (n,) of the residual's differences by key, as they were at a point near the start.
-        as_measured: they are those of the start itself.
-        last_word: measure the columns that are returned anew; without, they are as the steps left them.
+        iterations: accepted steps at the most.
+        tolerance: relative reduction of the objective at which it stops.
+        known: columns (n,) of the Jacobian at a point near the start, by key.
+        exact_jacobian: the known columns are those of the start itself.
+        final_jacobian: measure the Jacobian that is returned; without, it is as the last update left it.
     """
-    point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
-    base = function(point)
     keys = tuple(u.key for u in unknowns)
-    priors = _Priors(unknowns)
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])
-
-    def loss_here() -> _Loss:
-        return _Loss(robust_scale(base) if robust else np.inf, priors)
-
-    columns, measured = jacobian(function, point, base, unknowns, known), exact_jacobian or not known
+    problem = _Problem(function, unknowns, _Priors(unknowns), low, high, robust)
+    point = np.array([min(max(u.start, u.low), u.high) for u in unknowns], dtype=float)
+    residual = function(point)
+    columns = jacobian(function, point, residual, unknowns, known)
+    at = _Iterate(point, residual, columns, exact_jacobian or not known)
     inactive = tuple(sorted(keys[k] for k in np.flatnonzero(~columns.any(axis=0))))
-    damping, accepted, left = 1e-4, 0, iterations if unknowns else 0
-    converged = not unknowns
-    while left > 0 and not converged:
-        loss = loss_here()
-        cost = loss(base, point)
-        bowl = _bowl(columns, base, point, loss, low, high)
-        new, new_cost, trial = base, np.inf, point
-        for _ in range(TRIES if bowl is not None else 0):
-            assert bowl is not None
-            found = bowl.step(damping)
-            if found is not None:
-                trial = np.clip(point + found[0], low, high)
-                new = function(trial)
-                new_cost = loss(new, trial)
-                if new_cost < cost:
-                    damping = max(damping * 0.1, 1e-9)
-                    break
-                if not measured or found[1] < NO_DROP * tolerance * cost:
-                    break
-            damping *= 10.0
-        if not new_cost < cost:
-            if measured:
-                converged = True
-            else:
-                columns, measured = jacobian(function, point, base, unknowns), True
+    damping, accepted, converged = 1e-4, 0, not unknowns
+    while accepted < iterations and not converged:
+        objective = problem.objective(at.residual)
+        model, trial = _quadratic_model(problem, at, objective), None
+        if model is not None:
+            trial, damping = _trial_step(problem, at, objective, model, damping, tolerance)
+        if model is None or trial is None:
+            converged = at.exact
+            at = at if at.exact else at.measured(problem)
             continue
-        left -= 1
         accepted += 1
-        assert bowl is not None
-        moved = trial - point
-        foretold = base + columns @ moved
-        fell, should = cost - new_cost, cost - loss(foretold, trial)
-        point, base = trial, new
-        settled = fell < tolerance * cost
-        if settled or not AS_FORETOLD * should < fell < should / AS_FORETOLD:
-            converged = settled and measured
-            columns, measured = jacobian(function, point, base, unknowns), True
+        point, residual, new_cost = trial
+        cost = objective(at.residual, at.point)
+        actual = cost - new_cost
+        predicted = cost - objective(at.residual + at.jacobian @ (point - at.point), point)
+        small = actual < tolerance * cost
+        if small or not LEAST_GAIN_RATIO * predicted < actual < predicted / LEAST_GAIN_RATIO:
+            converged = small and at.exact
+            at = _Iterate(point, residual, at.jacobian, False).measured(problem)
         else:
-            lengths = bowl.norms**2 * moved
-            columns, measured = columns + np.outer(lengths / float(lengths @ moved), base - foretold).T, False
-    if not measured and final_jacobian:
-        columns, measured = jacobian(function, point, base, unknowns), True
-    loss = loss_here()
-    at_bound = tuple(u.key for u, value in zip(unknowns, point, strict=True) if (value <= u.low or value >= u.high))
+            at = _broyden_update(at, point, residual, model.norms)
+    if not at.exact and final_jacobian:
+        at = at.measured(problem)
+    objective = problem.objective(at.residual)
     return FitResult(
-        values=dict(zip(keys, point.tolist(), strict=True)),
-        cost=loss.of_residual(base),
-        jacobian=columns, residual=base, weights=loss.weights(base), keys=keys, at_bound=at_bound,
-        inactive=inactive, iterations=accepted, converged=converged, measured=measured,
-        precision=priors.precision(loss.scale),
-    )  # fmt: skip
+        values=dict(zip(keys, at.point.tolist(), strict=True)),
+        cost=objective.of_residual(at.residual),
+        jacobian=at.jacobian,
+        residual=at.residual,
+        weights=objective.weights(at.residual),
+        keys=keys,
+        at_bound=tuple(u.key for u, v in zip(unknowns, at.point, strict=True) if v <= u.low or v >= u.high),
+        inactive=inactive,
+        iterations=accepted,
+        converged=converged,
+        exact=at.exact,
+        precision=problem.priors.precision(objective.scale),
+    )

@@ -1,4 +1,5 @@
-"""How large a residual is, in the ways the loop needs: over the noise, for ranking, and block by block."""
+"""Residuals of a model in standard deviations of the noise, and their size: by channel, by block of time, away from
+events."""
 
 from __future__ import annotations
 
@@ -13,7 +14,7 @@ from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, PreparedRecord, predict
 
 KEPT = 0.97
-"""Share of samples in the robust figure: a reversal between two samples is nobody's fault."""
+"""Share of samples in the trimmed rms: single samples at a reversal between two samples are left out."""
 
 _CORNER = 2.17009
 """Two-sided 97 % point of the normal distribution."""
@@ -22,14 +23,14 @@ TRIM_FACTOR = float(np.sqrt(1.0 - 2.0 * _CORNER * np.exp(-0.5 * _CORNER**2) / np
 """rms of a standard normal variable within its central 97 %."""
 
 LEAST_AT_REST = 200
-"""Samples at rest from which their displacements are a misfit of their own."""
+"""Scored samples in stick phases from which presliding displacements count in the misfit."""
 
 LOSS_CORNER = 4.0
-"""Deviations beyond which the ranking's loss grows with the size of a residual, not its square."""
+"""Corner of the Huber loss by which models are ranked, in standard deviations of the noise."""
 
 
 def trimmed_rms(residual: np.ndarray) -> float:
-    """rms over the best 97 % of samples, scaled so that normal noise of unit deviation gives 1."""
+    """rms of the smallest 97 % of a residual (n,), scaled so that standard normal noise gives 1."""
     if residual.size == 0:
         return float("nan")
     size = np.sort(np.abs(residual))
@@ -38,7 +39,7 @@ def trimmed_rms(residual: np.ndarray) -> float:
 
 
 def huber_square(residual: np.ndarray) -> np.ndarray:
-    """Twice Huber's loss (n,) of a residual in noise deviations: its square up to the corner, linear beyond."""
+    """Twice Huber's loss (n,) of a residual in standard deviations: its square up to `LOSS_CORNER`, linear beyond."""
     size = np.abs(residual)
     inner = np.minimum(size, LOSS_CORNER)
     return inner**2 + 2.0 * LOSS_CORNER * (size - inner)
@@ -50,8 +51,8 @@ class ChannelMisfit:
 
     Args:
         rms: over all scored samples, in the channel's unit.
-        over_noise: robust rms over the noise in the same residual after the same filter; 1 is noise alone. Of a
-            position, or that of what a held body gives way by, if it is more.
+        over_noise: trimmed rms over the noise in the same residual after the same filter; 1 is noise alone. That of
+            the presliding displacements in stick phases, if it is larger.
         fit_percent: 100 (1 - |residual| / |measured - mean|).
         size: scored samples.
     """
@@ -63,27 +64,28 @@ class ChannelMisfit:
 
 
 def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> bool:
-    """Whether the plain rms hides how far the error fell: few samples beside reversals rule it, or it shows at rest."""
+    """Whether the plain rms understates the reduction of the trimmed rms, since few samples at reversals dominate
+    it."""
     return after.rms * before.over_noise > 2.0 * after.over_noise * before.rms
 
 
 def scored_channels(record: PreparedRecord) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
-    """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
+    """Scored quantities by name: values (n,), mask of the valid samples (n,), and standard deviation of the noise."""
     if isinstance(record, ForceBalanceRecord):
         return record.scored
     return {channel: (y, record.valid[channel], record.noise[channel]) for channel, y in record.measured.items()}
 
 
-FOLLOWED = 0.1
-"""Part of the uncertain timing that is left where bristles follow a given position, and no force flips in a step."""
+PRESLIDING_TIMING = 0.1
+"""Part of the timing uncertainty that remains with presliding under imposed motion: no force jumps within a step."""
 
 
 def sample_std(
     record: PreparedRecord, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0
 ) -> np.ndarray:
-    """Standard deviation (n,) of a residual: sensor noise, and timing within a step where the prediction is steep.
+    """Standard deviation (n,) of a residual, hypot(sensor noise, timing uncertainty x slope of the prediction).
 
-    `timing` is the part of the record's own uncertainty of timing that the model leaves.
+    `timing` is the part of the record's timing uncertainty that applies to the model.
     """
     noise = scored_channels(record)[channel][2]
     if not isinstance(record, ForceBalanceRecord) or record.timing_uncertainty == 0.0 or channel == STICK_DISPLACEMENT:
@@ -97,7 +99,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
     residuals: dict[str, list[np.ndarray]] = {}
     scaled: dict[str, list[np.ndarray]] = {}
     measured: dict[str, list[np.ndarray]] = {}
-    given: dict[str, list[np.ndarray]] = {}
+    presliding: dict[str, list[np.ndarray]] = {}
     for record in records:
         predicted = predict(record, model.effects, model.values)
         for channel in record.measured:
@@ -107,10 +109,10 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             scaled.setdefault(channel, []).append(r / record.noise[channel])
             measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
         if isinstance(record, ForceBalanceRecord) and record.stick_phases is not None:
-            # How a body gives way while it is held counts as a misfit of its position.
+            # Presliding displacements in stick phases count as a misfit of the position.
             ok = record.stick_phases.scored
             channel = "position" if "position" in record.measured else record.force_channel
-            given.setdefault(channel, []).append(
+            presliding.setdefault(channel, []).append(
                 (record.stick_phases.displacement - predicted[STICK_DISPLACEMENT])[ok] / record.stick_phases.noise
             )
     out = {}
@@ -118,7 +120,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
         r, y = np.concatenate(parts), np.concatenate(measured[channel])
         norm = float(np.linalg.norm(y))
         over = trimmed_rms(np.concatenate(scaled[channel]))
-        at_rest = np.concatenate(given.get(channel, [np.empty(0)]))
+        at_rest = np.concatenate(presliding.get(channel, [np.empty(0)]))
         if at_rest.size >= LEAST_AT_REST:
             over = max(over, trimmed_rms(at_rest))
         out[channel] = ChannelMisfit(
@@ -131,57 +133,53 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
 
 
 def worst_over_noise(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
-    """Largest error over noise of any channel, on the records of the fit or the held-out ones."""
+    """Largest normalised residual of any channel, on the records of the fit or the held-out ones."""
     return max((m.over_noise for m in (*fit.values(), *validate.values())), default=1.0)
 
 
 @dataclass(frozen=True)
 class ResidualWeights:
-    """What makes residuals comparable between models: fixed deviations and thinning, taken from the base model."""
+    """Standard deviations (n,) and indices of the scored samples (k,), by record and channel.
 
-    deviations: tuple[dict[str, np.ndarray], ...]
+    Taken from one model and kept, so that residuals of other models are comparable with its own.
+    """
+
+    std: tuple[dict[str, np.ndarray], ...]
     samples: tuple[dict[str, np.ndarray], ...]
 
     @cached_property
     def scored_std(self) -> tuple[dict[str, np.ndarray], ...]:
-        """The deviations at the samples that are scored."""
+        """The standard deviations at the scored samples, (k,)."""
         return tuple(
-            {channel: deviations[channel][pick] for channel, pick in samples.items()}
-            for deviations, samples in zip(self.deviations, self.samples, strict=True)
+            {channel: std[channel][index] for channel, index in samples.items()}
+            for std, samples in zip(self.std, self.samples, strict=True)
         )
 
 
 def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool = True) -> ResidualWeights:
-    """Deviations from the base model's prediction, and the samples that are scored.
+    """Standard deviations along a model's prediction, and the scored samples.
 
-    A filtered record is thinned to a sample per filter width: its neighbours say the same, and count once.
+    A filtered record is thinned to one sample per filter width, since neighbours within it are dependent.
     """
-    deviations, samples = [], []
+    std, samples = [], []
     for record in records:
         predicted = predict(record, model.effects, model.values)
         scored = scored_channels(record)
-        given = isinstance(record, ForceBalanceRecord) and record.stick_fraction is None
-        timing = (
-            FOLLOWED
-            if given and any(e.friction_state and e.friction_state.name != "coulomb" for e in model.effects)
-            else 1.0
-        )
-        deviations.append({c: sample_std(record, predicted, c, timing) for c in scored})
+        imposed = isinstance(record, ForceBalanceRecord) and record.stick_fraction is None
+        presliding = imposed and any(e.friction_state and e.friction_state.name != "coulomb" for e in model.effects)
+        timing = PRESLIDING_TIMING if presliding else 1.0
+        std.append({c: sample_std(record, predicted, c, timing) for c in scored})
         every = 1
         if thin and isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
             every = max(1, int(record.full_filter.width / record.step))
-        pick = {}
-        for channel, (_, valid, _) in scored.items():
-            index = np.flatnonzero(valid)
-            pick[channel] = index[::every]
-        samples.append(pick)
-    return ResidualWeights(tuple(deviations), tuple(samples))
+        samples.append({channel: np.flatnonzero(valid)[::every] for channel, (_, valid, _) in scored.items()})
+    return ResidualWeights(tuple(std), tuple(samples))
 
 
 def weighted_residual(
     model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights, values: Mapping[str, float] | None = None
 ) -> np.ndarray:
-    """Residual over its deviation at the scored samples, all channels of all records end to end, (n,)."""
+    """Residual over its standard deviation at the scored samples, all channels of all records concatenated, (n,)."""
     values = model.values if values is None else values
     parts = []
     for record, scales, samples in zip(records, weights.scored_std, weights.samples, strict=True):
@@ -193,7 +191,7 @@ def weighted_residual(
 
 
 def in_stick_phase(weights: ResidualWeights) -> np.ndarray:
-    """Which of the scored samples (n,) are displacements while friction holds the body."""
+    """Mask (n,) of the scored samples that are displacements in stick phases."""
     parts = [
         np.full(pick.size, channel == STICK_DISPLACEMENT)
         for samples in weights.samples
@@ -202,20 +200,22 @@ def in_stick_phase(weights: ResidualWeights) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
 
 
-AWAY = 4.0
-"""Widths of the filter from a stop, a start or a turn beyond which nothing of it is left in a balance."""
+EVENT_WIDTHS = 4.0
+"""Filter widths around a sticking onset, a break-away or a reversal within which a force balance depends on its
+time."""
 
 
 def away_from_events(records: Sequence[PreparedRecord], weights: ResidualWeights) -> np.ndarray:
-    """Which of the scored samples (n,) of driven masses lie in motion or at rest, beyond the reach of any turn.
+    """Mask (n,) of the scored samples of driven masses outside the neighbourhoods of their events.
 
-    Where a mass stops and starts, its balance depends on when to a fraction of a sample; beside, on the laws alone.
+    Near a sticking onset, a break-away or a reversal the force balance depends on the time of the event to a fraction
+    of a sample; elsewhere on the force laws alone.
     """
     parts = []
     for record, samples in zip(records, weights.samples, strict=True):
         near = np.ones(record.size, dtype=bool)
         if isinstance(record, ForceBalanceRecord) and record.slip_phases is not None and record.full_filter is not None:
-            near = _near(record, AWAY * record.full_filter.width / record.step)
+            near = _near(record, EVENT_WIDTHS * record.full_filter.width / record.step)
         parts += [
             ~near[pick] if channel != STICK_DISPLACEMENT else np.zeros(pick.size, bool)
             for channel, pick in samples.items()
@@ -233,7 +233,7 @@ def _near(record: ForceBalanceRecord, reach: float) -> np.ndarray:
 
 
 def blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, per_record: int = 24) -> np.ndarray:
-    """Block number (n,) of each scored sample: stretches of time, the same for all channels of a record."""
+    """Number (n,) of the block of time of each scored sample, the same for all channels of a record."""
     parts, start = [], 0
     for record, samples in zip(records, weights.samples, strict=True):
         for pick in samples.values():

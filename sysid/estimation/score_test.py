@@ -1,8 +1,13 @@
-"""What an effect promises before it is fitted: how much of the residual small amplitudes of it could take.
+"""Score (Lagrange multiplier) test of candidate effects: predicted reduction of the squared residual before any fit.
 
-An effect's amplitudes enter the residual linearly while they are small; its shape parameters (a Stribeck velocity, a
-pitch, a lag) have no gradient where the effect is absent, so they are searched on a grid, and at each grid point the
-drop in squared residual is found with the base model's parameters free to move.
+While they are small, the amplitudes of an effect enter the residual linearly. Its shape parameters (Stribeck velocity,
+pitch, lag) have no gradient where the effect is absent and are searched on a grid. At each grid point, with D the
+change of the residual per amplitude, Q an orthonormal basis of the Jacobian of the base model and r its winsorised
+residual,
+
+    predicted reduction = max over a of 1 - |M r - M D a|^2 / |M r|^2,    M = 1 - Q Q^T
+
+so that the base parameters are profiled out (C. R. Rao, Proc. Cambridge Phil. Soc. 44 (1948) 50).
 """
 
 from __future__ import annotations
@@ -19,30 +24,33 @@ from sysid.estimation.misfit import weighted_residual
 from sysid.prediction.model import PreparedRecord, Scales, shape_grid, size_of, with_effect
 
 KEPT_SCORES = 6
-"""Grid points of an effect that are remembered: starts for its refit."""
+"""Best grid points of an effect that are kept as starting points of its refit."""
 
 IN_PAIRS = 2
-"""Of those, the ones that enter pairs of effects, and keep their columns for it."""
+"""Of those, the ones that enter the joint test of two effects and keep their columns for it."""
 
 EVERY_ROW = slice(None)
 
 WINSOR = 8.0
-"""Robust deviations beyond which a residual counts no more in the linear score."""
+"""Robust standard deviations at which the residual is winsorised."""
+
+DEPENDENT = 1e-12
+"""Eigenvalue of the scaled normal equations, relative to the largest, below which directions are linearly dependent."""
 
 
 @dataclass(frozen=True)
 class ScoreStatistic:
-    """Linear score of an effect at one grid point.
+    """Score statistic of an effect at one grid point.
 
     Args:
-        drop: expected share of the squared residual that goes, base parameters free.
+        predicted_reduction: share of the squared residual, base parameters profiled out.
         start: values to start a refit from.
         shape: the grid point.
-        moves: parameter values of each move, amplitudes away from zero.
-        columns: what each move does to the residual beyond what the base parameters can do, (n, k); none of the scores
-            beyond the first `IN_PAIRS` of an effect.
-        barred: drop that amplitudes beyond their bounds (a negative drag) would have made.
-        whole: of a core, the drop as it stands: it is there or not, half of it is no model.
+        directions: parameter values of each candidate direction, one amplitude away from zero.
+        columns: change of the residual by each direction, base Jacobian projected out, (n, k); empty for the grid
+            points beyond the first `IN_PAIRS` of an effect.
+        blocked_reduction: share that only an amplitude beyond its bound (a negative drag) would take.
+        full_step_reduction: of a friction core, the share with the core as it stands, which cannot be scaled.
     """
 
     predicted_reduction: float
@@ -55,29 +63,28 @@ class ScoreStatistic:
 
 
 def project_out(columns: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Part of each column (n, k) that the orthonormal `base` (n, p) cannot make."""
+    """Part of each column (n, k) orthogonal to the orthonormal `base` (n, p)."""
     return columns - base @ (base.T @ columns)
 
 
 def orthonormal(columns: np.ndarray) -> np.ndarray:
-    """Orthonormal basis (n, r) of the span of the columns, dead and dependent ones left out."""
+    """Orthonormal basis (n, r) of the span of the columns (n, p); zero and dependent columns are left out."""
     norms = np.linalg.norm(columns, axis=0)
-    alive = norms > 0.0
-    if not alive.any():
+    active = norms > 0.0
+    if not active.any():
         return np.empty((columns.shape[0], 0))
-    scaled = columns[:, alive] / norms[alive]
-    u, s, _ = np.linalg.svd(scaled, full_matrices=False)
+    u, s, _ = np.linalg.svd(columns[:, active] / norms[active], full_matrices=False)
     return u[:, s > 1e-8 * s[0]]
 
 
 @dataclass(frozen=True)
 class GridPoint:
-    """What an effect does to a model's residual at one point of its shape grid, while its amplitudes are small.
+    """Change of a residual by an effect at one point of its shape grid.
 
     Args:
         shape: the grid point.
-        moves: parameter values of each move, amplitudes away from zero.
-        changes: of the residual at some of its rows by each move, (n, k).
+        directions: parameter values of each candidate direction, one amplitude away from zero.
+        changes: of the residual, at some of its rows, by each direction, (n, k).
     """
 
     shape: dict[str, float]
@@ -88,7 +95,7 @@ class GridPoint:
 def candidate_directions(
     base: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, rows: slice = EVERY_ROW
 ) -> list[GridPoint]:
-    """An effect at every point of its shape grid on top of a fitted model.
+    """Changes of the residual of a fitted model by an effect, at every point of its shape grid.
 
     Args:
         base: the fitted model.
@@ -97,43 +104,44 @@ def candidate_directions(
         scales: of the records.
         rows: of the residual that are kept.
     """
-    residual = base.fit.residual
-    amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
-    phases = [p for p in effect.parameters if p.role == "phase"]
     points = []
     for shape in shape_grid(effect, scales):
         trial = with_effect(base.model, effect, scales, shape)
-        zero = {f"{effect.name}.{p.name}": 0.0 for p in amplitudes}
-        directions: list[dict[str, float]] = []
-        if not amplitudes or effect.friction_state is not None:
-            directions.append({})
-        else:
-            for amplitude in amplitudes:
-                key = f"{effect.name}.{amplitude.name}"
-                step = 1e-3 * size_of(amplitude, scales)
-                directions.append({**zero, key: step})
-                for phase in phases:
-                    directions.append({**zero, key: step, f"{effect.name}.{phase.name}": 0.5 * np.pi})
+        directions = _directions(effect, scales)
         columns = []
-        for move in directions:
-            moved = weighted_residual(trial, records, base.weights, {**trial.values, **move})
-            columns.append((residual - moved)[rows])
+        for direction in directions:
+            moved = weighted_residual(trial, records, base.weights, {**trial.values, **direction})
+            columns.append((base.fit.residual - moved)[rows])
         matrix = np.column_stack(columns)
         if np.isfinite(matrix).all():
             points.append(GridPoint(shape, directions, matrix))
     return points
 
 
+def _directions(effect: Effect, scales: Scales) -> list[dict[str, float]]:
+    """One direction per amplitude, and another a quarter period on for each phase; as it stands for a friction core."""
+    amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
+    if not amplitudes or effect.friction_state is not None:
+        return [{}]
+    phases = [f"{effect.name}.{p.name}" for p in effect.parameters if p.role == "phase"]
+    zero = {f"{effect.name}.{p.name}": 0.0 for p in amplitudes}
+    directions: list[dict[str, float]] = []
+    for amplitude in amplitudes:
+        step = {**zero, f"{effect.name}.{amplitude.name}": 1e-3 * size_of(amplitude, scales)}
+        directions += [step, *({**step, phase: 0.5 * np.pi} for phase in phases)]
+    return directions
+
+
 def score_test(
     effect: Effect, grid: Sequence[GridPoint], basis: np.ndarray, target: np.ndarray
 ) -> list[ScoreStatistic]:
-    """Scores of an effect at the points of its shape grid, best first.
+    """Score statistics of an effect at the points of its shape grid, largest predicted reduction first.
 
     Args:
         effect: the candidate.
-        grid: what it does to the residual.
-        basis: orthonormal basis of the base model's Jacobian, (n, p).
-        target: residual of the base model, winsorised, with the basis projected out, (n,).
+        grid: its changes of the residual.
+        basis: orthonormal basis of the Jacobian of the base model, (n, p).
+        target: profiled residual of the base model, (n,).
     """
     total = float(target @ target) or 1.0
     scores: list[ScoreStatistic] = []
@@ -143,40 +151,29 @@ def score_test(
         norms = np.sqrt(np.diag(normal))
         if not (norms > 1e-9 * np.linalg.norm(point.changes, axis=0)).any():
             continue
-        coefficients = _solved(normal, right, np.where(norms > 0.0, norms, 1.0))
-        predicted_reduction, blocked_reduction = float(right @ coefficients) / total, 0.0
-        if out_of_bounds(effect, point.directions, coefficients):
-            predicted_reduction, blocked_reduction = 0.0, predicted_reduction
-        start = start_for(effect, point.shape, point.directions, coefficients)
-        full_step_reduction = (
-            float(2.0 * right[0] - normal[0, 0]) / total if effect.friction_state is not None else predicted_reduction
-        )
-        scores.append(
-            ScoreStatistic(
-                predicted_reduction, start, point.shape, point.directions, free, blocked_reduction, full_step_reduction
-            )
-        )
+        amplitudes = _least_squares(normal, right, np.where(norms > 0.0, norms, 1.0))
+        reduction, blocked = float(right @ amplitudes) / total, 0.0
+        if out_of_bounds(effect, point.directions, amplitudes):
+            reduction, blocked = 0.0, reduction
+        full = float(2.0 * right[0] - normal[0, 0]) / total if effect.friction_state is not None else reduction
+        start = start_for(effect, point.shape, point.directions, amplitudes)
+        scores.append(ScoreStatistic(reduction, start, point.shape, point.directions, free, blocked, full))
         if len(scores) > KEPT_SCORES:
-            sparable = [
-                score for score in scores if score.full_step_reduction < max(s.full_step_reduction for s in scores)
-            ] or scores
-            scores.remove(min(sparable, key=lambda s: (s.predicted_reduction, s.blocked_reduction)))
+            largest = max(s.full_step_reduction for s in scores)
+            removable = [score for score in scores if score.full_step_reduction < largest] or scores
+            scores.remove(min(removable, key=lambda s: (s.predicted_reduction, s.blocked_reduction)))
     scores.sort(key=lambda s: -s.predicted_reduction)
     return [*scores[:IN_PAIRS], *(replace(s, columns=s.columns[:, :0].copy()) for s in scores[IN_PAIRS:])]
 
 
-ALIKE = 1e-12
-"""Eigenvalue of the scaled normal equations, of their largest, below which moves do the same."""
-
-
-def _solved(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:
-    """Least squares of moves (k,) from their normal equations, each scaled to length one; the shortest of all alike."""
+def _least_squares(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:
+    """Minimum-norm solution (k,) of normal equations (k, k), columns scaled to unit length by `norms`."""
     scaled = normal / np.outer(norms, norms)
-    return np.linalg.pinv(scaled, rcond=ALIKE, hermitian=True) @ (right / norms) / norms
+    return np.linalg.pinv(scaled, rcond=DEPENDENT, hermitian=True) @ (right / norms) / norms
 
 
 def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficients: np.ndarray) -> bool:
-    """Whether the one amplitude of an effect, zero at its bound, would have to go beyond that bound."""
+    """Whether the only amplitude of an effect, with its bound at zero, would have to go beyond that bound."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
     if effect.friction_state is not None or len(amplitudes) != 1 or len(directions) != 1:
         return False
@@ -187,24 +184,21 @@ def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficien
 def start_for(
     effect: Effect, shape: dict[str, float], directions: list[dict[str, float]], weights: np.ndarray
 ) -> dict[str, float]:
-    """Values to start a refit from: a grid point, and the amplitudes that the moves' linear weights (k,) amount to."""
+    """Starting values of a refit: a grid point, with the amplitudes of the linear weights (k,) of its directions."""
     if effect.friction_state is not None or not any(directions):
         return dict(shape)
     return {**shape, **_amplitude_start(effect, directions, weights)}
 
 
 def _amplitude_start(effect: Effect, directions: list[dict[str, float]], weights: np.ndarray) -> dict[str, float]:
-    """Amplitudes (and phases) that the linear coefficients of the moves amount to."""
+    """Amplitudes within their bounds, and phases, of the linear weights (k,) of the directions."""
     start: dict[str, float] = {}
     phase = next((p for p in effect.parameters if p.role == "phase"), None)
-    for k, move in enumerate(directions):
-        key = next(name for name, value in move.items() if value != 0.0)
-        value = move[key] * float(weights[k])
-        if phase is None:
-            start[key] = value
-            continue
-        phase_key = f"{effect.name}.{phase.name}"
-        if phase_key in move:
+    for k, direction in enumerate(directions):
+        key = next(name for name, value in direction.items() if value != 0.0)
+        value = direction[key] * float(weights[k])
+        phase_key = f"{effect.name}.{phase.name}" if phase is not None else ""
+        if phase_key in direction:
             sine = start[key]
             start[key] = float(np.hypot(sine, value))
             start[phase_key] = float(np.arctan2(value, sine))
@@ -218,8 +212,8 @@ def _amplitude_start(effect: Effect, directions: list[dict[str, float]], weights
 
 
 def profiled_residual(base: FittedModel, rows: slice = EVERY_ROW) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal basis (n, p) of the base model's Jacobian at some rows, and its residual there (n,), winsorised, with
-    that taken out."""
+    """Orthonormal basis (n, p) of the Jacobian of a fitted model at some rows, and its winsorised residual there (n,)
+    with that basis projected out."""
     basis = orthonormal(base.fit.jacobian[rows])
     corner = WINSOR * robust_scale(base.fit.residual)
     clipped = np.clip(base.fit.residual[rows], -corner, corner)

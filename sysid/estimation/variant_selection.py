@@ -1,67 +1,60 @@
-"""One law of an effect put in another's place in a fitted model, its shape searched before it is fitted.
+"""Selection of the variant (constitutive law) of each effect of a model, and refits with one effect replaced.
 
-A fit that begins with a wrong shape stays there: a Stribeck curve that starts ten times too wide loses its force, and
-with it the gradient of its width.
-
-Which law the bristles of a model's core follow: those with free shares begin where the fitted law ended."""
+A fit that starts with a wrong shape does not leave it: a Stribeck curve ten times too wide loses its force, and with it
+the gradient of its width. A replaced effect therefore starts from the best point of its shape grid by the score test.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
+from typing import TypeAlias
 
 import numpy as np
 
+from sim.effects.catalogue import find, laws_of
 from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_shares, free_stretches
 from sim.library.effect import Effect
-from sysid.estimation.driven_stage_search import synchronised_starts
+from stagecad.parallel import fork_map
+from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.misfit import weighted_residual
+from sysid.estimation.misfit import residual_weights, weighted_residual
 from sysid.estimation.score_test import candidate_directions, profiled_residual, score_test
 from sysid.prediction.model import Model, PreparedRecord, Scales, public_name, variant_group, with_effect
+from sysid.prediction.observable import is_observable
+from sysid.prediction.problem import Problem
 
-HELD = 15
-"""Steps of a fit held to the measured motion."""
+Better: TypeAlias = Callable[[FittedModel, FittedModel], bool]
+"""Whether the first fit is so much better than the second that its variant replaces the present one."""
+
+PENALTY = 4.0
+"""Cost of one more fitted value when variants are compared: Huber's loss in standard deviations squared."""
+
+CLEARLY_LOWER = 0.97
+"""Part of the cost below which another variant fits better than the noise and its additional values explain."""
+
+BETTER_HELD_OUT = 0.67
+"""Part of the held-out loss above the noise below which another variant is taken for that alone."""
 
 
 def without_effect(model: Model, effect: str) -> Model:
-    """The model less one effect and its parameters, whatever law of it the model has on the effect's channel."""
+    """The model without one effect and its parameters, whatever variant of it acts on the effect's channel."""
     return _without(model, [e.name for e in model.effects if variant_group(e.name) == variant_group(effect)])
 
 
-def without_public_effect(model: Model, family: str) -> Model:
-    """The model less every effect of one name, on whatever channel, and their parameters."""
-    return _without(model, [e.name for e in model.effects if public_name(e.name) == family])
+def without_public_effect(model: Model, name: str) -> Model:
+    """The model without every effect of one public name, on any channel, and their parameters."""
+    return _without(model, [e.name for e in model.effects if public_name(e.name) == name])
 
 
-def _without(model: Model, gone: Sequence[str]) -> Model:
-    keep = tuple(e for e in model.effects if e.name not in gone)
-    belongs = tuple(f"{name}." for name in gone)
-    values = {k: v for k, v in model.values.items() if not k.startswith(belongs)}
-    return Model(keep, values, tuple(u for u in model.unknowns if not u.key.startswith(belongs)))
-
-
-def fit_replacement(
-    fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, place: str | None = None
-) -> FittedModel:
-    """The model with `effect` in place of its family's law (or of the one at `place`, as on another channel), fitted
-    from the best point of the effect's grid.
-
-    Bounds, priors and fixed values of the model stay. `effect` is no core. On a driven stage a fit held to the measured
-    motion leads there too.
-    """
-    rest = fit_model(without_effect(fitted.model, place or effect.name), records, fitted.weights, near=fitted)
-    basis, target = profiled_residual(rest)
-    scores = score_test(effect, candidate_directions(rest, effect, records, scales), basis, target)
-    start = with_bounds_of(with_effect(rest.model, effect, scales, scores[0].start if scores else None), fitted.model)
-    direct = fit_model(start, records)
-    fits = [
-        fit_model(other, records) for other in synchronised_starts([start, direct.model], records, direct.weights, HELD)
-    ]
-    return min([direct, *fits], key=lambda f: root_mean_huber(weighted_residual(f.model, records, direct.weights)))
+def _without(model: Model, removed: Sequence[str]) -> Model:
+    keep = tuple(e for e in model.effects if e.name not in removed)
+    prefixes = tuple(f"{name}." for name in removed)
+    values = {k: v for k, v in model.values.items() if not k.startswith(prefixes)}
+    return Model(keep, values, tuple(u for u in model.unknowns if not u.key.startswith(prefixes)))
 
 
 def with_bounds_of(model: Model, given: Model) -> Model:
-    """The model with bounds and priors as `given` has them, where it has the same unknown."""
+    """The model with the bounds, priors and fixed values of `given`, where it has the same unknown."""
     known = {u.key: u for u in given.unknowns}
     fixed = set(given.values) - set(known)
     values = {**model.values, **{key: given.values[key] for key in fixed if key in model.values}}
@@ -69,18 +62,143 @@ def with_bounds_of(model: Model, given: Model) -> Model:
     return Model(model.effects, values, unknowns).at(values)
 
 
-WORTH_A_SEARCH = 1.2
-"""Ranking error, in deviations, up to which the law of a core is good enough."""
+def fit_replacement(
+    fitted: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, place: str | None = None
+) -> FittedModel:
+    """Fit of the model with `effect` in place of another variant, from the best point of its shape grid.
+
+    Bounds, priors and fixed values of the model are kept. On a driven stage a synchronisation fit gives further
+    starting points.
+
+    Args:
+        fitted: the model as it is.
+        effect: the variant to put in; not a friction core.
+        records: those fitted.
+        scales: of the records.
+        place: the effect that it replaces, if that is not a variant of its own on its own channel.
+    """
+    rest = fit_model(without_effect(fitted.model, place or effect.name), records, fitted.weights, near=fitted)
+    scores = score_test(effect, candidate_directions(rest, effect, records, scales), *profiled_residual(rest))
+    start = with_bounds_of(with_effect(rest.model, effect, scales, scores[0].start if scores else None), fitted.model)
+    direct = fit_model(start, records)
+    others = synchronised_starts([start, direct.model], records, direct.weights, SYNCHRONISED_STEPS)
+    fits = [direct, *(fit_model(other, records) for other in others)]
+    return min(fits, key=lambda f: root_mean_huber(weighted_residual(f.model, records, direct.weights)))
+
+
+def fits_clearly_better(other: FittedModel, fitted: FittedModel) -> bool:
+    """Whether another variant fits so much better that noise and its additional values do not explain it."""
+    extra = len(other.model.unknowns) - len(fitted.model.unknowns)
+    return other.fit.cost < CLEARLY_LOWER * fitted.fit.cost - PENALTY * max(extra, 0)
+
+
+def predicts_clearly_better(problem: Problem, other: FittedModel, fitted: FittedModel) -> bool:
+    """Whether another variant fits clearly better or, fitting no worse, predicts the held-out records clearly
+    better."""
+    if fits_clearly_better(other, fitted):
+        return True
+    records = problem.validate_records
+    weights = residual_weights(fitted.model, records)
+    above = [root_mean_huber(weighted_residual(f.model, records, weights)) ** 2 - 1.0 for f in (other, fitted)]
+    return other.fit.cost <= fitted.fit.cost and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
+
+
+def selectable_effects(problem: Problem) -> tuple[str, ...]:
+    """Effects of the stated model whose variant is selected: named without one, and no value of theirs is given."""
+    given = {key.rpartition(".")[0] for key in problem.experiment.parameters}
+    effects = [e for e in problem.start.effects if e.variants and e.name not in given]
+    return tuple(e.name for e in effects if ":" not in e.name)
+
+
+def select_variants(
+    problem: Problem,
+    fitted: FittedModel,
+    names: Collection[str] | None = None,
+    better: Better = fits_clearly_better,
+) -> tuple[FittedModel, tuple[str, ...]]:
+    """A fit in which effects have the variant that fits best.
+
+    The variant that bears the effect's own name is kept unless another is better.
+
+    Args:
+        problem: whose records are fitted.
+        fitted: the model as it stands.
+        names: effects whose variant is selected; `selectable_effects` where left out.
+        better: when another variant is taken.
+
+    Returns:
+        The fit, and the names of the variants that were selected.
+    """
+    chosen: list[str] = []
+    for name in selectable_effects(problem) if names is None else names:
+        for place in dict.fromkeys(variant_group(e.name) for e in fitted.model.effects):
+            if name in (place, public_name(place)):
+                fitted = _best_variant(problem, fitted, place, better)
+                if "@" in place and "@" not in name:
+                    fitted = _best_channel(problem, fitted, place, better)
+                same = [e.name for e in fitted.model.effects if public_name(e.name) == public_name(place)]
+                chosen += [effect for effect in same if ":" in effect]
+    return fitted, tuple(dict.fromkeys(chosen))
+
+
+def _penalised_cost(fitted: FittedModel) -> float:
+    return fitted.fit.cost + PENALTY * len(fitted.model.unknowns)
+
+
+def _best_variant(problem: Problem, fitted: FittedModel, place: str, better: Better) -> FittedModel:
+    """A fit in which the effect at one place has its best variant."""
+    effect = find(place, problem.custom)
+    before: list[FittedModel] = []
+    if place not in {e.name for e in fitted.model.effects}:
+        # Another variant was selected while an effect was still missing: its fit competes with the new ones.
+        before = [fitted]
+        fitted = fit_replacement(fitted, effect, problem.fit_records, problem.scales)
+    if effect.friction_state is not None:
+        trials = core_variant_fits(fitted, effect, problem.fit_records, problem.scales)
+    else:
+        variants = [law for law in laws_of(place, problem.custom) if is_observable(problem, law)]
+        given, shared = fitted, (*variants, *fitted.model.effects)
+        trials = fork_map(
+            lambda law: fit_replacement(given, law, problem.fit_records, problem.scales), variants, shared
+        )
+    best = min([*trials, *before], key=_penalised_cost, default=fitted)
+    return best if better(best, fitted) else fitted
+
+
+def _best_channel(problem: Problem, fitted: FittedModel, place: str, better: Better) -> FittedModel:
+    """A fit in which a sensor effect acts on its best channel; which that is may change as effects are added."""
+    present = {variant_group(e.name) for e in fitted.model.effects}
+    channels = [name for name in problem.fit_records[0].measured if f"{public_name(place)}@{name}" not in present]
+    places = [f"{public_name(place)}@{channel}" for channel in channels]
+    variants = [law for other in places for law in (find(other, problem.custom), *laws_of(other, problem.custom))]
+    trials = [
+        fit_replacement(fitted, law, problem.fit_records, problem.scales, place)
+        for law in variants
+        if is_observable(problem, law)
+    ]
+    best = min(trials, key=_penalised_cost, default=fitted)
+    return best if better(best, fitted) else fitted
+
+
+SUFFICIENT = 1.2
+"""Root mean Huber loss up to which the hysteresis curve of a Maxwell-slip core is not refined."""
 
 SPANS = (10.0, 100.0)
-"""Longest stretch over the shortest, where the search begins."""
+"""Ratios of the longest to the shortest yield displacement from which the refined fit starts."""
 
 
 def core_variant_fits(
     fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> list[FittedModel]:
-    """Fits with the bristles of the model's core, Maxwell-slip of a given curve, left free; none where it fits."""
-    if root_mean_huber(fitted.fit.residual) <= WORTH_A_SEARCH:
+    """Fits with the elements of a Maxwell-slip core of given curve left free; none where the core is sufficient.
+
+    Args:
+        fitted: the model with the core.
+        core: the effect in question.
+        records: those fitted.
+        scales: of the records.
+    """
+    if root_mean_huber(fitted.fit.residual) <= SUFFICIENT:
         return []
     free = next(
         (v for v in core.variants if v.friction_state is not None and v.friction_state.name == "free_maxwell_slip"),
@@ -95,7 +213,7 @@ def core_variant_fits(
 
 
 def _equivalent_elements(model: Model, core: Effect, free: Effect, span: float) -> dict[str, float]:
-    """Values of the free law with which it yields as the fitted core does."""
+    """Values of the free elements with which they follow the hysteresis curve of the fitted core."""
     stretch, curvature = (model.values[f"{core.name}.{name}"] for name in ("stretch", "curvature"))
     stretches = free_stretches(stretch, span)
     shares = free_shares(stretches, 1.0 - (1.0 - np.minimum(stretches / stretch, 1.0)) ** curvature)

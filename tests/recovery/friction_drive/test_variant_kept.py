@@ -8,10 +8,9 @@ import pytest
 from driven_stage import write_case
 
 from sim.effects.catalogue import find
-from sysid.estimation import reference_fit
+from sysid.estimation import variant_selection
 from sysid.estimation.fit import fit_model
-from sysid.estimation.reference_fit import select_variants
-from sysid.estimation.variant_selection import without_effect
+from sysid.estimation.variant_selection import select_variants, without_effect
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import load_problem
 
@@ -41,7 +40,7 @@ def _ending_at(part):
 
 def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
     problem, fitted = grown
-    monkeypatch.setattr(reference_fit, "searched", _ending_at(20.0))
+    monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(20.0))
     kept, laws = select_variants(problem, fitted, ["stribeck"])
     assert kept is fitted
     assert laws == (ADDED,)
@@ -49,7 +48,7 @@ def test_it_stays_where_the_others_end_worse(grown, monkeypatch):
 
 def test_it_goes_where_the_family_itself_ends_better(grown, monkeypatch):
     problem, fitted = grown
-    monkeypatch.setattr(reference_fit, "searched", _ending_at(0.1))
+    monkeypatch.setattr(variant_selection, "fit_replacement", _ending_at(0.1))
     other, laws = select_variants(problem, fitted, ["stribeck"])
     assert "stribeck" in [effect.name for effect in other.model.effects]
     assert laws == ()

@@ -46,7 +46,7 @@ def test_what_stops_leave_does_not_hide_an_effect_of_the_motion_between(tmp_path
     basis, target = profiled_residual(base.fitted)
     trials = {}
     for name in ("quadratic_drag", "run_in"):
-        tried = screen_and_refit(base.fitted, find(name), case.fit_records, case.scales, basis, target)
+        tried = screen_and_refit(base.fitted, find(name), case.fit_records, case.scales, (basis, target))
         assert tried is not None
         trial = evaluate_candidate(case, base, tried)
         assert trial is not None
@@ -72,7 +72,7 @@ def test_a_law_that_made_up_for_the_effect_is_chosen_anew_beside_it(tmp_path: Pa
     assert found.public_name == "quadratic_drag"
     assert "stribeck" in [e.name for e in found.fitted.model.effects]
     tried = screen_and_refit(
-        base.fitted, find("quadratic_drag"), case.fit_records, case.scales, *profiled_residual(base.fitted)
+        base.fitted, find("quadratic_drag"), case.fit_records, case.scales, profiled_residual(base.fitted)
     )
     assert tried is not None
     kept = evaluate_candidate(case, base, tried)

@@ -47,7 +47,7 @@ def test_stretches_above_the_noise_are_spells_and_outliers_are_none(tmp_path: Pa
 def test_what_effects_do_is_kept_for_looks_on_top_of_another(tmp_path: Path) -> None:
     problem = slide(tmp_path, (1.5 + 0.08 * _wave(1.9e-3)) * SIGN, '"coulomb"', held_out=True)
     base = fit_stated_model(problem)
-    seen = evaluate_all(problem, base, ["coulomb"]).first.seen
+    seen = evaluate_all(problem, base, ["coulomb"]).screening.jacobians
     assert seen is not None
     assert seen.size == base.fitted.fit.residual.size
     wave = seen.grids["position_dependent_friction"]

@@ -9,7 +9,7 @@ import pytest
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
-from sysid.diagnosis.pairs import Pair, add_after_deletion, best_pairs, pairs_on_top
+from sysid.diagnosis.pairs import Pair, ReducedModels, add_after_deletion, best_pairs, pairs_on_top
 from sysid.diagnosis.swaps import find_swaps
 from sysid.diagnosis.ties import tied_beside
 from sysid.diagnosis.trials import evaluate_all, screen_all
@@ -111,7 +111,9 @@ def test_second_looks_find_the_same_from_what_the_first_ones_saw(tmp_path: Path)
     base = fit_stated_model(problem)
     search = evaluate_all(problem, base, ["coulomb", "viscous"])
     first = next(trial.refit for trial in search.trials if trial.name == "cable_spring")
-    kept, anew = (pairs_on_top(problem, base, first, seen=seen)[0] for seen in (search.first.seen, None))
+    kept, anew = (
+        pairs_on_top(problem, base, first, jacobians=jacobians)[0] for jacobians in (search.screening.jacobians, None)
+    )
     assert set(kept.names) == set(anew.names) == {"cable_spring", "position_dependent_friction"}
     assert kept.error == pytest.approx(anew.error, rel=1e-3)
     assert kept.error == pytest.approx(1.0, abs=0.1)
@@ -160,7 +162,7 @@ def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
     rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v, '"coulomb"')
     add_effects(rig, ["quadratic_drag"])
     problem = load_problem(rig)
-    swaps = find_swaps(problem, fit_stated_model(problem), ["quadratic_drag"])
+    swaps = find_swaps(ReducedModels(problem, fit_stated_model(problem)), ["quadratic_drag"])
     assert [(swap.old, swap.new) for swap in swaps] == [("quadratic_drag", "viscous")]
     assert swaps[0].after < swaps[0].before
     step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])

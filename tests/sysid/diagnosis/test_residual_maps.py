@@ -70,7 +70,7 @@ def test_a_texture_finer_than_the_bins_is_told_by_the_position(tmp_path: Path) -
     position = next(iter(found.values()))
     assert position.coordinate == "position"
     assert position.share > 0.4
-    assert position.pattern == position.share
+    assert position.split_share == position.share
     assert position.p_value < 0.01
 
 
@@ -81,7 +81,7 @@ def test_what_happened_at_some_moments_follows_no_place_or_speed(tmp_path: Path)
     assert first.coordinate == "time"
     # On every other sample, some bins of place and distance happen to hold those moments.
     others = [m for m in found.values() if m.coordinate not in ("time", "distance_travelled", "frequency")]
-    assert max(m.pattern for m in others) > 0.15
+    assert max(m.split_share for m in others) > 0.15
     assert max(m.share for m in others) < 0.1
 
 

@@ -35,14 +35,14 @@ def test_nothing_is_said_where_every_value_stands_on_its_own() -> None:
 
 def test_two_that_hang_together_are_named_with_their_correlation() -> None:
     assert identifiability_report(fitted(), intervals((0, 1, -0.97))) == [
-        "coulomb.force and viscous.coefficient hang together (correlation -0.97)."
+        "coulomb.force and viscous.coefficient are strongly correlated (-0.97)."
     ]
 
 
 def test_a_chain_of_correlations_is_one_sentence_under_public_names() -> None:
     words = identifiability_report(fitted(), intervals((0, 1, -0.97), (1, 2, 0.95)))
     assert len(words) == 1
-    assert words[0].startswith("coulomb.force, viscous.coefficient and stribeck.force hang together")
+    assert words[0].startswith("coulomb.force, viscous.coefficient and stribeck.force are strongly correlated")
     assert "constant_bias" not in words[0]
 
 
@@ -52,10 +52,11 @@ def test_dead_values_bounds_and_combinations_are_said() -> None:
         intervals(unidentified=("stribeck:rational.force against constant_bias.force",)),
     )
     assert words == [
-        "viscous.coefficient changes nothing in these records.",
-        "coulomb.force ended at its bound; its interval is not told.",
-        "Only a combination is told, not each by itself: stribeck.force against constant_bias.force.",
-        "The fit stopped before its last step was small.",
+        "viscous.coefficient has no influence in these records.",
+        "coulomb.force is at its bound; it has no interval.",
+        "Only a combination is identifiable from these records, not each value alone: "
+        "stribeck.force against constant_bias.force.",
+        "The fit stopped before it converged.",
     ]
 
 

@@ -132,7 +132,7 @@ def test_columns_known_beforehand_only_shorten_the_way(wrong_by: float) -> None:
     known = {key: wrong_by * column for key, column in columns.items()}
     found = least_squares(residual, unknowns, robust=False, tolerance=1e-12, known=known)
     assert list(found.values.values()) == pytest.approx(certified, rel=1e-6)
-    assert found.measured
+    assert found.exact
     if wrong_by == 1.0:
         other, _, _ = _misra(without := [])
         least_squares(other, unknowns, robust=False, tolerance=1e-12)
@@ -144,5 +144,5 @@ def test_without_a_last_word_the_columns_are_those_of_the_steps() -> None:
     short = least_squares(residual, unknowns, robust=False, iterations=2, known=columns, final_jacobian=False)
     anew = least_squares(residual, unknowns, robust=False, iterations=2, known=columns)
     assert short.values == anew.values
-    assert anew.measured and not short.measured
+    assert anew.exact and not short.exact
     assert not np.allclose(short.jacobian, anew.jacobian, rtol=1e-3)

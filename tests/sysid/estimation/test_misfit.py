@@ -117,7 +117,7 @@ def test_weighted_residuals_are_in_deviations_and_follow_values_given(problem: P
     assert trimmed_rms(residual) == pytest.approx(1.0, abs=0.05)
     moved = weighted_residual(model, problem.fit_records, weights, {**model.values, "coulomb.force": 1.6})
     pick = weights.samples[0]["friction_force"]
-    change = (residual - moved) * weights.deviations[0]["friction_force"][pick]
+    change = (residual - moved) * weights.std[0]["friction_force"][pick]
     assert np.median(np.abs(change)) == pytest.approx(0.1)
 
 

@@ -57,7 +57,7 @@ def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) ->
     found = scores(problem, "viscous")[0]
     # The same by hand: the residual regressed on the velocity and on what the base model moves.
     pick = base.weights.samples[0]["friction_force"]
-    column = VELOCITY[pick] / base.weights.deviations[0]["friction_force"][pick]
+    column = VELOCITY[pick] / base.weights.std[0]["friction_force"][pick]
     free = np.column_stack([column, base.fit.jacobian])
     _, target = profiled_residual(base)
     left = target - free @ np.linalg.lstsq(free, target, rcond=None)[0]
@@ -77,7 +77,7 @@ def test_a_pitch_and_its_phase_are_read_off_the_grid(tmp_path: Path) -> None:
         find("magnetic_cogging"),
         problem.fit_records,
         problem.scales,
-        *profiled_residual(fitted(problem)),
+        profiled_residual(fitted(problem)),
     )
     assert found is not None
     values = found.fitted.model.values
@@ -105,7 +105,7 @@ def test_an_effect_without_amplitude_is_put_in_as_it_is(tmp_path: Path) -> None:
     problem = slide(tmp_path, lagged, '"coulomb", "viscous"')
     assert scores(problem, "sensor_lag")[0].predicted_reduction > 0.5
     base = fitted(problem)
-    found = screen_and_refit(base, find("sensor_lag"), problem.fit_records, problem.scales, *profiled_residual(base))
+    found = screen_and_refit(base, find("sensor_lag"), problem.fit_records, problem.scales, profiled_residual(base))
     assert found is not None
     assert found.fitted.model.values["sensor_lag.time_constant"] == pytest.approx(tau, abs=0.5 * STEP)
 
@@ -127,9 +127,9 @@ def test_a_fit_begun_with_the_columns_of_another_ends_where_it_would_without(tmp
     near = fit_model(start, problem.fit_records, base.weights, near=base)
     assert near.fit.cost == pytest.approx(alone.fit.cost, rel=1e-4)
     short = fit_model(start, problem.fit_records, base.weights, 3, near=base, final_jacobian=False)
-    assert not short.fit.measured
+    assert not short.fit.exact
     told = with_final_jacobian(short, problem.fit_records)
-    assert told.fit.measured and with_final_jacobian(told, problem.fit_records) is told
+    assert told.fit.exact and with_final_jacobian(told, problem.fit_records) is told
     assert told.fit.values == short.fit.values
     measured = fit_model(short.model, problem.fit_records, base.weights, 0)
     assert told.fit.jacobian == pytest.approx(measured.fit.jacobian)

@@ -9,8 +9,13 @@ import pytest
 
 from sim.effects.catalogue import find
 from sysid.estimation.fit import fit_model
-from sysid.estimation.reference_fit import fits_clearly_better, select_variants, selectable_effects
-from sysid.estimation.variant_selection import fit_replacement, without_effect
+from sysid.estimation.variant_selection import (
+    fit_replacement,
+    fits_clearly_better,
+    select_variants,
+    selectable_effects,
+    without_effect,
+)
 from sysid.prediction.problem import Problem
 from tests.sysid.slide import POSITION, VELOCITY, slide
 

@@ -33,7 +33,7 @@ def tried(problem, base, name: str):
     """The model with one effect more, fitted, and its misfit on the record held out; that of the base if it does
     nothing."""
     basis, target = profiled_residual(base.fitted)
-    found = screen_and_refit(base.fitted, find(name), problem.fit_records, problem.scales, basis, target)
+    found = screen_and_refit(base.fitted, find(name), problem.fit_records, problem.scales, (basis, target))
     if found is None:
         return base.fitted.model, over_noise(problem, base.fitted.model)
     return found.fitted.model, over_noise(problem, found.fitted.model)
