@@ -11,7 +11,7 @@ from drawings.export.drawing_model import DrawingModel, bezier_curves, text_matr
 from drawings.sheets.frame import Paper
 
 DPI: dict[Paper, float] = {"A4": 200, "A3": 200, "A2": 150, "A1": 110}
-"""Resolution of pictures: some 3500 pixels wide, so that the smallest lettering can be read."""
+"""Resolution of pictures: some 3500 pixels wide, so that the smallest texts can be read."""
 POINTS = 72.0
 """Units of a PDF page per inch."""
 INCH = 25.4
@@ -47,13 +47,13 @@ def pdf_bytes(drawing: DrawingModel) -> bytes:
         path = canvas.beginPath()
         _add(path, Stroke(polygon.points))
         canvas.drawPath(path, stroke=0, fill=1)
-    lettering = canvas.beginText()
+    texts = canvas.beginText()
     for text in drawing.texts():
         size = text.height * em_over_cap_height()
-        lettering.setFont(FONT, size)
-        lettering.setTextTransform(*text_matrix(text, WIDTH_FACTOR, 1.0), *text_origin(text))
-        lettering.textOut(text.text)
-    canvas.drawText(lettering)
+        texts.setFont(FONT, size)
+        texts.setTextTransform(*text_matrix(text, WIDTH_FACTOR, 1.0), *text_origin(text))
+        texts.textOut(text.text)
+    canvas.drawText(texts)
     canvas.showPage()
     canvas.save()
     return data.getvalue()

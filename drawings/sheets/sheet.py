@@ -27,7 +27,7 @@ class Sheet:
         views: placed.
         annotations: placed.
         notes: placed.
-        tables: ink that belongs to no view: parts list, table of steps.
+        tables: primitives that belong to no view: parts list, table of steps.
     """
 
     name: str

@@ -79,7 +79,7 @@ def test_a_symbol_on_the_part_is_found_although_it_is_no_text() -> None:
     assert lint(document_of(replace(CLEAN, annotations=(off,)))) == []
 
 
-def test_what_leaves_the_frame_or_stands_on_the_title_block_is_found() -> None:
+def test_a_view_or_text_outside_the_frame_or_over_the_title_block_is_found() -> None:
     assert hits(replace(CLEAN, annotations=(replace(HOLE, elbow=(405.0, 190.0)),)), "frame")
     low = replace(CLEAN, views=(replace(VIEW, place=(280.0, 20.0)),), annotations=())
     assert hits(low, "title block")
@@ -106,7 +106,7 @@ def first_dimension(document: Drawing):
     return document.modelspace().query("DIMENSION").first
 
 
-def test_a_dimension_that_does_not_say_what_it_measures_is_found() -> None:
+def test_a_dimension_whose_text_is_not_its_measured_value_is_found() -> None:
     document = document_of(CLEAN)
     dimension = first_dimension(document)
     assert dimension is not None
@@ -119,7 +119,7 @@ def test_a_dimension_that_does_not_say_what_it_measures_is_found() -> None:
     assert "value" in [hit.kind for hit in lint(document)]
 
 
-def test_ink_outside_every_viewport_and_an_unsound_file_are_found() -> None:
+def test_a_line_outside_every_viewport_and_an_unsound_file_are_found() -> None:
     document = document_of(CLEAN)
     document.modelspace().add_line((9000.0, 0.0), (9001.0, 0.0), dxfattribs={"layer": "VISIBLE"})
     assert [hit.kind for hit in lint(document)] == ["viewport"]
