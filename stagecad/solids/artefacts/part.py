@@ -10,13 +10,13 @@ properties, datums), and ``NAME.step``, ``NAME.stl``, ``NAME.glb``. All but the 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parallel import parallel_map
 from stagecad.parameters.dimension import Datum
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.mass import Geometry, geometry_of
@@ -197,47 +197,24 @@ def build_parts(
     advance: Callable[[str], None] = lambda name: None,
     workers: int | None = None,
 ) -> dict[str, BuiltPart]:
-    """All of `names`, those that the cache lacks made side by side.
+    """All of `names`; those that the cache lacks are built in several processes.
 
     Args:
         store: the cache.
         names: of the parts.
         design: the design; it must pickle where several processes share the work.
         advance: called with each name as it is done.
-        workers: processes; the number of processors when left out.
+        workers: number of processes; default: that of the processors.
     """
-    done: dict[str, BuiltPart] = {}
-    missing: list[str] = []
+    found = {name: find_part(store, name, design) for name in names}
     for name in names:
-        part = find_part(store, name, design)
-        if part is None:
-            missing.append(name)
-        else:
-            done[name] = part
+        if found[name] is not None:
             advance(name)
-    workers = min(workers or os.cpu_count() or 1, len(missing))
-    if len(missing) <= FEW or workers <= 1:
-        for name in missing:
-            done[name] = build_part(store, name, design)
-            advance(name)
-    else:
-        from concurrent.futures import ProcessPoolExecutor, as_completed
-        from multiprocessing import get_context
-
-        # `spawn`: a forked kernel with running threads may hang.
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            tasks = {pool.submit(_make_elsewhere, store.folder, name, design): name for name in missing}
-            try:
-                for task in as_completed(tasks):
-                    task.result()
-                    advance(tasks[task])
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                raise
-        for name in missing:
-            done[name] = build_part(store, name, design)
-    return {name: done[name] for name in names}
+    missing = [name for name in names if found[name] is None]
+    count = 1 if len(missing) <= FEW else workers
+    parallel_map(partial(_build, store.folder, design), missing, progress=advance, workers=count)
+    return {name: found[name] or build_part(store, name, design) for name in names}
 
 
-def _make_elsewhere(folder: Path, name: str, design: Any) -> None:
+def _build(folder: Path, design: Any, name: str) -> None:
     build_part(ArtefactStore(folder), name, design)
