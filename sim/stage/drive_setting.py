@@ -11,7 +11,7 @@ from sim.stage.constants import STEP
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.simulation import StageSimulation, drive_stage
-from sim.stage.statics import over_sea
+from sim.stage.statics import over_drive_surface
 from sim.stage.waveforms import Ellipse, ellipse_wave, step_times
 
 RISE_CYCLES = 10
@@ -37,7 +37,7 @@ class Setting:
     Args:
         ellipse: of every tip.
         frequency: Hz.
-        height: of the apex at mid-stroke over the sea as it stands without tips, m.
+        height: of the apex at mid-stroke over the drive surface as it stands without tips, m.
         position: of the stage's middle at the start, m.
         velocity: of the stage along x at the start, m/s.
         phases: of each actuator's turn, rad; none when all turn together.
@@ -63,7 +63,7 @@ def run_setting(
         stride: steps to a row.
     """
     time = step_times(round(duration / step / stride) * stride, step)
-    rest = over_sea(machine, setting.position, setting.height)
+    rest = over_drive_surface(machine, setting.position, setting.height)
     return drive_stage(machine, rest, _wave(machine, setting, time), step, stride, setting.velocity)
 
 
@@ -112,7 +112,7 @@ def steady(machine: StageMachine, setting: Setting, shortest: float, longest: fl
     steps = round(duration / STEP / STEADY_STRIDE) * STEADY_STRIDE
     full = 2.0 * setting.ellipse.along * setting.frequency
     begin = -0.5 * GUESS * full * duration
-    simulation = StageSimulation(machine, over_sea(machine, begin, setting.height), STEP, GUESS * full)
+    simulation = StageSimulation(machine, over_drive_surface(machine, begin, setting.height), STEP, GUESS * full)
     piece, changed = 0, math.inf
     while abs(changed) > SETTLED * full and piece < LOOKED_AT[-1] * PIECES:
         before = simulation.travel

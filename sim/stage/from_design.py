@@ -84,7 +84,7 @@ def _with_ballast(stage: Stage, mass: float) -> Stage:
 
 def _with_payload(design: Design, body: MassProperties) -> MassProperties:
     """Stage and payload (a point mass at its height), from the middle of the stage's underside."""
-    moved = body.moved((0.0, 0.0, -design.derived.sea_height * 1e-3))
+    moved = body.moved((0.0, 0.0, -design.derived.drive_surface_height * 1e-3))
     mass = design.payload.mass
     if mass <= 0.0:
         return moved

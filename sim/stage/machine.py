@@ -1,7 +1,7 @@
 """The machine as its simulation sees it: bodies, places, stiffnesses and limits, SI throughout.
 
 Axes: x along the travel, y across it, z up. Places are given from the middle of the stage (`Stage`) or of the base
-(`Actuator`); heights from the sea, the face of the stage on which the tip acts, with the stage resting on its pads.
+(`Actuator`); heights from the drive surface, the face of the stage on which the tip acts, with the stage on its pads.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Stage:
 
     Args:
         mass: kg.
-        centre: of mass, from the middle of the stage on the sea's height, m, shape (3,).
+        centre: of mass, from the middle of the stage on the drive surface's height, m, shape (3,).
         inertia: about the centre of mass, kg m^2, shape (3, 3).
         preload: of the magnets, N, downwards at the middle of the stage; it moves with the stage.
         guide_stiffness: of one tooth iron across the travel, N/m.
@@ -84,7 +84,7 @@ class Tip:
 
 @dataclass(frozen=True)
 class Contact:
-    """Between tip and sea.
+    """Between tip and drive surface.
 
     Args:
         rate: K of Hertz's K delta^1.5, N/m^1.5.

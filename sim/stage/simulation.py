@@ -39,7 +39,7 @@ class StageSimulation:
 
     @property
     def travel(self) -> float:
-        """Motion of the sea's middle along x since the start, m."""
+        """Motion of the drive surface's middle along x since the start, m."""
         q, centre = self.state.position, self.machine.stage.centre
         return float(self._set_back + q[0] - (q[4] - self.rest.attitude[2]) * centre[2] + q[5] * centre[1])
 

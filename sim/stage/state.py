@@ -32,7 +32,7 @@ class Constants(NamedTuple):
     guide_yaw: float  # stiffness against yaw of one iron's length, N m/rad
     centre_start: np.ndarray  # (3,) of the centre of mass, from the middle of the base
     tip_at: np.ndarray  # (actuators, 2) from the middle of the base
-    apex_rest: np.ndarray  # (actuators,) height of an unloaded apex at mid-stroke over the unloaded sea
+    apex_rest: np.ndarray  # (actuators,) height of an unloaded apex at mid-stroke over the unloaded drive surface
     tip_mass: float
     tip_inertia: float
     tip_height: float

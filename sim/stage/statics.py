@@ -21,11 +21,11 @@ class Rest:
 
     Args:
         position: of the stage's middle along the travel, m.
-        apex_heights: of each unloaded apex at mid-stroke over the unloaded sea, m, shape (actuators,).
+        apex_heights: of each unloaded apex at mid-stroke over the unloaded drive surface, m, shape (actuators,).
         attitude: heave of the centre of mass (m) and turns about x and y (rad) from the unloaded pads, shape (3,).
         tip_loads: N, shape (actuators,).
         pad_loads: N, shape (pads,).
-        pad_height: of the pads below the sea, m.
+        pad_height: of the pads below the drive surface, m.
     """
 
     position: float
@@ -37,7 +37,7 @@ class Rest:
 
 
 def contact_depth(machine: StageMachine, load: float) -> float:
-    """Approach of tip and sea under a load, m: (N/K)^(2/3)."""
+    """Approach of tip and drive surface under a load, m: (N/K)^(2/3)."""
     return (load / machine.contact.rate) ** (2.0 / 3.0)
 
 
@@ -58,7 +58,7 @@ def _tip_load(machine: StageMachine, depth: float) -> tuple[float, float]:
 
 
 def rest_at(machine: StageMachine, position: float, apex_heights: np.ndarray, pad_height: float = 2e-3) -> Rest:
-    """Rest with the tips at given heights over the unloaded sea.
+    """Rest with the tips at given heights over the unloaded drive surface.
 
     Raises:
         InputError: the load's centre lies outside the pads: the stage falls off.
@@ -113,8 +113,8 @@ def rest_with_load(machine: StageMachine, position: float, load: float, pad_heig
     return rest_at(machine, position, _sea_at_tips(machine, position, lifted.attitude) + pressed, pad_height)
 
 
-def over_sea(machine: StageMachine, position: float, height: float, pad_height: float = 2e-3) -> Rest:
-    """Rest with each apex at mid-stroke set to `height` over the sea as it stands without tips, m (below: negative)."""
+def over_drive_surface(machine: StageMachine, position: float, height: float, pad_height: float = 2e-3) -> Rest:
+    """Rest with each apex at mid-stroke at `height` over the unloaded drive surface, m (below: negative)."""
     free = rest_at(machine, position, np.full(len(machine.actuators), -1.0), pad_height)
     return rest_at(machine, position, _sea_at_tips(machine, position, free.attitude) + height, pad_height)
 

@@ -1,7 +1,7 @@
-"""Dimensions that follow from others, computed in this one place.
+"""Dimensions that follow from others.
 
-Two kinds: values of keys that a parameter file may leave out (`COMPUTED`), and places and envelopes in the assembly
-that no key holds (`Derived`). Millimetres; x along the travel, y across it, z up; the origin is at actuator 1 on
+Two kinds: values of keys that a parameter file may leave out (`COMPUTED`), and positions and envelopes in the assembly
+without a key (`Derived`). Millimetres; x along the travel, y across it, z up; the origin is at actuator 1 on
 the top of the base.
 """
 
@@ -21,7 +21,7 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True)
 class Formula:
-    """How a value that the file leaves out follows from others.
+    """Formula of a value that the file leaves out.
 
     Args:
         text: the formula in keys.
@@ -41,7 +41,7 @@ def _pin_1_axis_depth(d: Any) -> float:
 
 def _bolt_count(d: Any) -> float:
     way = d.bearing_way
-    # A hair of rounding must not cost a screw.
+    # The small number keeps rounding errors from losing a screw.
     return max(math.floor((way.length - 2 * way.bolt_end) / way.bolt_spacing + 1e-9) + 1, 0)
 
 
@@ -95,7 +95,12 @@ COMPUTED: dict[str, Formula] = {
         "piezo.blocking_force / piezo.stroke", lambda d: d.piezo.blocking_force / d.piezo.stroke
     ),
 }
-"""By key, in the order in which they are worked out."""
+"""By key, in the order of computation."""
+
+
+def corners(along: float, across: float) -> list[Place]:
+    """The four corners (x, y) of a rectangle about the origin, by rising x, then y."""
+    return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]
 
 
 @dataclass(frozen=True)
@@ -105,14 +110,14 @@ class Derived:
     design: Tables
 
     @property
-    def sea_height(self) -> float:
-        """Height of the sea, and of the tip's apex when it just touches: way and pads."""
+    def drive_surface_height(self) -> float:
+        """Height of the drive surface, and of the tip's apex when it just touches: way and pads."""
         return self.design.bearing_way.height + self.design.pads.height
 
     @property
     def payload_height(self) -> float:
         """Height of the payload face."""
-        return self.sea_height + self.design.stage.thickness
+        return self.drive_surface_height + self.design.stage.thickness
 
     @property
     def wedge_height(self) -> float:
@@ -232,13 +237,13 @@ class Derived:
         return self.design.screws.way.length - self.design.bearing_way.flange_thickness
 
     @property
-    def sea_length(self) -> float:
-        """Length of the sea along the travel: the stage's own."""
+    def drive_surface_length(self) -> float:
+        """Length of the drive surface along the travel: the stage's own."""
         return self.design.stage.length
 
     @property
-    def sea_width(self) -> float:
-        """Width of the sea: its strip, or the whole underside for two axes."""
+    def drive_surface_width(self) -> float:
+        """Width of the drive surface: its strip, or the whole underside for two axes."""
         return self.design.stage.width if self.design.sea.whole_underside else self.design.sea.width
 
     @property

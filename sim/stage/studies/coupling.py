@@ -14,12 +14,12 @@ from sim.stage.drive_setting import SHORTEST_RISE
 from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.simulation import drive_stage
-from sim.stage.statics import over_sea
+from sim.stage.statics import over_drive_surface
 from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 
 DURATION = 0.1
 HEIGHT = -0.3
-"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height: no pad lifts at mid-travel."""
+"""Height of the apex at mid-stroke over the drive surface, in heights of the ellipse: no pad lifts at mid-travel."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def faulty_run(case: tuple[StageMachine, float, float, float, Fault]) -> StageRu
         late = time - fault.delays[i] / (2.0 * math.pi * frequency)
         whole = ellipse_wave(machine, ellipse, frequency, late, envelope)
         wave[:, :, i] = bias + fault.gains[i] * (whole[:, :, i] - bias)
-    return drive_stage(machine, over_sea(machine, 0.0, HEIGHT * ellipse.normal), wave, STEP, 50)
+    return drive_stage(machine, over_drive_surface(machine, 0.0, HEIGHT * ellipse.normal), wave, STEP, 50)
 
 
 def coupling_study(

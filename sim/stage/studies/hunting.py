@@ -13,7 +13,7 @@ from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.sensors import Interferometer
 from sim.stage.simulation import StageSimulation
-from sim.stage.statics import over_sea, rest_with_load
+from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies.positioning import COARSE_HEIGHT, LEAN_HIGHEST, Actuation
 from sim.stage.studies.steps import LOAD_SHARE
 
@@ -28,7 +28,7 @@ class Hold:
 
     Args:
         text: for people.
-        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one does not touch the sea;
+        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one has no contact;
             `travel` scales its travel along only; `lean` leans the pressed tip.
         proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s.
         target: m.
@@ -112,7 +112,7 @@ def held(case: tuple[StageMachine, float, float, float, Hold]) -> Held:
     if hold.moves == "lean":
         rest, most = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load), LEAN_HIGHEST
     else:
-        rest, most = over_sea(machine, 0.0, COARSE_HEIGHT * actuation.path.normal), 1.0
+        rest, most = over_drive_surface(machine, 0.0, COARSE_HEIGHT * actuation.path.normal), 1.0
     simulation = StageSimulation(machine, rest, STEP)
     sensor = Interferometer(machine.sensors, period)
     total, outputs = 0.0, []

@@ -2,7 +2,7 @@
 
 Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. A
 speed is asked for that falls with the square root of the distance left; the output is proportional to what it lacks.
-Fine: the tip stands still, pressed on the sea, and leans by the integral of the error; the stage follows through the
+Fine: the tip stays on the drive surface and leans by the integral of the error; the stage follows through the
 contact within its presliding.
 """
 
@@ -20,13 +20,13 @@ from sim.stage.machine import StageMachine
 from sim.stage.run import StageRun
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import StageSimulation
-from sim.stage.statics import over_sea, rest_with_load
+from sim.stage.statics import over_drive_surface, rest_with_load
 from sim.stage.studies.steps import LOAD_SHARE
 from sim.stage.waveforms import two_piezo_ellipse, volts_for
 
 TARGET = 0.5e-3
 COARSE_HEIGHT = -0.45
-"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DECELERATION = 0.15
 """m/s^2, of the speed asked for; a third of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
@@ -173,7 +173,7 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
     machine, amplitude, phase, frequency, loop = case
     actuation = Actuation(machine, amplitude, phase, frequency, STEP)
     period = actuation.steps * STEP
-    rest = over_sea(machine, 0.0, COARSE_HEIGHT * actuation.path.normal)
+    rest = over_drive_surface(machine, 0.0, COARSE_HEIGHT * actuation.path.normal)
     pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
     simulation = StageSimulation(machine, rest, STEP)

@@ -1,4 +1,4 @@
-"""Nanometre steps: the tip stays on the sea and leans, the stage follows through contact and presliding."""
+"""Nanometre steps: the tip stays on the drive surface and leans, the stage follows through contact and presliding."""
 
 from __future__ import annotations
 

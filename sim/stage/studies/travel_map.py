@@ -18,7 +18,7 @@ from sim.stage.waveforms import knots_wave, step_times, two_piezo_ellipse
 
 POSITIONS = 9
 HEIGHTS = (-0.9, -0.75, -0.6, -0.45, -0.3, -0.15, 0.0, 0.15)
-"""Of the apex at mid-stroke over the sea, in amplitudes of the ellipse's height."""
+"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DURATION = 0.03
 PUSH_TIME = 0.06
 PUSH_HIGHEST = 7e-6
@@ -43,7 +43,7 @@ class TravelMap:
 
     Args:
         positions: of the stage's middle, m, shape (n,).
-        heights: of the apex over the sea, m, shape (m,).
+        heights: of the apex over the drive surface, m, shape (m,).
         lifted: part of the time that the pad most often lifted is off, shape (m, n).
         tip_off: part of the time that the tip is off, shape (m, n).
         load_share: mean tip load over weight and preload, shape (m, n).

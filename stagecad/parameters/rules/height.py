@@ -1,4 +1,4 @@
-"""Rules about the stack of heights under the tip: pins, holder, piezos, tip."""
+"""Rules for the stack of heights under the tip: pins, holder, piezos, tip."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.rules.registry import HAIR, given, length, rule
+from stagecad.parameters.rules.registry import ROUNDING, given, length, rule
 from stagecad.parameters.rules.sliding import DRILL_POINT
 
 if TYPE_CHECKING:
@@ -22,22 +22,21 @@ STACK = (
     "piezo.length",
     "actuator.tip_height",
 )
-"""What decides where the tip's apex is against the sea."""
+"""The lengths that determine the height of the apex above the drive surface."""
 
 
 @rule
 def tip_reaches_stage(d: Design) -> Iterator[str]:
-    """The height adjustment brings the tip to the sea, whatever the tolerances of the parts between."""
+    """The height adjustment brings the tip to the drive surface, whatever the tolerances of the parts between."""
     derived = d.derived
-    off = derived.tip_apex - derived.sea_height
+    off = derived.tip_apex - derived.drive_surface_height
     spread = sum(d.plus_minus(key) for key in STACK)
-    if abs(off) + spread > derived.height_adjustment + HAIR:
-        where = f"{length(abs(off))} {'above' if off > 0 else 'below'}" if abs(off) > HAIR else "at"
+    if abs(off) + spread > derived.height_adjustment + ROUNDING:
+        where = f"{length(abs(off))} {'above' if off > 0 else 'below'}" if abs(off) > ROUNDING else "at"
         yield (
-            f"the tip does not surely reach the stage: its apex stands {where} the sea at "
-            f"{length(derived.sea_height)}, "
-            f"tolerances add up to {length(spread)} either way, and the height adjustment covers "
-            f"{length(derived.height_adjustment)} "
+            f"the tip may not reach the stage: its apex is {where} the drive surface at "
+            f"{length(derived.drive_surface_height)}, tolerances add up to {length(spread)} in either direction, and "
+            f"the height adjustment covers {length(derived.height_adjustment)} "
             f"({given(d, 'height_pin_1.stroke', 'height_pin_1.slope', 'base.pin_1_axis_depth')}); "
             f"base.pin_1_axis_depth would be right at {length(d.base.pin_1_axis_depth + off)}"
         )
@@ -57,7 +56,7 @@ def fits(d: Design) -> Iterator[str]:
         clearance = d.value(bore) - d.value(pin)
         if clearance <= 0.0:
             yield f"{given(d, pin)} does not go into {given(d, bore)}"
-        elif clearance > most + HAIR:
+        elif clearance > most + ROUNDING:
             yield (
                 f"{given(d, pin)} is loose in {given(d, bore)}: {length(clearance)} of clearance, and "
                 f"{given(d, 'making.largest_fit')}"
@@ -71,22 +70,20 @@ def wedge(d: Design) -> Iterator[str]:
     """Pin 2 stands on the wedge over the whole stroke, and the wedge leaves pin 1 its body."""
     one, two = d.height_pin_1, d.height_pin_2
     reach = one.stroke / 2 + two.diameter / 2
-    if reach > one.length / 2 - one.end_chamfer + HAIR:
+    if reach > one.length / 2 - one.end_chamfer + ROUNDING:
         yield (
-            f"{given(d, 'height_pin_1.length')} is too short: pin 2 of {given(d, 'height_pin_2.diameter')} runs off "
-            "the "
+            f"{given(d, 'height_pin_1.length')} is too short: pin 2 of {given(d, 'height_pin_2.diameter')} leaves the "
             f"wedge over {given(d, 'height_pin_1.stroke')}; at least {length(2 * (reach + one.end_chamfer))} is needed"
         )
     rise = one.slope * one.length / 2
-    if one.flat_height + rise > one.diameter / 2 - HAIR or one.flat_height - rise < HAIR:
+    if one.flat_height + rise > one.diameter / 2 - ROUNDING or one.flat_height - rise < ROUNDING:
         yield (
-            f"the wedge of {given(d, 'height_pin_1.slope', 'height_pin_1.length')} runs out of the pin: its flat goes "
-            "from "
+            f"the wedge of {given(d, 'height_pin_1.slope', 'height_pin_1.length')} leaves the pin: its flat goes from "
             f"{length(one.flat_height - rise)} to {length(one.flat_height + rise)} over the axis of "
             f"{given(d, 'height_pin_1.diameter')}"
         )
     guided = -d.derived.wedge_height - d.derived.height_adjustment - d.base.pocket_depth
-    if guided < two.diameter - HAIR:
+    if guided < two.diameter - ROUNDING:
         yield (
             f"height pin 2 is guided over {length(guided)} in its bore, less than {given(d, 'height_pin_2.diameter')}; "
             f"make height_pin_2.length longer or base.pocket_clearance smaller"
@@ -108,12 +105,11 @@ def height_screw(d: Design) -> Iterator[str]:
     if base.set_screw_access <= screw.diameter:
         yield f"{given(d, 'base.set_screw_access')} does not let {given(d, 'set_screw.diameter')} through"
     low, high = one.length / 2 - one.stroke / 2, one.length / 2 + one.stroke / 2 + screw.length
-    if base.set_screw_thread_end > low + HAIR or base.set_screw_thread_start < high - HAIR:
+    if base.set_screw_thread_end > low + ROUNDING or base.set_screw_thread_start < high - ROUNDING:
         yield (
             f"the set screw leaves its thread: over {given(d, 'height_pin_1.stroke')} it runs from {length(low)} to "
             f"{length(high)} off the actuator's axis, but the thread goes from "
-            f"{given(d, 'base.set_screw_thread_end')} to "
-            f"{given(d, 'base.set_screw_thread_start')}"
+            f"{given(d, 'base.set_screw_thread_end')} to {given(d, 'base.set_screw_thread_start')}"
         )
     if spring.outer_diameter >= base.pin_1_bore:
         yield f"{given(d, 'spring.outer_diameter')} does not go into {given(d, 'base.pin_1_bore')}"
@@ -123,13 +119,13 @@ def height_screw(d: Design) -> Iterator[str]:
             f"{given(d, 'spring.outer_diameter', 'spring.wire_diameter')}"
         )
     longest = spring.installed_length + one.stroke / 2
-    if longest > spring.free_length + HAIR:
+    if longest > spring.free_length + ROUNDING:
         yield (
             f"the spring goes loose: {given(d, 'spring.installed_length', 'height_pin_1.stroke')} stretch it to "
             f"{length(longest)}, beyond {given(d, 'spring.free_length')}"
         )
     shortest, solid = spring.installed_length - one.stroke / 2, spring.coils * spring.wire_diameter
-    if shortest < solid - HAIR:
+    if shortest < solid - ROUNDING:
         yield (
             f"the spring is pressed solid: {given(d, 'spring.installed_length', 'height_pin_1.stroke')} leave it "
             f"{length(shortest)}, but its coils take {length(solid)}"
@@ -144,24 +140,23 @@ def holder_bores(d: Design) -> Iterator[str]:
     h, wall = d.holder, d.making.least_wall
     circle, bore = d.derived.piezo_circle, d.holder.bore_diameter
     needed = 2 * (circle + bore / 2 + wall)
-    if needed > h.diameter + HAIR:
+    if needed > h.diameter + ROUNDING:
         yield (
             f"{given(d, 'actuator.piezo_spacing')} puts the piezos' bores over the edge of "
-            f"{given(d, 'holder.diameter')}; "
-            f"it must be at least {length(needed)}"
+            f"{given(d, 'holder.diameter')}; it must be at least {length(needed)}"
         )
-    if d.actuator.piezo_spacing < bore + wall - HAIR:
+    if d.actuator.piezo_spacing < bore + wall - ROUNDING:
         yield f"{given(d, 'actuator.piezo_spacing')} lets the piezos' bores of {length(bore)} run together"
-    if circle - bore / 2 - h.well_diameter / 2 < wall - HAIR:
+    if circle - bore / 2 - h.well_diameter / 2 < wall - ROUNDING:
         yield (
             f"{given(d, 'holder.well_diameter')} runs into the piezos' bores; it may be "
             f"{length(max(2 * (circle - bore / 2 - wall), 0.0))}"
         )
     tap = d.threads.m4_tap_drill
-    if h.lift_radius + tap / 2 + wall > h.diameter / 2 + HAIR:
+    if h.lift_radius + tap / 2 + wall > h.diameter / 2 + ROUNDING:
         yield f"{given(d, 'holder.lift_radius')} puts the lifting holes over the edge of {given(d, 'holder.diameter')}"
     apart = math.sqrt(circle**2 + h.lift_radius**2 - circle * h.lift_radius)
-    if apart < (bore + tap) / 2 + wall - HAIR or h.lift_radius < (h.well_diameter + tap) / 2 + wall - HAIR:
+    if apart < (bore + tap) / 2 + wall - ROUNDING or h.lift_radius < (h.well_diameter + tap) / 2 + wall - ROUNDING:
         yield f"{given(d, 'holder.lift_radius')} lets the lifting holes meet the piezos' bores or the well"
     if h.ejector_hole >= d.piezo.diameter:
         yield f"{given(d, 'holder.ejector_hole')} leaves no floor under {given(d, 'piezo.diameter')}"
@@ -176,17 +171,17 @@ def tip_over_holder(d: Design) -> Iterator[str]:
     """The tip hangs free over the holder, and the holder under the stage."""
     derived, tip, making = d.derived, d.tip, d.making
     gap = derived.piezo_plane - tip.seat_depth - derived.holder_top
-    if gap < making.least_wall - HAIR:
+    if gap < making.least_wall - ROUNDING:
         yield (
             f"the tip comes within {length(gap)} of the holder: "
-            f"{given(d, 'piezo.length', 'holder.floor', 'holder.height')}; "
-            f"lower holder.height by {length(making.least_wall - gap)}"
+            f"{given(d, 'piezo.length', 'holder.floor', 'holder.height')}; lower "
+            f"holder.height by {length(making.least_wall - gap)}"
         )
-    headroom = derived.sea_height - derived.holder_top - derived.height_adjustment
+    headroom = derived.drive_surface_height - derived.holder_top - derived.height_adjustment
     if headroom <= 0.0:
         yield f"the holder, raised by the height adjustment, meets the stage; lower {given(d, 'holder.height')}"
     floor = d.base.pocket_depth + derived.holder_bottom - derived.height_adjustment
-    if floor < -HAIR:
+    if floor < -ROUNDING:
         yield (
             f"{given(d, 'base.pocket_depth')} stops the holder {length(-floor)} before the height adjustment is at its "
             f"lowest; make base.pocket_clearance at least {length(derived.height_adjustment)}"
@@ -202,30 +197,30 @@ def tip_body(d: Design) -> Iterator[str]:
         return
     sag = tip.nose_radius - math.sqrt(tip.nose_radius**2 - tip.nose_diameter**2 / 4)
     low = tip.arm_thickness - tip.seat_depth + tip.cone_fillet
-    if d.actuator.tip_height - sag < low + HAIR:
+    if d.actuator.tip_height - sag < low + ROUNDING:
         yield (
             f"{given(d, 'actuator.tip_height')} leaves no cone over {given(d, 'tip.arm_thickness')} and a nose of "
             f"{given(d, 'tip.nose_radius')}; at least {length(low + sag)} is needed"
         )
-    if tip.cone_diameter < tip.nose_diameter or tip.hub_diameter < tip.cone_diameter + 2 * tip.cone_fillet - HAIR:
+    if tip.cone_diameter < tip.nose_diameter or tip.hub_diameter < tip.cone_diameter + 2 * tip.cone_fillet - ROUNDING:
         yield (
             f"{given(d, 'tip.nose_diameter', 'tip.cone_diameter', 'tip.hub_diameter')} must grow downwards, the hub by "
             f"the fillet of {length(tip.cone_fillet)} on either side"
         )
-    if tip.foot_diameter < tip.seat_diameter + 2 * wall - HAIR:
+    if tip.foot_diameter < tip.seat_diameter + 2 * wall - ROUNDING:
         yield (
             f"{given(d, 'tip.foot_diameter')} leaves too little wall around {given(d, 'tip.seat_diameter')}; at least "
             f"{length(tip.seat_diameter + 2 * wall)} is needed"
         )
-    if tip.seat_depth >= tip.arm_thickness - wall + HAIR:
+    if tip.seat_depth >= tip.arm_thickness - wall + ROUNDING:
         yield f"{given(d, 'tip.seat_depth')} cuts through {given(d, 'tip.arm_thickness')}"
     deep = tip.relief_depth + tip.relief_diameter / 2 * DRILL_POINT
-    if deep + wall > d.actuator.tip_height + tip.seat_depth - sag + HAIR:
+    if deep + wall > d.actuator.tip_height + tip.seat_depth - sag + ROUNDING:
         yield (
             f"{given(d, 'tip.relief_depth')} and the drill's point reach {length(deep)} up, into the nose of a tip of "
             f"{given(d, 'actuator.tip_height')}"
         )
-    if tip.relief_diameter + 2 * wall > tip.nose_diameter + HAIR:
+    if tip.relief_diameter + 2 * wall > tip.nose_diameter + ROUNDING:
         yield f"{given(d, 'tip.relief_diameter')} leaves too little wall in a cone of {given(d, 'tip.nose_diameter')}"
-    if tip.arm_width > tip.foot_diameter - HAIR:
+    if tip.arm_width > tip.foot_diameter - ROUNDING:
         yield f"{given(d, 'tip.arm_width')} is wider than {given(d, 'tip.foot_diameter')}"

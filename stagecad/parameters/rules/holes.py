@@ -1,6 +1,6 @@
-"""Rules about the holes of the base: inside it with edge distance, clear of each other, screws that reach and end.
+"""Rules for the holes of the base: edge distance, walls between holes, lengths of screws.
 
-Every hole is taken as a cylinder, upright or along the travel; two may not come closer than the least wall.
+Every hole is a cylinder, upright or along the travel; the wall between two holes has a least thickness.
 """
 
 from __future__ import annotations
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.rules.registry import HAIR, given, length, rule
+from stagecad.parameters.derived import corners
+from stagecad.parameters.rules.registry import ROUNDING, given, length, rule, screw_length
 from stagecad.parameters.rules.sliding import DRILL_POINT
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class Hole:
         keys: parameters that place it.
         start, end: ends of its axis; alike in x and y for an upright hole, in y and z for one along the travel.
         radius: of the cylinder.
-        own: pocket whose mechanism it belongs to; holes of one mechanism are meant to meet.
+        own: pocket whose mechanism it belongs to; holes of one mechanism may intersect.
     """
 
     name: str
@@ -53,10 +54,6 @@ def _tapped(name: str, keys: tuple[str, ...], at: tuple[float, float], drill: fl
     return _upright(name, keys, at, drill, depth + drill / 2 * DRILL_POINT)
 
 
-def _corners(along: float, across: float) -> list[tuple[float, float]]:
-    return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]
-
-
 def base_holes(d: Design) -> list[Hole]:
     """Every hole of the base."""
     base, t, derived = d.base, d.threads, d.derived
@@ -64,18 +61,18 @@ def base_holes(d: Design) -> list[Hole]:
     for at in derived.way_screw_places:
         keys = ("bearing_way.bolt_edge", "bearing_way.bolt_spacing")
         holes.append(_tapped("a way screw's hole", keys, at, t.unc_3_8_tap_drill, base.way_drill_depth))
-    for at in _corners(base.lift_spacing_along, base.lift_spacing_across):
+    for at in corners(base.lift_spacing_along, base.lift_spacing_across):
         keys = ("base.lift_spacing_along", "base.lift_spacing_across")
         holes.append(_tapped("a lifting hole", keys, at, t.m10_tap_drill, base.lift_drill_depth))
-    for at in _corners(base.bracket_spacing_along, base.bracket_spacing_across):
+    for at in corners(base.bracket_spacing_along, base.bracket_spacing_across):
         keys = ("base.bracket_spacing_along", "base.bracket_spacing_across")
         holes.append(_tapped("a bracket hole", keys, at, t.m6_tap_drill, base.bracket_drill_depth))
-    for at in _corners(base.setting_pin_spacing, base.way_gap - base.setting_pin_hole):
+    for at in corners(base.setting_pin_spacing, base.way_gap - base.setting_pin_hole):
         keys = ("base.setting_pin_spacing", "base.setting_pin_hole")
         holes.append(_upright("a setting-pin hole", keys, at, base.setting_pin_hole, base.setting_pin_depth))
     if d.teeth.fitted:
         bar, across = d.tooth_bar, d.teeth.bar_spacing / 2
-        for x, y in _corners(bar.screw_span, bar.screw_spacing):
+        for x, y in corners(bar.screw_span, bar.screw_spacing):
             for side in (-1, 1):
                 keys = ("tooth_bar.screw_span", "tooth_bar.screw_spacing", "teeth.bar_spacing")
                 holes.append(
@@ -126,7 +123,7 @@ def _mechanisms(d: Design) -> list[Hole]:
 
 
 def _gap(a: Hole, b: Hole) -> float:
-    """Material left between two holes; of two upright ones that end above each other, or cross, the least distance."""
+    """Thickness of the material between two holes, mm; negative where they intersect."""
     spans = zip(a.start, a.end, b.start, b.end)
     steps = [max(min(p, q) - max(r, s), min(r, s) - max(p, q), 0.0) for p, q, r, s in spans]
     if a.upright and b.upright:
@@ -146,14 +143,14 @@ def _gap(a: Hole, b: Hole) -> float:
 def holes_apart(d: Design) -> Iterator[str]:
     """Holes of the base do not come too close to each other: pockets clear of screws, and bores of each other."""
     wall = d.making.least_wall
-    told: set[tuple[str, str]] = set()
+    reported: set[tuple[str, str]] = set()
     for a, b in combinations(base_holes(d), 2):
         stepped = not a.upright and not b.upright and a.start[1:] == b.start[1:] and a.name == b.name
-        if (a.own and a.own == b.own) or stepped or (a.name, b.name) in told:
+        if (a.own and a.own == b.own) or stepped or (a.name, b.name) in reported:
             continue
         gap = _gap(a, b)
-        if gap < wall - HAIR:
-            told.add((a.name, b.name))
+        if gap < wall - ROUNDING:
+            reported.add((a.name, b.name))
             how = f"leave {length(gap)} between them" if gap > 0 else "meet"
             keys = tuple(dict.fromkeys((*a.keys, *b.keys)))
             yield f"{a.name} and {b.name} {how}; {length(wall)} is needed: {given(d, *keys)}"
@@ -164,26 +161,26 @@ def holes_in_base(d: Design) -> Iterator[str]:
     """Holes of the base keep their distance from its edges, and blind ones end inside it."""
     base, wall = d.base, d.making.least_wall
     half = (base.length / 2, base.width / 2)
-    told: set[str] = set()
+    reported: set[str] = set()
     for hole in base_holes(d):
-        if hole.name in told:
+        if hole.name in reported:
             continue
         if hole.upright:
             reach = [abs(hole.start[axis]) + hole.radius + wall - half[axis] for axis in (0, 1)]
             over = max(reach)
-            if hole.start[2] == 0.0 and -hole.end[2] + wall > base.height + HAIR:
-                told.add(hole.name)
+            if hole.start[2] == 0.0 and -hole.end[2] + wall > base.height + ROUNDING:
+                reported.add(hole.name)
                 yield f"{hole.name} goes {length(-hole.end[2])} deep, through {given(d, 'base.height')}"
                 continue
         else:
-            inner = max(abs(hole.start[0]) + wall - half[0], 0.0) if abs(hole.start[0]) < half[0] + HAIR else wall
+            inner = max(abs(hole.start[0]) + wall - half[0], 0.0) if abs(hole.start[0]) < half[0] + ROUNDING else wall
             over = max(
                 inner,
                 abs(hole.start[1]) + hole.radius + wall - half[1],
                 -hole.start[2] + hole.radius + wall - base.height,
             )
-        if over > HAIR:
-            told.add(hole.name)
+        if over > ROUNDING:
+            reported.add(hole.name)
             yield (
                 f"{hole.name} comes too close to an edge of the base "
                 f"({given(d, 'base.length', 'base.width', 'base.height')}): "
@@ -197,7 +194,7 @@ def pockets_between_ways(d: Design) -> Iterator[str]:
     base, wall = d.base, d.making.least_wall
     for number, (_, y) in enumerate(d.derived.actuator_places, start=1):
         free = base.way_gap / 2 - abs(y) - base.pocket_diameter / 2 - base.pocket_chamfer
-        if free < wall - HAIR:
+        if free < wall - ROUNDING:
             yield (
                 f"pocket {number} reaches under a way: {given(d, 'base.actuator_spacing', 'base.pocket_diameter')} and "
                 f"{given(d, 'base.way_gap')} leave {length(free)}, and {length(wall)} is needed"
@@ -211,18 +208,16 @@ def height_bores(d: Design) -> Iterator[str]:
     base, wall = d.base, d.making.least_wall
     bore = max(base.pin_1_bore, d.threads.unc_1_tap_drill)
     floor = base.pin_1_axis_depth - bore / 2 - base.pocket_depth
-    if floor < wall - HAIR:
+    if floor < wall - ROUNDING:
         yield (
             f"{given(d, 'base.pocket_depth', 'base.pin_1_axis_depth', 'base.pin_1_bore')} leave {length(floor)} of "
-            "floor "
-            f"between pocket and wedge pin; {length(wall)} is needed"
+            f"floor between pocket and wedge pin; {length(wall)} is needed"
         )
     shortest = base.length / 2 - max(abs(x) for x, _ in d.derived.actuator_places)
-    if base.set_screw_thread_start > shortest + HAIR:
+    if base.set_screw_thread_start > shortest + ROUNDING:
         yield (
             f"{given(d, 'base.set_screw_thread_start')} lies outside the base, whose side face is {length(shortest)} "
-            "from "
-            f"actuators 2 and 3; make base.length larger"
+            "from actuators 2 and 3; make base.length larger"
         )
     if base.set_screw_thread_end >= base.set_screw_thread_start:
         yield f"{given(d, 'base.set_screw_thread_end')} is not inside of {given(d, 'base.set_screw_thread_start')}"
@@ -233,7 +228,7 @@ def height_bores(d: Design) -> Iterator[str]:
 @rule
 def clamp_screws(d: Design) -> Iterator[str]:
     """Clamp screws reach their threads, and end inside them; heads sink into their counterbores."""
-    base, least_ratio = d.base, d.making.engagement
+    base = d.base
     back = min(x for x, _ in d.derived.actuator_places)
     grips = (
         ("screws.clamp_long", "base.clamp_slot_1", base.length / 2 - base.clamp_slot_1),
@@ -242,18 +237,8 @@ def clamp_screws(d: Design) -> Iterator[str]:
     for name, slot, to_slot in grips:
         screw = getattr(d.screws, name.split(".")[1])
         engaged = screw.length - (to_slot - base.clamp_counterbore_depth) - base.clamp_slot_width / 2
-        least = least_ratio * screw.diameter
-        where = given(d, "base.length", slot, "base.clamp_counterbore_depth")
-        if engaged < least - HAIR:
-            yield (
-                f"{given(d, f'{name}.length')} is too short: it engages {length(max(engaged, 0.0))} beyond the slot "
-                f"({where}), and {length(least)} is needed"
-            )
-        elif engaged > base.clamp_thread_depth + HAIR:
-            yield (
-                f"{given(d, f'{name}.length')} is too long: it goes {length(engaged)} beyond the slot ({where}), but "
-                f"{given(d, 'base.clamp_thread_depth')}"
-            )
+        where = f"beyond the slot ({given(d, 'base.length', slot, 'base.clamp_counterbore_depth')})"
+        yield from screw_length(d, name, engaged, "base.clamp_thread_depth", where)
         if screw.head_diameter >= base.clamp_counterbore:
             yield f"{given(d, f'{name}.head_diameter')} does not go into {given(d, 'base.clamp_counterbore')}"
         if screw.diameter >= base.clamp_hole:
@@ -271,25 +256,24 @@ def clamp_fingers(d: Design) -> Iterator[str]:
         if d.value(key) + base.clamp_slot_width >= radius - base.clamp_floor_slot:
             yield f"{given(d, key)} misses the pocket of {given(d, 'base.pocket_diameter')}"
     beside = base.clamp_screw_offset - base.clamp_hole / 2 - radius
-    if beside < wall - HAIR:
+    if beside < wall - ROUNDING:
         yield (
             f"{given(d, 'base.clamp_screw_offset')} leaves {length(beside)} between the clamp screw and the pocket; "
             f"{length(wall)} is needed"
         )
     beyond = base.clamp_reach - base.clamp_screw_offset - base.clamp_hole / 2
-    if beyond < wall - HAIR:
+    if beyond < wall - ROUNDING:
         yield (
             f"{given(d, 'base.clamp_reach')} cuts the clamp screw's hole at {given(d, 'base.clamp_screw_offset')}; at "
             f"least {length(base.clamp_reach + wall - beyond)} is needed"
         )
     drilled = base.clamp_slot_width / 2 + base.clamp_thread_depth + base.clamp_slot_width / 2
-    if drilled + wall > base.clamp_lug + HAIR:
+    if drilled + wall > base.clamp_lug + ROUNDING:
         yield (
-            f"{given(d, 'base.clamp_thread_depth')} goes through {given(d, 'base.clamp_lug')}; the lug must be at "
-            "least "
-            f"{length(drilled + wall)}"
+            f"{given(d, 'base.clamp_thread_depth')} goes through {given(d, 'base.clamp_lug')}; the lug must be "
+            f"at least {length(drilled + wall)}"
         )
-    if base.clamp_screw_depth - base.clamp_counterbore / 2 < wall - HAIR:
+    if base.clamp_screw_depth - base.clamp_counterbore / 2 < wall - ROUNDING:
         yield f"{given(d, 'base.clamp_screw_depth')} lets {given(d, 'base.clamp_counterbore')} break through the top"
 
 
@@ -305,7 +289,7 @@ def clamp_necks(d: Design) -> Iterator[str]:
         ("base.clamp_neck_angle_2", "base.clamp_slot_2", -base.clamp_slot_2),
     ):
         neck = math.radians(d.value(angle))
-        if circle * math.cos(neck) > slot - base.clamp_lug + HAIR or abs(slot) >= floor:
+        if circle * math.cos(neck) > slot - base.clamp_lug + ROUNDING or abs(slot) >= floor:
             low = math.degrees(math.acos(max(-1.0, min(1.0, (slot - base.clamp_lug) / circle))))
             least = math.ceil(10 * low) / 10
             yield (

@@ -1,8 +1,8 @@
-"""Rules across values: what must hold together for the machine to be made and put together at all.
+"""Rules across values: conditions for the machine to be manufacturable and to fit together.
 
-A rule looks at a design and says, in the user's words, what does not go together: keys, values, what would be right.
-Only what cannot be built is refused here. What can be built but falls short of a requirement (speed, smoothness, load)
-is a design check, and no rule.
+A rule checks a design and yields one message for each inconsistency: keys, values, and what would be right. Only a
+design that cannot be built violates a rule; one that can be built but misses a requirement (speed, smoothness, load)
+fails a design check.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from stagecad.parameters.errors import InputError
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
 
-HAIR = 1e-6
-"""mm: what rounding may cost, and no workshop could tell."""
+ROUNDING = 1e-6
+"""Tolerance of comparisons for rounding errors, mm."""
 
 _MODULES = ("sliding", "height", "holes", "teeth", "values")
 
@@ -29,7 +29,7 @@ _RULES: dict[str, Check] = {}
 
 @dataclass(frozen=True)
 class Violation:
-    """A rule that a design breaks, and how."""
+    """A rule that a design violates, with the message."""
 
     rule: str
     message: str
@@ -50,15 +50,15 @@ def all_rules() -> dict[str, Check]:
 
 
 def violations(design: Design) -> list[Violation]:
-    """What does not go together in a design; empty where it can be built."""
+    """All violations of a design; empty if it can be built."""
     return [Violation(name, message) for name, check in all_rules().items() for message in check(design)]
 
 
 def require(design: Design) -> None:
-    """Refuse a design that cannot be built.
+    """Check that a design can be built.
 
     Raises:
-        InputError: with the first thing that does not go together, and the number of others.
+        InputError: with the first violation, and the number of others.
     """
     found = violations(design)
     if found:
@@ -67,7 +67,7 @@ def require(design: Design) -> None:
 
 
 def given(design: Design, *keys: str) -> str:
-    """Keys with their values, as they stand in messages: ``stage.length = 230 mm and stage.travel = 200 mm``."""
+    """Keys with their values for a message: ``stage.length = 230 mm and stage.travel = 200 mm``."""
     parts = [f"{key} = {design.entry(key).text}" for key in keys]
     return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
@@ -75,3 +75,21 @@ def given(design: Design, *keys: str) -> str:
 def length(value: float) -> str:
     """A length in a message: at most three decimals."""
     return f"{round(value, 3):g} mm"
+
+
+def screw_length(design: Design, key: str, engaged: float, limit: str, where: str) -> Iterator[str]:
+    """Messages about a screw whose thread engagement is too short or exceeds the depth of its thread.
+
+    Args:
+        design: the design.
+        key: the screw's table, `screws.way`.
+        engaged: length of engaged thread, mm.
+        limit: key of the depth of the thread.
+        where: the length outside the thread, for messages.
+    """
+    least = design.making.engagement * design.value(f"{key}.diameter")
+    screw = given(design, f"{key}.length")
+    if engaged < least - ROUNDING:
+        yield f"{screw} is too short: {where} it engages {length(max(engaged, 0.0))}, and {length(least)} is needed"
+    elif engaged > design.value(limit) + ROUNDING:
+        yield f"{screw} is too long: {where} it goes {length(engaged)} deep, but {given(design, limit)}"

@@ -1,4 +1,4 @@
-"""Rules about what slides: pads on the ways, sea over the tip, the stage's own holes, the ways and their screws."""
+"""Rules for the sliding parts: pads on the ways, drive surface over the tip, holes of the stage, ways, way screws."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.rules.registry import HAIR, given, length, rule
+from stagecad.parameters.rules.registry import ROUNDING, given, length, rule, screw_length
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
@@ -19,7 +19,7 @@ DRILL_POINT = 1 / math.tan(math.radians(59.0))
 def pad_proportion(d: Design) -> Iterator[str]:
     """Pads are 2 : 1."""
     pads = d.pads
-    if abs(pads.length / pads.width / pads.ratio - 1.0) > pads.ratio_deviation + HAIR:
+    if abs(pads.length / pads.width / pads.ratio - 1.0) > pads.ratio_deviation + ROUNDING:
         yield (
             f"{given(d, 'pads.length', 'pads.width')} make {pads.length / pads.width:.3g} : 1, but pads must be "
             f"{pads.ratio:g} : 1; make pads.width {length(pads.length / pads.ratio)} or "
@@ -32,18 +32,18 @@ def pads_under_stage(d: Design) -> Iterator[str]:
     """Pads lie within the stage, and apart from each other."""
     pads, stage, wall = d.pads, d.stage, d.making.least_wall
     across = pads.spacing_across / 2 + pads.width / 2 + wall
-    if across > stage.width / 2 + HAIR:
+    if across > stage.width / 2 + ROUNDING:
         yield (
             f"{given(d, 'pads.spacing_across', 'pads.width')} put the pads over the edge of a stage of "
             f"{given(d, 'stage.width')}; it must be at least {length(2 * across)}"
         )
     along = pads.spacing_along / 2 + pads.length / 2 + wall
-    if along > stage.length / 2 + HAIR:
+    if along > stage.length / 2 + ROUNDING:
         yield (
             f"{given(d, 'pads.spacing_along', 'pads.length')} put the pads over the end of a stage of "
             f"{given(d, 'stage.length')}; it must be at least {length(2 * along)}"
         )
-    if pads.spacing_along < pads.length + wall - HAIR:
+    if pads.spacing_along < pads.length + wall - ROUNDING:
         yield (
             f"{given(d, 'pads.spacing_along')} leaves no gap between pads of {given(d, 'pads.length')}; "
             f"at least {length(pads.length + wall)} is needed"
@@ -55,7 +55,7 @@ def pads_on_way(d: Design) -> Iterator[str]:
     """Pads stay on the ways' running faces at both ends of the travel."""
     pads, way, travel = d.pads, d.bearing_way, d.stage.travel
     needed = pads.spacing_along + pads.length + travel + 2 * way.edge_chamfer
-    if needed > way.length + HAIR:
+    if needed > way.length + ROUNDING:
         yield (
             f"at the ends of {given(d, 'stage.travel')} the pads run off the way: {given(d, 'pads.spacing_along')}"
             f" and {given(d, 'pads.length')} need a bearing_way.length of {length(needed)}, but it is "
@@ -65,7 +65,7 @@ def pads_on_way(d: Design) -> Iterator[str]:
     inner, outer = d.base.way_gap / 2, d.base.way_gap / 2 + way.width - way.ledge_width
     low = pads.spacing_across / 2 - pads.width / 2 - sideways
     high = pads.spacing_across / 2 + pads.width / 2 + sideways
-    if low < inner + way.edge_chamfer - HAIR or high > outer - way.edge_chamfer + HAIR:
+    if low < inner + way.edge_chamfer - ROUNDING or high > outer - way.edge_chamfer + ROUNDING:
         reach = " over the travel of the second axis" if sideways else ""
         yield (
             f"{given(d, 'pads.spacing_across', 'pads.width')} make the pads run from {length(low)} to {length(high)} "
@@ -76,19 +76,19 @@ def pads_on_way(d: Design) -> Iterator[str]:
 
 
 @rule
-def sea_over_tip(d: Design) -> Iterator[str]:
-    """The sea covers every fitted tip at both ends of the travel."""
+def drive_surface_over_tip(d: Design) -> Iterator[str]:
+    """The drive surface covers every fitted tip at both ends of the travel."""
     stage, margin, nose = d.stage, d.sea.contact_margin, d.tip.nose_diameter / 2
     two_axes = d.actuator.fitted > 1
     for number, (x, y) in enumerate(d.derived.fitted_places, start=1):
         along = 2 * (abs(x) + stage.travel / 2 + margin)
-        if along > stage.length + HAIR:
+        if along > stage.length + ROUNDING:
             yield (
-                f"at the ends of {given(d, 'stage.travel')} the tip of actuator {number} leaves the sea: "
+                f"at the ends of {given(d, 'stage.travel')} the tip of actuator {number} leaves the drive surface: "
                 f"{given(d, 'stage.length')} must be at least {length(along)}, with {given(d, 'sea.contact_margin')}"
             )
         across = 2 * (abs(y) + nose + (stage.travel / 2 if two_axes else 0.0))
-        if across > d.derived.sea_width + HAIR:
+        if across > d.derived.drive_surface_width + ROUNDING:
             if two_axes and not d.sea.whole_underside:
                 yield (
                     f"the tip of actuator {number} lies outside {given(d, 'sea.width')}; with "
@@ -103,16 +103,16 @@ def sea_over_tip(d: Design) -> Iterator[str]:
 
 
 @rule
-def sea_clear_of_pads(d: Design) -> Iterator[str]:
-    """The strip of sea and its grooves end before the pads begin."""
+def drive_surface_clear_of_pads(d: Design) -> Iterator[str]:
+    """The strip of the drive surface and its grooves end before the pads begin."""
     if d.sea.whole_underside:
         return
     sea, pads = d.sea, d.pads
     edge = sea.width / 2 + sea.groove_width
     free = pads.spacing_across / 2 - pads.width / 2 - pads.root_fillet
-    if edge > free + HAIR:
+    if edge > free + ROUNDING:
         yield (
-            f"{given(d, 'sea.width', 'sea.groove_width')} reach the pads; the sea may be "
+            f"{given(d, 'sea.width', 'sea.groove_width')} reach the pads; the drive surface may be "
             f"{length(max(2 * (free - sea.groove_width), 0.0))} wide with {given(d, 'pads.spacing_across')}"
         )
 
@@ -123,7 +123,7 @@ def crown_of_pads(d: Design) -> Iterator[str]:
     pads = d.pads
     half = math.hypot(pads.length, pads.width) / 2
     sag = pads.crown_radius - math.sqrt(max(pads.crown_radius**2 - half**2, 0.0))
-    if pads.crown_radius <= half or sag + pads.root_fillet > pads.height + HAIR:
+    if pads.crown_radius <= half or sag + pads.root_fillet > pads.height + ROUNDING:
         yield (
             f"{given(d, 'pads.crown_radius')} falls away by {length(sag)} over the pad, more than "
             f"{given(d, 'pads.height')} less its root fillet; make the radius larger"
@@ -134,67 +134,68 @@ def crown_of_pads(d: Design) -> Iterator[str]:
 
 @rule
 def stage_holes(d: Design) -> Iterator[str]:
-    """The stage's holes lie within it, clear of each other, and end above the sea."""
+    """The stage's holes lie within it, clear of each other, and end above the drive surface."""
     stage, wall = d.stage, d.making.least_wall
     tap = d.threads.m6_tap_drill
     for count, size in (("stage.payload_columns", "stage.length"), ("stage.payload_rows", "stage.width")):
         needed = (d.value(count) - 1) * stage.payload_pitch + tap + 2 * wall
-        if needed > d.value(size) + HAIR:
+        if needed > d.value(size) + ROUNDING:
             yield (
                 f"{given(d, count, 'stage.payload_pitch')} put payload holes over the edge of {given(d, size)}; "
                 f"it must be at least {length(needed)}"
             )
-    if stage.payload_pitch < tap + wall - HAIR:
+    if stage.payload_pitch < tap + wall - ROUNDING:
         yield f"{given(d, 'stage.payload_pitch')} lets the payload holes run together"
     point = stage.payload_drill_depth + tap / 2 * DRILL_POINT
-    if point > stage.thickness - d.making.least_floor + HAIR:
+    if point > stage.thickness - d.making.least_floor + ROUNDING:
         yield (
             f"{given(d, 'stage.payload_drill_depth')} and the drill's point reach {length(point)} deep, and would "
-            "break "
-            f"through to the sea: {given(d, 'stage.thickness')} less {given(d, 'making.least_floor')} is left; "
-            f"make stage.payload_floor larger or the plate thicker"
+            f"break through to the drive surface: {given(d, 'stage.thickness')} less {given(d, 'making.least_floor')} "
+            "is left; make stage.payload_floor larger or the plate thicker"
         )
     if stage.payload_thread_depth > stage.payload_drill_depth:
         yield f"{given(d, 'stage.payload_thread_depth')} is deeper than {given(d, 'stage.payload_drill_depth')}"
     if stage.target_thread_depth > stage.target_drill_depth:
         yield f"{given(d, 'stage.target_thread_depth')} is deeper than {given(d, 'stage.target_drill_depth')}"
     reach = stage.dowel_spacing / 2 + stage.dowel_diameter / 2 + wall
-    if reach > stage.length / 2 + HAIR or stage.dowel_offset + stage.dowel_diameter / 2 + wall > stage.width / 2 + HAIR:
+    if (
+        reach > stage.length / 2 + ROUNDING
+        or stage.dowel_offset + stage.dowel_diameter / 2 + wall > stage.width / 2 + ROUNDING
+    ):
         yield (
             f"{given(d, 'stage.dowel_spacing', 'stage.dowel_offset')} put the dowel holes over the edge of "
             f"{given(d, 'stage.length', 'stage.width')}"
         )
     target = d.threads.m4_tap_drill
-    if target + 2 * wall > stage.thickness + HAIR:
+    if target + 2 * wall > stage.thickness + ROUNDING:
         yield (
             f"{given(d, 'stage.thickness')} is too thin for the target holes in its end faces; at least "
             f"{length(target + 2 * wall)} is needed"
         )
-    if stage.target_spacing + target + 2 * wall > stage.width + HAIR or stage.target_spacing < target + wall - HAIR:
+    if (
+        stage.target_spacing + target + 2 * wall > stage.width + ROUNDING
+        or stage.target_spacing < target + wall - ROUNDING
+    ):
         yield f"{given(d, 'stage.target_spacing')} does not fit the end face of {given(d, 'stage.width')}"
-    columns, rows = stage.payload_columns, stage.payload_rows
-    for i in range(columns):
-        for j in range(rows):
-            x = (i - (columns - 1) / 2) * stage.payload_pitch
-            y = (j - (rows - 1) / 2) * stage.payload_pitch
-            apart = math.hypot(abs(x) - stage.dowel_spacing / 2, y - stage.dowel_offset)
-            gap = apart - tap / 2 - stage.dowel_diameter / 2
-            if gap < wall - HAIR:
-                yield (
-                    f"a dowel hole ({given(d, 'stage.dowel_spacing', 'stage.dowel_offset')}) meets a payload hole "
-                    f"({given(d, 'stage.payload_pitch')}); move it by {length(wall - gap)} or more"
-                )
-                return
+    for x, y in d.derived.payload_places:
+        apart = math.hypot(abs(x) - stage.dowel_spacing / 2, y - stage.dowel_offset)
+        gap = apart - tap / 2 - stage.dowel_diameter / 2
+        if gap < wall - ROUNDING:
+            yield (
+                f"a dowel hole ({given(d, 'stage.dowel_spacing', 'stage.dowel_offset')}) meets a payload hole "
+                f"({given(d, 'stage.payload_pitch')}); move it by {length(wall - gap)} or more"
+            )
+            return
 
 
 @rule
 def ways_on_base(d: Design) -> Iterator[str]:
     """The ways lie on the base whole."""
     way, base = d.bearing_way, d.base
-    if way.length > base.length + HAIR:
+    if way.length > base.length + ROUNDING:
         yield f"{given(d, 'bearing_way.length')} is longer than {given(d, 'base.length')}"
     needed = base.way_gap + 2 * way.width
-    if needed > base.width + HAIR:
+    if needed > base.width + ROUNDING:
         yield (
             f"{given(d, 'base.width')} is too narrow for two ways: {given(d, 'base.way_gap', 'bearing_way.width')} "
             f"need {length(needed)}"
@@ -215,34 +216,33 @@ def way_ledge(d: Design) -> Iterator[str]:
         )
     if way.ledge_width >= way.width:
         yield f"{given(d, 'bearing_way.ledge_width')} leaves no running face on {given(d, 'bearing_way.width')}"
-    if way.bolt_edge < head / 2 + way.edge_chamfer - HAIR:
+    if way.bolt_edge < head / 2 + way.edge_chamfer - ROUNDING:
         yield (
             f"{given(d, 'bearing_way.bolt_edge')} lets the heads of {length(head)} overhang the way's outer edge; "
             f"at least {length(head / 2 + way.edge_chamfer)} is needed"
         )
     room = way.ledge_width - way.bolt_edge - way.ledge_fillet
-    if room < head / 2 - HAIR:
+    if room < head / 2 - ROUNDING:
         yield (
             f"{given(d, 'bearing_way.ledge_width', 'bearing_way.bolt_edge')} leave {length(room)} between screw and "
             f"ledge root, but a head of {given(d, 'screws.way.head_diameter')} needs {length(head / 2)}"
         )
     if way.bolt_hole <= d.screws.way.diameter:
         yield f"{given(d, 'bearing_way.bolt_hole')} does not let {given(d, 'screws.way.diameter')} through"
-    if way.bolt_spacing < head + d.making.least_wall - HAIR:
+    if way.bolt_spacing < head + d.making.least_wall - ROUNDING:
         yield (
             f"{given(d, 'bearing_way.bolt_spacing')} lets the screw heads of {length(head)} touch; at least "
             f"{length(head + d.making.least_wall)} is needed"
         )
     margin = d.derived.way_screw_end_margin
-    if margin < way.bolt_end - HAIR:
+    if margin < way.bolt_end - ROUNDING:
         yield (
             f"{given(d, 'bearing_way.bolt_count', 'bearing_way.bolt_spacing')} leave {length(margin)} of ceramic "
-            "beyond "
-            f"the last screw of {given(d, 'bearing_way.length')}; {given(d, 'bearing_way.bolt_end')} is asked for"
+            f"beyond the last screw of {given(d, 'bearing_way.length')}; {given(d, 'bearing_way.bolt_end')} is required"
         )
     clear = d.base.way_gap / 2 + way.width - way.ledge_width
     top = way.flange_thickness + d.screws.way.head_height
-    if d.stage.width / 2 > clear and top > d.derived.sea_height - HAIR:
+    if d.stage.width / 2 > clear and top > d.derived.drive_surface_height - ROUNDING:
         yield (
             f"the heads of the way screws stand {length(top)} high, into a stage of {given(d, 'stage.width')} that "
             "reaches over them; make bearing_way.flange_thickness smaller or the stage narrower than "
@@ -252,17 +252,6 @@ def way_ledge(d: Design) -> Iterator[str]:
 
 @rule
 def way_screws(d: Design) -> Iterator[str]:
-    """Way screws are long enough, and end before their holes do."""
-    screw, base = d.screws.way, d.base
-    engaged = d.derived.way_screw_engagement
-    least = d.making.engagement * screw.diameter
-    if engaged < least - HAIR:
-        yield (
-            f"{given(d, 'screws.way.length')} is too short: through {given(d, 'bearing_way.flange_thickness')} it "
-            f"engages {length(engaged)}, and {length(least)} is needed"
-        )
-    if engaged > base.way_thread_depth + HAIR:
-        yield (
-            f"{given(d, 'screws.way.length')} is too long: it goes {length(engaged)} into the base, but "
-            f"{given(d, 'base.way_thread_depth')}"
-        )
+    """Way screws are long enough, and shorter than their holes."""
+    where = f"through {given(d, 'bearing_way.flange_thickness')}"
+    yield from screw_length(d, "screws.way", d.derived.way_screw_engagement, "base.way_thread_depth", where)

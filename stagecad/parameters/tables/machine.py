@@ -21,7 +21,7 @@ class Tables:
 
     stage: parts.Stage
     pads: parts.Pads
-    sea: parts.Sea
+    sea: parts.DriveSurface
     bearing_way: parts.BearingWay
     base: parts.Base
     actuator: physics.Actuator

@@ -15,7 +15,7 @@ class Stage:
     material: str = of_material()
     length: float = mm("along the travel")
     width: float = mm("across the travel")
-    thickness: float = mm("from the plane of the sea to the payload face")
+    thickness: float = mm("from the drive surface to the payload face")
     travel: float = mm("from end to end")
     corner_radius: float = mm("of the upright corners")
     edge_chamfer: float = mm("of the rim")
@@ -35,7 +35,7 @@ class Stage:
     iron_pocket_length: float = mm("of the pocket for the tooth irons, along the travel")
     iron_pocket_width: float = mm("of the pocket for irons and magnet, across", computed=True)
     iron_pocket_clearance: float = mm("of irons and magnet in their pocket")
-    iron_pocket_depth: float = mm("from the sea's plane to the seat of the irons")
+    iron_pocket_depth: float = mm("from the drive surface to the seat of the irons")
     iron_pocket_corner: float = mm("radius the cutter leaves in the pocket's corners")
 
 
@@ -46,7 +46,7 @@ class Pads:
     count: int = count("of pads: three do not over-constrain, four suit a gravity preload", low=3, high=4)
     length: float = mm("of a pad along the travel")
     width: float = mm("of a pad across the travel")
-    height: float = mm("of a pad's crown below the sea")
+    height: float = mm("of a pad's crown below the drive surface")
     crown_radius: float = mm("of the pads' convex faces")
     corner_radius: float = mm("of the pads' upright corners")
     root_fillet: float = mm("where a pad grows out of the stage")
@@ -57,14 +57,14 @@ class Pads:
 
 
 @dataclass(frozen=True)
-class Sea:
+class DriveSurface:
     """The strip of the stage's underside on which the tip drives."""
 
     width: float = mm("across the travel")
     groove_width: float = mm("of the grooves that bound it")
     groove_depth: float = mm("of the grooves that bound it")
-    whole_underside: bool = switch("two axes: the whole underside is sea")
-    contact_margin: float = mm("of sea that must remain beyond the tip at the ends of the travel")
+    whole_underside: bool = switch("two axes: the whole underside is drive surface")
+    contact_margin: float = mm("of drive surface that must remain beyond the tip at the ends of the travel")
 
 
 @dataclass(frozen=True)

@@ -38,11 +38,11 @@ class Amplifier:
 
 @dataclass(frozen=True)
 class Drive:
-    """Friction contact between tip and sea."""
+    """Friction contact between tip and drive surface."""
 
-    friction: float = number("coefficient between the tip's coating and the sea", high=5)
-    sea_coating_thickness: float = number("of the friction coating on the sea", "m")
-    roughness: float = number("Ra of the sea", "m")
+    friction: float = number("coefficient between the tip's coating and the drive surface", high=5)
+    sea_coating_thickness: float = number("of the friction coating on the drive surface", "m")
+    roughness: float = number("Ra of the drive surface", "m")
     impact_loss: float = number("alpha of a coefficient of restitution 1 - alpha v", "s/m", closed=True)
 
 

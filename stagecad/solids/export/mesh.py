@@ -84,10 +84,10 @@ def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
     for angular in ANGULAR:
         if angular**2 / 12.0 > VOLUME_ERROR and _is_wire(shape):
             continue
-        mesh = triangulated(shape, LINEAR, angular)
-        error = abs(mesh.volume / volume - 1.0)
+        meshed = _meshed_copy(shape, LINEAR, angular)
+        error = abs(_mesh_volume(meshed) / volume - 1.0)
         if error <= VOLUME_ERROR:
-            return mesh
+            return _mesh(meshed)
     raise ValueError(f"the finest mesh misses the solid's volume by {error:.2%}")
 
 
@@ -107,19 +107,39 @@ def triangulated(shape: cq.Shape, linear: float, angular: float) -> Mesh:
     Raises:
         ValueError: a face could not be meshed.
     """
-    from OCP.BRep import BRep_Tool
+    return _mesh(_meshed_copy(shape, linear, angular))
+
+
+def _meshed_copy(shape: cq.Shape, linear: float, angular: float) -> Any:
+    """Meshed copy of a shape: a mesh loosens the bounding box and enlarges the stored solid."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
     from OCP.BRepMesh import BRepMesh_IncrementalMesh
+
+    copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
+    BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
+    return copy
+
+
+def _mesh_volume(meshed: Any) -> float:
+    """Volume within the triangles of a meshed shape, mm^3."""
+    from OCP.BRepGProp import BRepGProp
+    from OCP.GProp import GProp_GProps
+
+    properties = GProp_GProps()
+    BRepGProp.VolumeProperties_s(meshed, properties, False, False, True)
+    return properties.Mass()
+
+
+def _mesh(meshed: Any) -> Mesh:
+    """Triangles and sharp edges of a meshed shape of the kernel."""
+    from OCP.BRep import BRep_Tool
     from OCP.TopAbs import TopAbs_FACE, TopAbs_REVERSED
     from OCP.TopExp import TopExp_Explorer
     from OCP.TopLoc import TopLoc_Location
     from OCP.TopoDS import TopoDS
 
-    # A mesh loosens the bounding box and enlarges the stored solid: it is made on a copy.
-    copy = BRepBuilderAPI_Copy(shape.wrapped, True, False).Shape()
-    BRepMesh_IncrementalMesh(copy, linear, False, angular, True)
     faces: list[Any] = []
-    explorer = TopExp_Explorer(copy, TopAbs_FACE)
+    explorer = TopExp_Explorer(meshed, TopAbs_FACE)
     while explorer.More():
         faces.append(TopoDS.Face_s(explorer.Current()))
         explorer.Next()

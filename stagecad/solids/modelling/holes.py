@@ -85,8 +85,3 @@ def repeated(cutter: cq.Solid, offsets: Iterable[Point]) -> list[cq.Solid]:
     import cadquery as cq
 
     return [cutter.moved(cq.Location(cq.Vector(*offset))) for offset in offsets]
-
-
-def corners(along: float, across: float) -> list[tuple[float, float]]:
-    """The four points (x, y) of a rectangle about the origin, by rising x, then y: a pattern of four holes."""
-    return [(sx * along / 2, sy * across / 2) for sx in (-1, 1) for sy in (-1, 1)]

@@ -51,7 +51,7 @@ base           ``top``: at actuator 1, x along the travel; ``bearing_way_left`` 
 bearing_way    ``bottom``: middle of the footprint, normal down, x as the part's x; ``top``: middle of the bearing
                face, normal up; ``way_screw_1`` ..: bearing faces of the heads on the ledge, normal up
 stage          ``pad_1`` ..: crown of each pad, normal down; ``pads``: plane of the crowns under the middle of the
-               stage, normal down, x along the travel; ``top``: payload face; ``sea``: face of the sea at the middle,
+               stage, normal down, x along the travel; ``top``: payload face; ``drive_surface``: at its middle,
                normal down; ``tooth_iron_1`` .., ``magnet_1`` ..: their seats, normal down
 holder         ``bottom``: at its axis, normal down, x as the part's x; ``top``; ``piezo_1`` .. ``piezo_3``: bore floors
 tip            ``apex``: normal up; ``piezo_1`` .. ``piezo_3``: seats of the piezos' ends, normal down, x as part's x

@@ -26,10 +26,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from stagecad.parameters.derived import Derived, Place
+from stagecad.parameters.derived import Derived, Place, corners
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import FaceRequirements, X, Z, named
-from stagecad.solids.modelling.holes import OVERRUN, corners, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, plate
 from stagecad.solids.parts.base_clamp import clamp_cutters, clamp_datums
 from stagecad.solids.parts.base_dimensions import base_dimensions

@@ -6,10 +6,9 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from stagecad.parameters.derived import Derived, Place
+from stagecad.parameters.derived import Derived, Place, corners
 from stagecad.parameters.dimension import Dimension, Point
 from stagecad.solids.modelling.dimensioning import DOWN, DimensionDeclarations, X, Y, Z
-from stagecad.solids.modelling.holes import corners
 from stagecad.solids.parts.base_clamp import Clamp, clamps
 
 

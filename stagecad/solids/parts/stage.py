@@ -1,8 +1,8 @@
-"""The stage: an aluminium plate that slides on convex islands, is driven on its sea, and carries the payload.
+"""The stage: an aluminium plate that slides on convex islands, is driven on its drive surface, and carries the payload.
 
-Part coordinates: origin at mid-length and mid-width on the underside (the plane of the sea); x along the travel,
+Part coordinates: origin at mid-length and mid-width on the underside (the drive surface); x along the travel,
 y across it, z up. The payload face is at z = thickness, the islands hang below z = 0. At mid-travel the part frame
-is the assembly frame raised to the height of the sea.
+is the assembly frame raised to the height of the drive surface.
 
 Features and what each is for
 - Plate: as light as stiffness at the payload allows; all suspension hardware that can be is on the base. Rounded
@@ -10,13 +10,13 @@ Features and what each is for
 - Islands: pads of 2 : 1 proud of the underside, crowned so that they ride on their middle whatever the way's and the
   plate's errors, carrying the PTFE film. Three of them fix height, pitch and roll and no more (a fourth is for
   gravity preload). A fillet at the root is what the bull-nosed cutter leaves.
-- Sea: strip of the underside along the travel, lapped and coated with friction material, where the tip drives. Two
-  shallow grooves bound it: the lap runs out into them and the coating's mask ends there. (For two axes the whole
-  underside is sea, and there are no grooves.)
+- Drive surface: strip of the underside along the travel, lapped and coated with friction material, on which the tip
+  acts. Two shallow grooves bound it: lapping and the mask of the coating end there. (For two axes the whole underside
+  is drive surface, without grooves.)
 - Iron pockets: one over each toothed bar, taking the irons and the magnet between them; corners have the cutter's
   radius, smaller than the irons' own, so that these seat. A tapped hole through the roof lets squeezed-out adhesive
   and air escape and takes the jack screw that pushes the irons out again.
-- Payload holes: grid of blind tapped holes on the payload face (through holes would break the sea).
+- Payload holes: grid of blind tapped holes on the payload face (through holes would break the drive surface).
 - Dowel holes: two reamed holes, through, so that no air is trapped under a dowel; they place a payload repeatably.
 - Target holes: two tapped holes in each end face for the target of the probe or the mirror of the interferometer.
 """
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 NAME = "stage"
 
 NOTES = (
-    "Holes, pads, sea and pockets symmetric about the middle of length and width where no distance is given.",
+    "Holes, pads, drive surface and pockets symmetric about the middle of length and width where no distance is given.",
     "The single pad of three is in the middle of the length.",
 )
 
@@ -58,7 +58,7 @@ def build(design: Any) -> cq.Solid:
     body = plate((0.0, 0.0, 0.0), s.length, s.width, s.thickness, corner_radius=s.corner_radius)
     rim = edges_where(body, lambda p: abs(p.z) < 1e-9 or abs(p.z - s.thickness) < 1e-9)
     body = body.chamfer(s.edge_chamfer, None, rim)
-    body = _with_islands(design, body)
+    body = _with_pads(design, body)
 
     cutters: list[cq.Shape] = []
     top = s.thickness
@@ -99,7 +99,7 @@ def build(design: Any) -> cq.Solid:
     return cut_all(body, cutters)
 
 
-def _with_islands(design: Any, body: cq.Solid) -> cq.Solid:
+def _with_pads(design: Any, body: cq.Solid) -> cq.Solid:
     """The plate with its islands: each a rounded prism whose foot is a piece of a large sphere."""
     import cadquery as cq
 
@@ -136,7 +136,7 @@ def material(design: Any) -> str:
 
 
 def datums(design: Any) -> dict[str, Datum]:
-    """Crowns of the pads, payload face, sea, and the seats of irons and magnets."""
+    """Crowns of the pads, payload face, drive surface, and the seats of irons and magnets."""
     s, down = design.stage, DOWN
     crown = -design.pads.height
     found = [
@@ -145,7 +145,7 @@ def datums(design: Any) -> dict[str, Datum]:
     found += [
         Datum("pads", (0.0, 0.0, crown), down),
         Datum("top", (0.0, 0.0, s.thickness), Z),
-        Datum("sea", (0.0, 0.0, 0.0), down),
+        Datum("drive_surface", (0.0, 0.0, 0.0), down),
     ]
     if design.teeth.fitted:
         seats = [side * design.teeth.bar_spacing / 2 for side in (-1, 1)]
@@ -234,9 +234,9 @@ def _drive_surface_dimensions(d: DimensionDeclarations, design: Any) -> None:
     x, half, deep = design.stage.length / 2 - 5, sea.width / 2, sea.groove_depth
     outer, middle = half + sea.groove_width, half + sea.groove_width / 2
     inner, note = (x, half, deep / 2), "friction coating between the grooves"
-    d.linear("sea width", "sea.width", (x, -half, deep / 2), inner, note=note)
-    d.linear("sea groove width", "sea.groove_width", inner, (x, outer, deep / 2), count=2)
-    d.depth("sea groove depth", "sea.groove_depth", (x, middle, 0), (x, middle, deep), count=2)
+    d.linear("drive surface width", "sea.width", (x, -half, deep / 2), inner, note=note)
+    d.linear("drive surface groove width", "sea.groove_width", inner, (x, outer, deep / 2), count=2)
+    d.depth("drive surface groove depth", "sea.groove_depth", (x, middle, 0), (x, middle, deep), count=2)
 
 
 def _iron_pocket_dimensions(d: DimensionDeclarations, design: Any) -> None:
@@ -252,11 +252,11 @@ def _iron_pocket_dimensions(d: DimensionDeclarations, design: Any) -> None:
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
-    """A sea parallel to the plane of the pads' crowns: the tip's load stays the same along the travel."""
+    """A drive surface parallel to the plane of the pads' crowns: the tip's load stays the same along the travel."""
     f, down = FaceRequirements(design), DOWN
     crowns = tuple((x, y, -design.pads.height) for x, y in sorted(Derived(design).pad_places))
-    sea = ((0.0, 0.0, 0.0),)
+    surface = ((0.0, 0.0, 0.0),)
     f.datum("A", crowns, down, "front")
-    f.tolerance("parallelism", "sea to pads", "drawing.tolerance_x_xx", sea, down, "front", datums=("A",))
-    f.texture("sea", "drive.roughness", sea, down, "front", "lapped")
+    f.tolerance("parallelism", "drive surface to pads", "drawing.tolerance_x_xx", surface, down, "front", datums=("A",))
+    f.texture("drive surface", "drive.roughness", surface, down, "front", "lapped")
     return tuple(f)

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.derived import corners
 from stagecad.parameters.dimension import Datum, Dimension, FaceRequirement
 from stagecad.solids.modelling.dimensioning import (
     DOWN,
@@ -29,7 +30,7 @@ from stagecad.solids.modelling.dimensioning import (
     fillet_inset,
     named,
 )
-from stagecad.solids.modelling.holes import OVERRUN, corners, repeated, stepped_hole
+from stagecad.solids.modelling.holes import OVERRUN, repeated, stepped_hole
 from stagecad.solids.modelling.primitives import cut_all, edges_where, joined, plate, upright_edges
 from stagecad.solids.parts.tooth_iron import declare_teeth, groove_spans, tooth_centres
 

@@ -36,7 +36,7 @@ pytestmark = pytest.mark.xdist_group("sheets of the thesis")
 
 NOT_DIMENSIONS = {
     "teeth.fitted": "whether pockets and tapped holes for the teeth are there: seen from their being there",
-    "sea.whole_underside": "whether grooves bound the sea: seen from their being there",
+    "sea.whole_underside": "whether grooves bound the drive surface: seen from their being there",
 }
 """Parameters that shape a part and stand on no sheet as a number, with the reason."""
 

@@ -14,7 +14,7 @@ from stage_machines import GRAVITY, RADIUS, example, ideal_piezos, symmetric
 from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
 from sim.stage.drive_setting import Setting, run_setting, steady
 from sim.stage.simulation import StageSimulation, drive_stage
-from sim.stage.statics import over_sea, rest_at, rest_with_load
+from sim.stage.statics import over_drive_surface, rest_at, rest_with_load
 from sim.stage.studies.travel_map import pushed_over
 from sim.stage.waveforms import ellipse_wave, knots_wave, step_times, two_piezo_ellipse
 from stagecad.parameters.errors import InputError
@@ -59,7 +59,7 @@ def test_a_free_tip_follows_the_rigid_body_kinematics():
     """x = -h (d2 - d1)/D, up = (d1 + d2 + d3)/3, y = -h [d3 - (d1 + d2)/2]/(D sqrt(3)/2), slowly and out of touch."""
     machine = ideal_piezos(example())
     volts = held(machine, 0.01) + np.array([20.0, -10.0, 5.0]) * np.linspace(0.0, 1.0, 10_000)[:, None, None]
-    run = drive_stage(machine, over_sea(machine, 0.0, FAR_BELOW), volts, STEP)
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, FAR_BELOW), volts, STEP)
     first, second, third = np.array([20.0, -10.0, 5.0]) * 17e-6 / 150.0
     asked = [
         -0.02 * (second - first) / 0.046,
@@ -73,7 +73,7 @@ def test_the_tip_rings_at_its_resonances():
     machine = ideal_piezos(example())
     machine = replace(machine, tip=replace(machine.tip, damping=0.0))
     volts = held(machine, 0.04) + np.array([10.0, -5.0, 5.0])
-    run = drive_stage(machine, over_sea(machine, 0.0, FAR_BELOW), volts, STEP, stride=1)
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, FAR_BELOW), volts, STEP, stride=1)
     heave = math.sqrt(3 * 47e6 / 0.032) / (2 * math.pi)
     turn = math.sqrt(47e6 * 0.046**2 / 2 / 1e-5) / (2 * math.pi)
     for axis, expected in ((2, heave), (0, turn), (1, turn)):
@@ -106,7 +106,7 @@ def test_coasting_stops_after_coulombs_time_and_distance():
         machine, stage=replace(machine.stage, preload=6.0), pads=replace(machine.pads, presliding=0.05e-6)
     )
     speed = 0.01
-    run = drive_stage(machine, over_sea(machine, 0.0, FAR_BELOW), held(machine, 0.03), STEP, velocity=speed)
+    run = drive_stage(machine, over_drive_surface(machine, 0.0, FAR_BELOW), held(machine, 0.03), STEP, velocity=speed)
     slowing = 0.05 * (3.0 * GRAVITY + 6.0) / 3.0
     assert run.position[:, 0].max() == pytest.approx(speed**2 / (2 * slowing), rel=5e-3)
     stopped = run.time[np.argmax(run.velocity[:, 0] <= 0.0)]
@@ -148,7 +148,7 @@ def driven():
     """Ten milliseconds at 5 kHz, at three steps of time."""
     machine = example()
     ellipse = two_piezo_ellipse(machine, 8.5e-6, math.pi / 2)
-    rest = over_sea(machine, 0.0, -0.3 * ellipse.normal)
+    rest = over_drive_surface(machine, 0.0, -0.3 * ellipse.normal)
     runs = {}
     for step in (1e-6, 5e-7, 2.5e-7):
         time = step_times(round(0.01 / step), step)
@@ -251,7 +251,7 @@ def test_a_stage_set_back_moves_on_alike():
     wave = ellipse_wave(machine, ellipse, 5000.0, step_times(4000, STEP))
     runs = []
     for back in (0.0, 1e-3):
-        simulation = StageSimulation(machine, over_sea(machine, 0.5 * back, -0.3 * ellipse.normal), STEP, 0.1)
+        simulation = StageSimulation(machine, over_drive_surface(machine, 0.5 * back, -0.3 * ellipse.normal), STEP, 0.1)
         simulation.advance(wave[:2000])
         simulation.set_back(back)
         simulation.advance(wave[2000:])
@@ -265,7 +265,7 @@ def test_a_step_too_long_for_a_light_tip_is_refused():
     machine = example()
     light = replace(machine, tip=replace(machine.tip, mass=1e-3))
     with pytest.raises(InputError, match="too long for a mode"):
-        drive_stage(light, over_sea(light, 0.0, FAR_BELOW), held(light, 0.001), STEP)
+        drive_stage(light, over_drive_surface(light, 0.0, FAR_BELOW), held(light, 0.001), STEP)
 
 
 def test_contact_depth_is_hertz():

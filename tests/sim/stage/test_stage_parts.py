@@ -13,7 +13,7 @@ from sim.stage.piezo import piezo_response
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import drive_stage
 from sim.stage.slip_elements import mindlin, parabola, slip_elements
-from sim.stage.statics import over_sea
+from sim.stage.statics import over_drive_surface
 from sim.stage.studies.coupling import with_ample_amplifier
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
@@ -26,7 +26,9 @@ FAR_BELOW = -1e-4
 
 def free_apex(machine, volts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Height of an apex out of touch under a common voltage, m, and the voltage, V."""
-    run = drive_stage(machine, over_sea(machine, 0.0, FAR_BELOW), np.repeat(volts[:, None, None], 3, axis=2), STEP)
+    run = drive_stage(
+        machine, over_drive_surface(machine, 0.0, FAR_BELOW), np.repeat(volts[:, None, None], 3, axis=2), STEP
+    )
     return run.apex(0)[:, 2], run.voltage(0)[:, 0]
 
 

@@ -12,7 +12,7 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.file import packaged_text
 from stagecad.parameters.load import load_design
 
-LENGTH = 'length = {value = "230 mm", tolerance = "X", origin = "assumed: sea longer'
+LENGTH = 'length = {value = "230 mm", tolerance = "X", origin = "assumed: drive surface longer'
 
 
 def swap(old: str, new: str) -> Callable[[str], str]:
@@ -147,7 +147,7 @@ BROKEN: list[tuple[str, Callable[[str], str], str]] = [
     (
         "what does not go together",
         length('length = "205 mm"'),
-        r"the tip of actuator 1 leaves the sea: stage.length = 205 mm must be at least 220 mm",
+        r"the tip of actuator 1 leaves the drive surface: stage.length = 205 mm must be at least 220 mm",
     ),
     (
         "a computed value that cannot be",

@@ -39,9 +39,9 @@ def test_facts_of_the_thesis(thesis: Design) -> None:
 
 
 def test_the_heights_of_the_machine(thesis: Design) -> None:
-    """The stack of section 8: base 0, way 25.4, sea and apex 27.4, piezo plane 7.4, holder bottom -34.6."""
+    """The stack of section 8: base 0, way 25.4, drive surface and apex 27.4, piezo plane 7.4, holder bottom -34.6."""
     derived = thesis.derived
-    assert derived.sea_height == pytest.approx(27.4)
+    assert derived.drive_surface_height == pytest.approx(27.4)
     assert derived.tip_apex == pytest.approx(27.4)
     assert derived.piezo_plane == pytest.approx(7.4)
     assert derived.holder_bottom == pytest.approx(-34.6)

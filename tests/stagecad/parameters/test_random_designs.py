@@ -58,7 +58,7 @@ def test_slight_changes_give_a_machine_that_goes_together_or_a_line(factors: dic
         assert abs(y) + way.bolt_hole / 2 < design.base.width / 2
         for px, py in design.derived.actuator_places:
             assert math.hypot(x - px, y - py) > way.bolt_hole / 2 + design.base.pocket_diameter / 2
-    assert abs(design.derived.tip_apex - design.derived.sea_height) <= design.derived.height_adjustment
+    assert abs(design.derived.tip_apex - design.derived.drive_surface_height) <= design.derived.height_adjustment
     assert design.height_pin_2.diameter < design.base.pin_2_bore
     assert design.holder.diameter < design.base.pocket_diameter
     assert 0 < design.derived.way_screw_engagement <= design.base.way_thread_depth

@@ -16,14 +16,14 @@ BREAKS = [
     ("pads_on_way", ["stage.travel=210 mm"], "the travel may be 204 mm"),
     ("pads_on_way", ["bearing_way.length=270 mm"], "need a bearing_way.length of 276 mm"),
     ("pads_on_way", ["pads.spacing_across=300 mm", "stage.width=330 mm"], "running face goes from 96 mm to 154 mm"),
-    ("sea_over_tip", ["stage.length=215 mm"], "must be at least 220 mm"),
-    ("sea_over_tip", ["sea.width=10 mm"], "it must be at least 12 mm"),
-    ("sea_over_tip", ["actuator.fitted=3", "teeth.fitted=false"], "set sea.whole_underside = true"),
-    ("sea_clear_of_pads", ["sea.width=220 mm"], "reach the pads"),
+    ("drive_surface_over_tip", ["stage.length=215 mm"], "must be at least 220 mm"),
+    ("drive_surface_over_tip", ["sea.width=10 mm"], "it must be at least 12 mm"),
+    ("drive_surface_over_tip", ["actuator.fitted=3", "teeth.fitted=false"], "set sea.whole_underside = true"),
+    ("drive_surface_clear_of_pads", ["sea.width=220 mm"], "reach the pads"),
     ("crown_of_pads", ["pads.crown_radius=20 mm"], "falls away"),
     ("stage_holes", ["stage.dowel_spacing=226 mm"], "over the edge"),
     ("stage_holes", ["stage.payload_columns=6"], "stage.length = 230 mm; it must be at least 259 mm"),
-    ("stage_holes", ["stage.payload_drill_depth=10 mm"], "would break through to the sea"),
+    ("stage_holes", ["stage.payload_drill_depth=10 mm"], "would break through to the drive surface"),
     ("stage_holes", ["stage.dowel_spacing=150 mm", "stage.dowel_offset=52 mm"], "meets a payload hole"),
     ("ways_on_base", ["bearing_way.length=370 mm"], "is longer than base.length"),
     ("ways_on_base", ["base.width=340 mm"], "need 350 mm"),
@@ -32,14 +32,14 @@ BREAKS = [
     ("way_ledge", ["bearing_way.bolt_spacing=15 mm"], "touch; at least 16.288 mm is needed"),
     ("way_ledge", ["bearing_way.flange_thickness=26 mm"], "leaves no ledge"),
     ("way_screws", ["screws.way.length=0.75 in"], "engages 4.75 mm, and 9.525 mm is needed"),
-    ("way_screws", ["screws.way.length=1.25 in"], "goes 17.45 mm into the base"),
-    ("tip_reaches_stage", ["base.pin_1_axis_depth=62 mm"], "2 mm below the sea"),
+    ("way_screws", ["screws.way.length=1.25 in"], "goes 17.45 mm deep"),
+    ("tip_reaches_stage", ["base.pin_1_axis_depth=62 mm"], "2 mm below the drive surface"),
     ("tip_reaches_stage", ["height_pin_1.slope=0.02"], "covers 0.2 mm"),
     ("fits", ["height_pin_2.diameter=16.1 mm"], "does not go into base.pin_2_bore = 16.02 mm"),
     ("fits", ["holder.diameter=75.5 mm"], "is loose in base.pocket_diameter"),
     ("fits", ["piezo.diameter=10.2 mm"], "does not go into holder.bore_diameter"),
-    ("wedge", ["height_pin_1.length=30 mm"], "runs off the wedge"),
-    ("wedge", ["height_pin_1.slope=0.2"], "runs out of the pin"),
+    ("wedge", ["height_pin_1.length=30 mm"], "leaves the wedge"),
+    ("wedge", ["height_pin_1.slope=0.2"], "leaves the pin"),
     ("wedge", ["base.pocket_clearance=6 mm"], "is guided over"),
     ("height_screw", ["spring.free_length=1.5 in"], "goes loose"),
     (
@@ -83,7 +83,7 @@ BREAKS = [
     ("tooth_gap", ["tooth_bar.height=22 mm"], "leaves a gap of 0.4 mm under the irons"),
     ("iron_pockets", ["tooth_iron.length=41 mm"], "does not go into stage.iron_pocket_length"),
     ("iron_pockets", ["stage.iron_pocket_width=24 mm"], "two irons and a magnet take 25 mm"),
-    ("iron_pockets", ["teeth.bar_spacing=50 mm"], "into the sea"),
+    ("iron_pockets", ["teeth.bar_spacing=50 mm"], "into the drive surface"),
     ("iron_pockets", ["stage.payload_columns=3"], "breaks into an iron pocket"),
     ("bars", ["tooth_bar.length=260 mm"], "need 240 mm over stage.travel"),
     ("bars", ["tooth_bar.screw_span=250 mm"], "it must lie from 261.5 mm to 270.5 mm"),
@@ -136,7 +136,7 @@ def test_every_rule_can_be_broken_and_the_thesis_breaks_none() -> None:
 )
 def test_the_keys_that_scripts_change_can_be_changed_alone(overrides: list[str]) -> None:
     design = load_design(None, overrides)
-    assert design.derived.tip_apex == pytest.approx(design.derived.sea_height, abs=1e-9)
+    assert design.derived.tip_apex == pytest.approx(design.derived.drive_surface_height, abs=1e-9)
 
 
 def test_two_axes_with_a_smaller_travel_can_be_built() -> None:

@@ -54,7 +54,7 @@ def test_tip_rises_by_slope_times_stroke(machine: Machine, design: Design, heigh
     apex = world(machine, standing["tip_1"], "apex").origin
     way, pads = design.bearing_way.height, design.pads.height
     rise = height * design.height_pin_1.stroke / 2.0 * design.height_pin_1.slope
-    # At the middle of its adjustment the tip just reaches the sea: way, pads, nothing between.
+    # At the middle of its adjustment the tip just reaches the drive surface: way, pads, nothing between.
     assert apex == pytest.approx((0.0, 0.0, way + pads + rise), abs=1e-9)
 
 

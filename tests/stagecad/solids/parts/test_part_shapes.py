@@ -199,7 +199,7 @@ def test_a_clamp_finger_hangs_on_its_neck_alone(index: int) -> None:
 
 
 def test_heights_close() -> None:
-    """Wedge, pin 2, holder floor, piezo and tip bring the apex to the sea, which pads and ways carry."""
+    """Wedge, pin 2, holder floor, piezo and tip bring the apex to the drive surface, which pads and ways carry."""
     d = thesis()
     apex = (
         -d.base.pin_1_axis_depth
@@ -210,8 +210,8 @@ def test_heights_close() -> None:
         + part_definition("tip").datums(d)["apex"].origin[2]
     )
     way, stage = part_definition("bearing_way").datums(d), part_definition("stage").datums(d)
-    sea = way["top"].origin[2] - stage["pads"].origin[2] + stage["sea"].origin[2]
-    assert apex == pytest.approx(sea, abs=1e-9)
+    surface = way["top"].origin[2] - stage["pads"].origin[2] + stage["drive_surface"].origin[2]
+    assert apex == pytest.approx(surface, abs=1e-9)
 
 
 def test_the_pin_and_the_spring_pass_through_the_set_screw_thread() -> None:
@@ -232,7 +232,7 @@ def test_pads_ride_on_their_middle() -> None:
 
 
 def test_four_pads_and_no_teeth() -> None:
-    """The variant for two axes: gravity preload on four pads, the whole underside sea, no pockets, no grooves."""
+    """The variant for two axes: gravity preload on four pads, drive surface without pockets and grooves."""
     design = load_design(overrides=["pads.count=4", "teeth.fitted=false", "sea.whole_underside=true"], rules=False)
     module = part_definition("stage")
     solid = module.build(design)
