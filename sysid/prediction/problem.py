@@ -1,4 +1,4 @@
-"""An experiment made ready: records prepared, noise known, model stated. Every command begins here."""
+"""The identification problem of an experiment: prepared records, noise and stated model."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ FORMS = {
 
 @dataclass(frozen=True)
 class Problem:
-    """An experiment with everything the loop needs.
+    """An identification problem.
 
     Args:
         experiment: as read.
@@ -44,7 +44,7 @@ class Problem:
         scales: sizes set by the records of the fit.
         custom: the user's own effects.
         start: the model as the experiment states it, before any fit.
-        notes: what the user should be told.
+        notes: for the user.
     """
 
     experiment: Experiment
@@ -69,7 +69,7 @@ class Problem:
 
 
 def load_problem(path: str | Path, design: DesignValues | None = None) -> Problem:
-    """Read an experiment and prepare it.
+    """Read an experiment and build its identification problem.
 
     Raises:
         InputError: one line that says what is wrong with a file.
@@ -83,7 +83,7 @@ def load_problem(path: str | Path, design: DesignValues | None = None) -> Proble
 
 
 def build_problem(experiment: Experiment, records: Sequence[Record], effects: Sequence[str] | None = None) -> Problem:
-    """Prepare an experiment already read; `effects` stand in place of the model's where given."""
+    """The problem of an experiment already read; `effects` replace those of the model where given."""
     _need_tip(experiment)
     names = tuple(experiment.effects if effects is None else effects)
     custom = tuple(load_all_custom(experiment.custom))
@@ -110,17 +110,17 @@ def build_problem(experiment: Experiment, records: Sequence[Record], effects: Se
     for record in records:
         notes.extend(f"{record.file}: {note}" for note in record.notes)
     stiffness = experiment.rig.known.get("pull_stiffness")
-    if stiffness is not None and stiffness.std is None and any(_rests_on_the_spring(p) for p in prepared):
+    if stiffness is not None and stiffness.std is None and any(_displacement_by_spring(p) for p in prepared):
         unit = "N*m/rad" if experiment.rig.rotary else "N/m"
         notes.append(
-            "no position is recorded: how the body gives way at rest is told by the spring's force, and counts on "
-            "rig.known.pull_stiffness as exact; write its deviation if it has one, as in "
+            "no position is recorded: the presliding displacement is computed from the spring force, with "
+            "rig.known.pull_stiffness taken as exact; write its standard deviation if it has one, as in "
             f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
     return Problem(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
 
 
-def _rests_on_the_spring(record: PreparedRecord) -> bool:
+def _displacement_by_spring(record: PreparedRecord) -> bool:
     return (
         isinstance(record, ForceBalanceRecord)
         and record.stick_phases is not None
@@ -129,7 +129,7 @@ def _rests_on_the_spring(record: PreparedRecord) -> bool:
 
 
 def _need_tip(experiment: Experiment) -> None:
-    """A rig with a tip needs its two lengths: without them voltages say nothing about motion."""
+    """A rig with a tip needs its two lengths, which relate the voltages to the motion."""
     if experiment.rig.kind not in ("actuator-tip", "friction-drive"):
         return
     for name, like in (("piezo_spacing", "46 mm"), ("tip_height", "20 mm")):
@@ -145,9 +145,9 @@ def _need_motion(records: Sequence[Record], fits: Sequence[PreparedRecord], scal
     files = ", ".join(record.file for record in records if record.role == "fit")
     if all(isinstance(fit, TipRecord) for fit in fits):
         if scales.input == 0.0:
-            raise InputError(f"{files}: the voltages never change; what they move cannot be told")
+            raise InputError(f"{files}: the voltages never change; their effect on the tip is not identifiable")
     elif scales.position == 0.0 or scales.velocity == 0.0:
-        raise InputError(f"{files}: nothing moves; a record of motion is wanted")
+        raise InputError(f"{files}: nothing moves; give a record of motion")
 
 
 def _prepare(
@@ -167,17 +167,23 @@ def _prepare(
             prepared.append(tip_record(record, known, noise))
         else:
             balance = driven_mass(
-                record, kind, noise, rig["rig.mass"], rig.get("rig.pull_stiffness"), experiment.rig.input_hold, width,
+                record,
+                kind,
+                noise,
+                rig["rig.mass"],
+                rig.get("rig.pull_stiffness"),
+                experiment.rig.input_hold,
+                width,
                 longest_step,
-            )  # fmt: skip
+            )
             width = balance.full_filter.width if balance.full_filter is not None else None
             prepared.append(balance)
     return prepared
 
 
 def _with_stretch(model: Model, records: Sequence[PreparedRecord]) -> Model:
-    """On a driven mass the Coulomb bristle's stretch is fitted too, below the position's noise: it sets how sharply
-    friction turns round, which the balance feels though the position cannot show it."""
+    """The model with the stretch of the Coulomb bristle free on a driven mass, below the position's noise: it sets how
+    fast the friction reverses, which affects the force balance though it does not show in the position."""
     key = "coulomb.stretch"
     noises = [r.position_noise for r in records if isinstance(r, ForceBalanceRecord) and r.reversals is not None]
     if key not in model.values or not noises:

@@ -23,9 +23,9 @@ from sysid.prediction.force_balance.record import (
     make_axis,
     optional_channel,
 )
-from sysid.prediction.force_balance.reversals import EventSearch, resolve_events
+from sysid.prediction.force_balance.reversals import EventSearch, ResolvedMotion, resolve_events
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
-from sysid.prediction.force_balance.sticking import SmoothedMotion, restored_kinks
+from sysid.prediction.force_balance.sticking import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import dilated, filled, longer_than
 
@@ -143,54 +143,28 @@ def driven_mass(
     n = time.size
     if kind == "spring-pull":
         assert pull_stiffness is not None
-        pull, gap_pull = filled(channels["pull_position"])
         channel, position, force = _spring_signals(channels, noise, step, pull_stiffness)
-        position = position._replace(gap=position.gap | gap_pull)
     else:
-        pull, channel = None, "drive_force"
-        position, force = _position(channels, noise, step), _drive_force(channels, noise, hold)
+        channel, position, force = "drive_force", _position(channels, noise, step), _drive_force(channels, noise, hold)
         assert position is not None
     missing = position.gap | hole | force.gap
     if width is None:
-        width = max(_filter_width(record, channels, noise, (position, force), step, mass), least_width)
+        width = max(_filter_width(channels, noise, (position, force), step, mass), least_width)
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
     _require_motion(record, channel, force, (n, reach), step, width)
-
-    prefilter_width = PREFILTER_SHARE * width
     load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
     motion = _Motion(time, position, missing, load, temperature)
-    axis, complementary = _prefiltered(motion, prefilter_width, width)
-    prefilter, full = GaussianFilter(prefilter_width, step, n), GaussianFilter(width, step, n)
-    event_reach = max(6, int(np.ceil(1.5 * width / step)))
-    drive = force.values / mass * step**2 if mass > 0 else np.zeros(n)
-    rest = REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.correlation))
-    settings = EventSearch(
-        event_reach,
-        min(2.5 * prefilter_width / step + 2.0, event_reach - 2.0),
-        max(3, int(np.ceil(2.0 * prefilter_width / step))),
-    )
-    resolved, slip_phases = resolve_events(
-        position.values, axis.velocity, drive, np.abs(axis.velocity) <= rest, settings
-    )
-    smoothed = SmoothedMotion(axis.velocity * step, axis.acceleration * step**2, drive, prefilter_width / step)
-    axis = axis._replace(velocity=restored_kinks(smoothed, slip_phases) / step)
+    axis, resolved, slip_phases = _resolved(motion, force.values / mass if mass > 0 else np.zeros(n), width)
 
     # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
     bad = missing | dilated(longer_than(missing, width / step), reach)
     bad[: reach + 1] = True
     bad[n - reach :] = True
+    full = GaussianFilter(width, step, n)
     acceleration_noise = position.std * full.noise_gain(2, position.correlation)
-    force_noise = force.std * full.noise_gain(0, force.correlation)
-    measured = {channel: full(force.values)}
-    floor = {channel: float(np.hypot(force_noise, mass * acceleration_noise))}
-    inputs: dict[str, np.ndarray] = {}
-    if pull is not None:
-        inputs = {"pull_position": full(pull), "spring_force": full(force.values)}
-        if channel == "spring_force" and "position" in channels:
-            assert pull_stiffness is not None
-            measured["position"] = full(position.values)
-            own = position.std * full.noise_gain(0, position.correlation)
-            floor["position"] = float(np.hypot(own, force_noise / pull_stiffness))
+    measured, noises, inputs = _filtered_channels(channel, channels, (position, force), full, pull_stiffness)
+    noises[channel] = float(np.hypot(noises[channel], mass * acceleration_noise))
+    prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
     prefiltered_noise = position.std * prefilter.noise_gain(0, position.correlation)
     prepared = ForceBalanceRecord(
         name=record.name,
@@ -199,16 +173,16 @@ def driven_mass(
         step=step,
         axis=axis,
         measured=measured,
-        valid=dict.fromkeys(measured, ~bad),
-        noise=floor,
+        valid={name: np.logical_not(bad) for name in measured},
+        noise=noises,
         acceleration=full(position.values, 2),
         stick_fraction=resolved.stick_fraction,
-        complementary_filter=complementary,
+        complementary_filter=_complementary(prefilter, width),
         full_filter=full,
         direction=resolved.direction,
         reversals=resolved.reversals,
         slip_phases=slip_phases,
-        prefilter_samples=prefilter_width / step,
+        prefilter_samples=prefilter.width / step,
         force_channel=channel,
         timing_uncertainty=0.15 * step,
         inputs=inputs,
@@ -218,11 +192,61 @@ def driven_mass(
         prefiltered_noise=prefiltered_noise,
         stretch=12.0 * prefiltered_noise,
         pull_stiffness=pull_stiffness or 0.0,
-        half_width_variant=partial(_prefiltered, motion, 0.5 * prefilter_width, width),
+        half_width_variant=partial(_prefiltered, motion, 0.5 * prefilter.width, width),
         raw_position=position.values,
         interpolated=missing,
     )
-    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, ~bad, event_reach))
+    edge = max(6, int(np.ceil(1.5 * width / step)))
+    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, ~bad, edge))
+
+
+def _filtered_channels(
+    channel: str,
+    channels: Mapping[str, np.ndarray],
+    signals: tuple[_Signal, _Signal],
+    full: GaussianFilter,
+    pull_stiffness: float | None,
+) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, np.ndarray]]:
+    """Filtered scored channels, their noise without that of the acceleration, and filtered inputs of a spring-pull rig.
+
+    Args:
+        channel: of the force balance.
+        channels: as recorded.
+        signals: position and force.
+        full: the filter.
+        pull_stiffness: of the pulling spring, N/m.
+    """
+    position, force = signals
+    measured, noises = {channel: full(force.values)}, {channel: force.std * full.noise_gain(0, force.correlation)}
+    if "pull_position" not in channels or pull_stiffness is None:
+        return measured, noises, {}
+    inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
+    if channel == "spring_force" and "position" in channels:
+        measured["position"] = full(position.values)
+        own = position.std * full.noise_gain(0, position.correlation)
+        noises["position"] = float(np.hypot(own, noises[channel] / pull_stiffness))
+    return measured, noises, inputs
+
+
+def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, ResolvedMotion, SlipPhases]:
+    """Axis, direction and slip phases of a driven mass, with the kinks of its velocity restored.
+
+    Args:
+        motion: measured.
+        drive: known force over mass, m/s^2, (n,); zeros where not known.
+        width: of the full filter, s.
+    """
+    step, n, prefilter_width = float(motion.time[1] - motion.time[0]), motion.time.size, PREFILTER_SHARE * width
+    axis, _ = _prefiltered(motion, prefilter_width, width)
+    gain = GaussianFilter(prefilter_width, step, n).noise_gain(1, motion.position.correlation)
+    rest = REST_SIGMAS * (motion.position.std * gain)
+    reach = max(6, int(np.ceil(1.5 * width / step)))
+    shortest = max(3, int(np.ceil(2.0 * prefilter_width / step)))
+    settings = EventSearch(reach, min(2.5 * prefilter_width / step + 2.0, reach - 2.0), shortest)
+    drive, resting = drive * step**2, np.abs(axis.velocity) <= rest
+    resolved, slip_phases = resolve_events(motion.position.values, axis.velocity, drive, resting, settings)
+    smoothed = SmoothedMotion(axis.velocity * step, axis.acceleration * step**2, drive, prefilter_width / step)
+    return axis._replace(velocity=restored_kinks(smoothed, slip_phases) / step), resolved, slip_phases
 
 
 def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> _Signal | None:
@@ -254,21 +278,20 @@ def _spring_signals(
     """Name of the scored channel, position and spring force of a body pulled by a spring; one may give the other."""
     pull, gap_pull = filled(channels["pull_position"])
     position = _position(channels, noise, step)
+    if position is not None:
+        position = position._replace(gap=position.gap | gap_pull)
     if "spring_force" not in channels:
         assert position is not None
-        gap = position.gap | gap_pull
-        force = _Signal(stiffness * (pull - position.values), gap, stiffness * position.std, position.correlation)
+        force = position._replace(values=stiffness * (pull - position.values), std=stiffness * position.std)
         return "position", position, force
     spring = noise["spring_force"]
     force = _Signal(*filled(channels["spring_force"]), spring.value, spring.correlation)
     if position is None:
-        none = np.zeros(pull.size, dtype=bool)
-        position = _Signal(pull - force.values / stiffness, none, spring.value / stiffness, spring.correlation)
+        position = _Signal(pull - force.values / stiffness, gap_pull, spring.value / stiffness, spring.correlation)
     return "spring_force", position, force
 
 
 def _filter_width(
-    record: Record,
     channels: Mapping[str, np.ndarray],
     noise: Mapping[str, Noise],
     signals: tuple[_Signal, _Signal],
@@ -315,7 +338,13 @@ def _prefiltered(motion: _Motion, width: float, full_width: float) -> tuple[Axis
         motion.temperature,
         REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.correlation)),
     )
-    return axis, GaussianFilter(float(np.sqrt(full_width**2 - width**2)), step, n)
+    return axis, _complementary(prefilter, full_width)
+
+
+def _complementary(prefilter: GaussianFilter, full_width: float) -> GaussianFilter:
+    """The filter that, after the prefilter, makes up the full width (s)."""
+    width = float(np.sqrt(full_width**2 - prefilter.width**2))
+    return GaussianFilter(width, prefilter.step, prefilter.size)
 
 
 def _across_gaps(acceleration: np.ndarray, missing: np.ndarray, width: float) -> np.ndarray:

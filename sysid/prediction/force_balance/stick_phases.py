@@ -1,8 +1,9 @@
-"""What a body does while friction holds it: rigid friction keeps it where it is, bristles give way with the force.
+"""Stick phases of a body, and its presliding displacement in them: zero by rigid friction, elastic with bristles.
 
-A contact that gives way by a few widths of the position's noise shows nothing in a force balance: there the noise of
-the position, times the bristles' stiffness, is far more than that of the force. The other way round it is plain: the
-force on the resting body is known, so is how far a bristle model lets it move, and the position says how far it went.
+A contact that yields by a few standard deviations of the position's noise does not show in a force balance: there that
+noise, times the bristles' stiffness, is far larger than the noise of the force. The displacement itself is well
+determined: the force on the sticking body is known, so is the displacement of a bristle model under it, and the
+position measures it.
 """
 
 from __future__ import annotations
@@ -22,38 +23,38 @@ STICK_DISPLACEMENT = "rest"
 """Name under which displacements at rest are predicted and scored, beside the measured channels."""
 
 LEAST_SAMPLES = 10
-"""Samples of a rest, and of all rests together per parameter worth knowing, below which they say nothing."""
+"""Least scored samples of a stick phase."""
 
 NEAR_SLIP = 0.8
 USUAL = 0.95
-"""Part of the largest force at rest, its 95 % quantile, up to which displacements are scored: beyond, a per cent of the
-level is all."""
+"""Part of the largest force while sticking, its 95 % quantile, up to which displacements are scored: beyond it they
+depend on the last per cent of the friction level."""
 
 FULLY_AT_REST = 0.999
 
 WINDOWS = (32, 128, 512)
-"""Samples over which a body that moves while the force stays the same is seen to slip, too slowly to tell by speed."""
+"""Samples over which a slip is detected that is too slow to show in the velocity: motion under a constant force."""
 
 SLIPS_BY = 7.0
 STEADY = 0.02
-"""That is a motion by so many deviations, under a force that changes by less than this part of the largest."""
+"""Such a motion exceeds so many standard deviations, and the force changes by less than this part of the largest."""
 
 FARTHEST = 100.0
-"""Deviations beyond which a displacement is plain in the force balance too."""
+"""Standard deviations beyond which a displacement shows in the force balance too."""
 
 
 @dataclass(frozen=True)
 class StickPhases:
-    """Stretches of a record in which friction holds the body.
+    """Phases of a record in which friction holds the body.
 
     Args:
-        spans: rows (start, stop) of each, its edges and what is close to slip left out.
-        side: direction in which the body came to each rest, or was last close to slip, 1 or -1.
-        displacement: displacement (n,) from its mean over the scored samples of its rest, m; 0 elsewhere.
+        spans: rows (start, stop) of each, without its edges and rows close to slip.
+        side: direction in which the body came to rest before each, or was last close to slip, 1 or -1.
+        displacement: (n,) from its mean over the scored samples of the phase, m; 0 elsewhere.
         scored: samples (n,) that are compared.
         noise: standard deviation of `displacement`, m.
         force: on the body, filtered, N, (n,).
-        compliance: of the spring, m/N, where the position is told by the spring's force alone; 0 where it was measured.
+        compliance: of the spring, m/N, where the position follows from the spring force alone; 0 where it was measured.
     """
 
     spans: tuple[tuple[int, int], ...]
@@ -65,7 +66,7 @@ class StickPhases:
     compliance: float = 0.0
 
     def centred(self, values: np.ndarray) -> np.ndarray:
-        """`values` (n,) less their mean over the scored samples of each rest; 0 outside."""
+        """`values` (n,) less their mean over the scored samples of each phase; 0 outside."""
         starts, stops = np.array(self.spans).T
         return _centred(np.ascontiguousarray(values, dtype=float), self.scored, starts, stops)
 
@@ -95,22 +96,22 @@ def find_stick_phases(
     noise: float,
     compliance: float = 0.0,
 ) -> StickPhases | None:
-    """The rests of a record that are long enough to tell anything; none where there are none.
+    """The stick phases of a record that are long enough to be scored; none where there are none.
 
     Args:
         position: lightly filtered, m, (n,).
         force: on the body, filtered, N, (n,).
-        stuck: part of each step spent at rest, (n,).
-        direction: sign of the motion, that of the last one while at rest, (n,).
+        stuck: part of each step spent sticking, (n,).
+        direction: sign of the velocity, the last one while sticking, (n,).
         usable: samples without gaps near, (n,).
-        edge: samples left out at both ends of a rest.
+        edge: samples left out at both ends of a phase.
         noise: standard deviation of `position`, m.
         compliance: as in `StickPhases`.
     """
     spans, side = [], []
     scored = np.zeros(position.size, dtype=bool)
     still = stuck > FULLY_AT_REST
-    # Where it slips too slowly to tell, or is logged amiss, the force at rest is more than friction can hold.
+    # Slow slip that does not show in the velocity, or a faulty log, gives forces beyond the friction level.
     largest = float(np.quantile(np.abs(force[still]), USUAL)) if still.any() else 0.0
     slips = np.zeros(position.size, dtype=bool)
     for start, stop in runs(still):
@@ -126,7 +127,7 @@ def find_stick_phases(
                 continue
             scored[start:stop] = low
             spans.append((start, stop))
-            # Close to slip it gave way by who knows how much, to the side it was pushed to.
+            # Close to slip the displacement is uncertain; its direction is that of the force.
             side.append(float(np.sign(force[start - 1]) if start > first else direction[start]))
     if not spans:
         return None
@@ -135,7 +136,7 @@ def find_stick_phases(
 
 
 def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: float) -> np.ndarray:
-    """Samples (n,) around which the position moves on by more than `distance` under a force that hardly changes."""
+    """Samples (n,) around which the position changes by more than `distance`, and the force by less than `change`."""
     out = np.zeros(position.size, dtype=bool)
     for window in WINDOWS:
         if position.size > window:
@@ -157,7 +158,7 @@ def _given_way(
     stretches: np.ndarray,
     weights: np.ndarray,
 ) -> np.ndarray:
-    """Displacement (n,) of bristles in each rest, all slipped to its side before, under the force to be held.
+    """Displacement (n,) of bristles in each stick phase, all slipped to its side before, under the force to be held.
 
     Each element is an ideal spring up to its own slip: the sum is piecewise linear, and inverted exactly.
     """
@@ -194,23 +195,21 @@ def _given_way(
 
 
 TAIL = 5.0
-"""Stretches, of the level over the stiffness, up to which a core without a sharp end is followed."""
+"""Displacement over level / stiffness up to which a model without a yield point is approximated."""
 
 POINTS = 24
-"""Ideal springs that stand for such a core."""
+"""Ideal springs of that approximation."""
 
 
 @lru_cache(32)
 def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches (N,), m, and shares (N,) of the level of ideal springs side by side that yield as the core does.
-
-    They are kept for whoever asks again, and not to be written to.
-    """
+    """Stretches (N,), m, at which parallel ideal springs yield that approximate a friction state model, and their parts
+    (N,) of the friction level. The arrays are cached: do not write to them."""
     if core.springs is not None:
         return core.springs(p)
     longest = TAIL * level / max(float(p.stiffness), 1e-300)
     knots = longest * (np.arange(points + 1) / points) ** 2
-    # Slipped one way, then pushed back: half of the way back is the curve of a fresh contact (Masing).
+    # Masing's rule: half of the unloading curve is the curve of first loading.
     path = np.concatenate([[-20.0 * longest, 0.0], -2.0 * knots[1:]])
     time = 1e6 * np.arange(path.size)
     force = core.along_record(path, np.zeros(path.size), time, np.full(path.size, level), p)[1:]
@@ -223,26 +222,31 @@ def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = PO
 def presliding_displacement(
     stick_phases: StickPhases, friction: np.ndarray, level: np.ndarray, core: FrictionStateModel, p: Any
 ) -> np.ndarray:
-    """Displacement (n,) that bristles let the body make at rest, centred as `StickPhases.displacement`, m.
+    """Displacement (n,) of the body on its bristles while sticking, centred as `StickPhases.displacement`, m.
 
     Args:
         stick_phases: of the record.
-        friction: what has to be held, N, (n,).
+        friction: force to be held, N, (n,).
         level: friction level, N, (n,).
-        core: the bristles that the level acts through.
-        p: their parameter values.
+        core: friction state model.
+        p: its parameter values.
     """
     stretches, weights = bristles_of(core, p, max(usual_level(level), 1e-12))
     starts, stops = np.array(stick_phases.spans).T
     moved = _given_way(
-        starts, stops, np.array(stick_phases.side), np.ascontiguousarray(friction), np.ascontiguousarray(level),
-        stretches, weights,
-    )  # fmt: skip
+        starts,
+        stops,
+        np.array(stick_phases.side),
+        np.ascontiguousarray(friction),
+        np.ascontiguousarray(level),
+        stretches,
+        weights,
+    )
     return stick_phases.centred(moved)
 
 
 LEVELS = 2000
-"""Samples of which the usual level of a record is taken, if there are so many."""
+"""Samples of which the median level of a record is computed, if there are so many."""
 
 
 def usual_level(level: np.ndarray) -> float:

@@ -9,7 +9,7 @@ import pytest
 
 from sim.effects.catalogue import find
 from sysid.estimation.misfit import misfit
-from sysid.prediction.force_balance.initial_stick_phase import rest_rows
+from sysid.prediction.force_balance.predict import initial_stick_rows
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict, with_effect
 from sysid.prediction.problem import Problem, load_problem
@@ -72,7 +72,7 @@ def test_a_record_that_begins_in_motion_begins_in_slip(tmp_path: Path) -> None:
     position = np.concatenate([position, np.full(TIME.size - position.size, position[-1])])
     record_in_motion = record(tmp_path, bristle(position, 1.0), position).fit_records[0]
     assert isinstance(record_in_motion, ForceBalanceRecord)
-    assert rest_rows(record_in_motion) == 0
+    assert initial_stick_rows(record_in_motion) == 0
 
 
 def test_plain_friction_holds_its_first_force_too(tmp_path: Path) -> None:
