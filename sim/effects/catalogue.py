@@ -31,7 +31,7 @@ CHANNELS = (
     *("friction_force", "position", "position_y", "velocity", "spring_force", "drive_force"),
     *("tip_x", "tip_y", "tip_z"),
 )
-"""Measured channels that a sensor effect can be told to act on: `sensor_lag@position`."""
+"""Measured channels that a sensor effect can act on: `sensor_lag@position`."""
 
 
 @functools.cache

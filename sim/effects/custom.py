@@ -1,4 +1,4 @@
-"""A user's own effects: a Python file of under 20 lines beside the experiment, checked before anything relies on it.
+"""A user's own effects: a Python file of under 20 lines beside the experiment, checked when it is loaded.
 
 from sim import Effect, Parameter
 
@@ -34,7 +34,7 @@ def load_custom(path: str | Path) -> list[Effect]:
         path: the file.
 
     Returns:
-        Its effects, in the order of the file, with every law tried at its default on one instant and on a record.
+        Its effects, in the order of the file, with every law evaluated at its default for one instant and for a record.
 
     Raises:
         InputError: one line with the file, the line or effect, and what is wrong: it cannot be read, a syntax error, an
@@ -90,7 +90,7 @@ def _run(path: Path) -> ModuleType:
     except SyntaxError as error:
         raise InputError(f"{path}, line {error.lineno}: not valid Python: {error.msg}") from None
     except (Exception, SystemExit) as error:
-        raise InputError(f"{path}{_line(path, error)}: {_said(error)}") from None
+        raise InputError(f"{path}{_line(path, error)}: {_message(error)}") from None
     return module
 
 
@@ -99,7 +99,7 @@ def _line(path: Path, error: BaseException) -> str:
     return f", line {lines[-1]}" if lines else ""
 
 
-def _said(error: BaseException) -> str:
+def _message(error: BaseException) -> str:
     text = " ".join(str(error).split())
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
@@ -174,11 +174,11 @@ def _call(path: Path, where: str, law: Callable[..., Any], *arguments: Any) -> A
             warnings.simplefilter("ignore")
             return law(*arguments)
     except Exception as error:
-        raise InputError(f"{where}{_line(path, error)}: {_said(error)}") from None
+        raise InputError(f"{where}{_line(path, error)}: {_message(error)}") from None
 
 
 def _try_law(path: Path, where: str, law: Callable[..., Any], effect: Effect) -> bool:
-    """Try a law on a record and on one instant; whether it gives one number where a record asks for a row of them."""
+    """Evaluate a law for a record and for one instant; whether it returns one number for a record."""
     import numpy as np
 
     if not callable(law):

@@ -15,10 +15,10 @@ from stagecad.parameters.errors import InputError, nearest
 
 @dataclass(frozen=True)
 class Model:
-    """Effects and their parameter values; make one with `compose`.
+    """Effects and their parameter values; built by `compose`.
 
     Args:
-        effects: the effects in force, at most one of them with a core.
+        effects: at most one of them with a friction state model.
         values: parameter values of each effect, in the same order.
     """
 
@@ -27,7 +27,7 @@ class Model:
 
     @property
     def state_effect(self) -> Effect | None:
-        """The effect whose core turns the level into a force, or None when there is no dry friction."""
+        """The effect with the friction state model, or None where there is no dry friction."""
         return next((effect for effect in self.effects if effect.friction_state is not None), None)
 
     @property
@@ -53,7 +53,7 @@ class Model:
         return level * factor
 
     def other_force(self, axis: Axis) -> Any:
-        """Sum of the forces that do not pass through the core, N, positive against positive motion."""
+        """Sum of the forces beside the friction state model, N, positive against positive motion."""
         total = 0.0 * axis.velocity
         for effect, p in zip(self.effects, self.values):
             if effect.force is not None:
@@ -61,9 +61,9 @@ class Model:
         return total
 
     def friction_along(self, axis: Axis) -> np.ndarray:
-        """Force against the motion along a record, N, shape (n,): core and other forces together.
+        """Force against the motion along a record, N, shape (n,): of the friction state model and the other forces.
 
-        Level and core see the motion as the effects with a memory leave it.
+        Level and friction state follow the motion after the effects with a memory.
         """
         force = np.asarray(self.other_force(axis), dtype=float)
         for effect, p in zip(self.effects, self.values):
@@ -89,7 +89,7 @@ class Model:
 def compose(
     effects: Sequence[str | Effect], parameters: Mapping[str, float] | None = None, custom: Sequence[Effect] = ()
 ) -> Model:
-    """Put effects together: a core replaces the one before it, and with it that core's own level.
+    """Compose a model; a friction state model replaces the one before it, with that effect's level.
 
     Args:
         effects: names (as `find` takes them) or effects, in order.
@@ -109,7 +109,7 @@ def compose(
         kept.append(effect)
     given: dict[str, dict[str, float]] = {effect.name: {} for effect in kept}
     for key, value in (parameters or {}).items():
-        # A sensor effect's name may hold a dot-free channel, a contact effect's a dot: the last dot divides.
+        # The name of a contact effect contains a dot: the last dot separates effect and parameter.
         name, _, parameter = key.rpartition(".")
         if name not in given:
             raise InputError(f"parameter '{key}': the model has no effect '{name}'{nearest(name, given)}")

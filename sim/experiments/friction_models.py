@@ -1,4 +1,4 @@
-"""The thesis's friction models side by side, with the values of its Table 3."""
+"""The thesis's friction models, with the values of its Table 3."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Friction:
             )
 
     def model(self, core: str) -> Model:
-        """The model with the core of that name: core, Stribeck curve, viscous friction."""
+        """The model with the friction state model of that name, Stribeck curve and viscous friction."""
         values = {
             f"{core}.force": self.coulomb,
             f"{core}.stiffness": self.bristle_stiffness,

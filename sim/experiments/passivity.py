@@ -1,6 +1,7 @@
-"""Where a friction model gives energy back that it never took: an audit the thesis did not make.
+"""Passivity of the friction models: motions in which a model returns more energy than it has received.
 
-Heat is what goes into the core less what its bristles hold: a passive model's heat never falls. Two imposed motions:
+Heat is the work on the friction state model less the energy it stores: it never decreases in a passive model. Two
+imposed motions:
 
 - `start`: a start from near break-away, v = 0.2 m/s (1 - cos(2 pi 500 Hz t))/2 for half a cycle, bristles stretched to
   0.95 Fs. The level falls with the Stribeck curve faster than the bristles can relax.
@@ -33,7 +34,7 @@ class Audit:
     Args:
         simulation: the run.
         heat: heat since the start, J, shape (n,).
-        least_heat: its smallest value, J: negative where the model has given energy back.
+        least_heat: its smallest value, J: negative where the model has returned energy.
         peak_force: largest friction force, N; in the last cycle for `tip`, by when the motion has settled.
     """
 

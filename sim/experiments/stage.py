@@ -28,7 +28,7 @@ RunAll = Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]
 
 
 class Study(Protocol):
-    """What a study comes to."""
+    """Result of a study."""
 
     def features(self) -> dict[str, tuple[float, str] | None]:
         """Numbers with SI units; none where there is nothing to measure."""
@@ -37,11 +37,11 @@ class Study(Protocol):
 
 @dataclass(frozen=True)
 class StageDrive:
-    """What the studies need besides the machine.
+    """Machines and drive of the studies.
 
     Args:
         single: the stage on actuator 1.
-        triple: the stage on all three, nothing guiding it.
+        triple: the stage on all three, without guide.
         amplitude: of a piezo, m: the design's, or half the stroke where that is less.
         phase: between piezos 1 and 2, rad.
         frequency: Hz.

@@ -78,7 +78,7 @@ def stick_slip(friction: Friction, core: str, mass: float = 1.0, tolerance: floa
 
 
 def _resolved(model: Model, pull: drive.Drive, time: np.ndarray, options: Any) -> Simulation:
-    """A run with instants so dense about its peaks and slips that each can be read off, however light the mass."""
+    """A run with output dense enough about its peaks and slips to read each off, however light the mass."""
     run = simulate(model, pull, time, **options)
     for _ in range(8):
         at = [int(np.searchsorted(run.time, slip) - 1) for slip in slip_times(run)]
@@ -97,7 +97,7 @@ def _resolved(model: Model, pull: drive.Drive, time: np.ndarray, options: Any) -
 
 
 def slip_times(run: Simulation) -> np.ndarray:
-    """Instants at which the velocity passes 0.02 m/s after a stick, s, shape (slips,)."""
+    """Times at which the velocity passes 0.02 m/s after a stick, s, shape (slips,)."""
     times = []
     stuck = True
     for k in np.flatnonzero((run.velocity[1:] >= SLIPPING) != (run.velocity[:-1] >= SLIPPING)):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from sim.experiments.tip_kinematics import tip_position
 from stagecad.parameters.errors import InputError
 
 FREQUENCY = math.pi
@@ -33,6 +33,31 @@ class TipEllipse:
 
     def features(self) -> dict[str, tuple[float, str]]:
         return {"semi_major": (self.semi_major, "m"), "semi_minor": (self.semi_minor, "m"), "tilt": (self.tilt, "rad")}
+
+
+def tip_position(first: Any, second: Any, piezo_spacing: float, tip_height: float) -> tuple[Any, Any]:
+    """Position of a rigid tip on two piezos, exactly.
+
+        tip = [0, d1] + 1/2 [D, d2 - d1] + h n,    n the unit normal of the line through the piezos' ends
+
+    To first order x = D/2 - h (d2 - d1)/D, y = (d1 + d2)/2 + h.
+
+    Args:
+        first, second: extensions d1, d2 of the piezos, m, of any shape.
+        piezo_spacing: D, m.
+        tip_height: h, m.
+
+    Returns:
+        x and y from the foot of the first piezo, m.
+
+    Source: thesis (4.1)-(4.3), with the unit normal that (4.2) leaves out (it lacks the factor h/D, and its listing
+    has the mirror image in x).
+    """
+    rise = np.asarray(second, dtype=float) - np.asarray(first, dtype=float)
+    length = np.hypot(piezo_spacing, rise)
+    x = 0.5 * piezo_spacing - tip_height * rise / length
+    y = 0.5 * (np.asarray(first, dtype=float) + second) + tip_height * piezo_spacing / length
+    return x, y
 
 
 def tip_ellipse(piezo_spacing: float, tip_height: float, stroke: float, phase: float) -> TipEllipse:

@@ -1,7 +1,7 @@
-"""What moves the axis in a simulation: a force, a spring that is pulled, or a prescribed motion.
+"""Drive of the axis in a simulation: a force, a spring with a driven end, or a prescribed motion.
 
-All are one form, mass * v' = s(t) + amplitude cos(frequency t + phase) - stiffness x - friction, with s linear in
-pieces; the integrator steps from knot to knot of s, so a corner or a jump in it costs no accuracy.
+All have the form mass * v' = s(t) + amplitude cos(frequency t + phase) - stiffness x - friction, with s piecewise
+linear; the integrator steps from knot to knot of s, so a corner or a jump does not reduce the accuracy.
 """
 
 from __future__ import annotations
@@ -13,15 +13,15 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive; make one with `force`, `held_force`, `pulled_spring` or `sinusoidal_velocity`.
+    """A drive, built by `force`, `held_force`, `pulled_spring` or `sinusoidal_velocity`.
 
     Args:
-        knots: times where a piece begins, s, shape (m,), increasing.
+        knots: times at which a segment begins, s, shape (m,), increasing.
         values: s at each knot, N, shape (m,).
         rates: slope of s from each knot on, N/s, shape (m,).
         wave: amplitude (N), frequency (rad/s), phase (rad) of the sinusoidal part.
         stiffness: of the spring between the drive and the axis, N/m.
-        prescribes: the motion is imposed, and friction does not act back on it; s is an acceleration then.
+        prescribes: the motion is imposed, without reaction of the friction; s is then an acceleration.
         initial_velocity: the velocity an imposed motion starts with, m/s.
     """
 
@@ -64,7 +64,7 @@ def held_force(time: object, newtons: object) -> Drive:
 def pulled_spring(time: object, pull_position: object, stiffness: float) -> Drive:
     """A spring from the axis to a point moved along `pull_position`, linear between the instants given.
 
-    Beyond the last instant the point keeps the velocity of the last piece.
+    Beyond the last instant the point keeps the velocity of the last segment.
 
     Args:
         time: s, shape (m,), m >= 2, strictly increasing.

@@ -1,13 +1,14 @@
-"""What a physical effect is: one declaration that serves simulation, fitting, diagnosis and documentation.
+"""The declaration of a physical effect, used in simulation, fitting, diagnosis and documentation.
 
-An effect never calls another. Effects meet in the named quantities of the axis (`Axis`) and in one friction level:
+Effects do not call each other. They are coupled by the quantities of the axis (`Axis`) and by one friction level:
 
     level    = (sum of every effect's `level`) * (product of every effect's `factor`)        [N]
-    friction = core(level) + sum of every effect's `force`                                   [N]
+    friction = state model(level) + sum of every effect's `force`                                   [N]
     mass * acceleration = drive force - friction
 
-so every force is counted as friction is: positive where it opposes positive motion. The core (`sim/cores/`) turns the
-level into a force. Effects on the drive or a sensor act on a signal instead (`signal`).
+so every force has the sign of friction: positive where it opposes positive motion. The friction state model
+(`sim/effects/friction_state/`) turns the level into a force. Effects on the drive or a sensor act on a signal
+(`signal`).
 
 A law is written once, with numpy functions, in arguments that are floats (one instant) or arrays of one shape (a whole
 record), so the same lines are compiled for the integrators and evaluated along a measured motion.
@@ -53,7 +54,7 @@ class Axis(NamedTuple):
     acceleration: Any  # m/s^2
     load: Any  # N, normal load, compression positive
     temperature: Any  # degC
-    contact_age: Any  # s, how long the contact that holds now has been held (zero while it slips freely)
+    contact_age: Any  # s, how long the present contact has existed (zero in free sliding)
     reversal_distance: Any  # m, distance since the last change of direction
     travelled: Any  # m, distance since the first row of the record
     direction: Any = 1.0  # sign of the velocity; at rest, that of the last motion
@@ -61,12 +62,12 @@ class Axis(NamedTuple):
 
 @dataclass(frozen=True)
 class Scan:
-    """Range over which a shape parameter is searched, as multiples of a scale that the record sets.
+    """Range over which a shape parameter is searched, as multiples of a scale of the record.
 
     The scale is the record's largest value (or range) of `of`; "time" is its duration, "sample" its sampling time,
     "rest" its longest rest.
     `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
-    A bounded range keeps a parameter physical: a cogging pitch longer than the travel is a slope in disguise.
+    A bounded range excludes values that cannot be distinguished: a cogging pitch longer than the travel is a slope.
     """
 
     of: Literal[
@@ -83,18 +84,18 @@ class Parameter:
     """One number of an effect.
 
     Args:
-        name: the field's name for it; the user writes `effect.name`.
+        name: the user writes `effect.name`.
         unit: SI unit on a linear axis (a rotary axis: `rotary_unit`).
         default: physical default.
-        low, high: bounds a fit keeps to. A bound is a statement of physics (negative drag is no drag).
+        low, high: bounds of a fit, from physics (drag is not negative).
         meaning: one line.
         source: where default and bounds come from.
         role: `amplitude` (zero means the effect is absent, and the force is linear in it), `shape` (searched over
-            `scan`, since it has no gradient where the effect is absent), `phase` (an angle that goes with an amplitude:
-            tried at 0 and pi/2, which spans every phase), `level` (base size such as a Coulomb force), or `reference`
+            `scan`, since it has no gradient where the effect is absent), `phase` (an angle of an amplitude: tried at 0
+            and pi/2, which span every phase), `level` (base size such as a Coulomb force), or `reference`
             (held at a value, a mean of the record: never fitted).
         scan: the range searched for a `shape` parameter.
-        fixed: held at its value unless the experiment frees it.
+        fixed: not fitted unless the experiment frees it.
     """
 
     name: str
@@ -113,7 +114,7 @@ Law = Callable[[Axis, Any], Any]
 """`law(axis, p) -> value`: `p` has the effect's parameters as attributes; the value has the shape of the axis."""
 
 MemoryLaw = Callable[[Axis, Any], Axis]
-"""`law(axis, p) -> axis`: the axis as the friction sees it, along a whole record."""
+"""`law(axis, p) -> axis`: the quantities that the friction depends on, along a whole record."""
 
 SignalLaw = Callable[[Any, float, Any], Any]
 """`law(signal, step, p) -> signal`: a causal operator on a uniformly sampled signal of shape (n,), `step` in s."""
@@ -124,21 +125,21 @@ class Effect:
     """One physical effect, declared once.
 
     Args:
-        name: name everyone uses.
+        name: public name.
         meaning: one line.
         equation: the law as text, in the names of the parameters.
-        shows: how it shows in a measurement, in words.
+        shows: signature in a measurement, in words.
         source: literature.
         parameters: its numbers.
-        coordinates: coordinates of the residual it shows against, strongest first.
+        coordinates: on which the residual depends where the effect is missing, strongest first.
         level: adds to the friction level, N.
         factor: multiplies the friction level.
         force: adds to the force that opposes the motion, N.
         slopes: exact partial derivatives for implicit integration: `{"force.velocity": law, "level.velocity": law,
             "force.position": law, ...}`; one left out is zero.
         signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
-        memory: changes the axis that level and core see along a record (a lag in the friction, a play in the drive, the
-            age of the contacts).
+        memory: changes the quantities that level and friction state depend on along a record (a lag in the friction,
+            backlash in the drive, the age of the contacts).
         friction_state: the `FrictionStateModel` (static map, Dahl, LuGre, Maxwell-slip) that turns the level into a
             force.
         parallel_element: for an effect with internal states of its own: the `FrictionStateModel` of those states in a
@@ -186,7 +187,7 @@ class Effect:
 
     @cached_property
     def values_type(self) -> Any:
-        """The named tuple that carries this effect's parameter values into its laws."""
+        """The named tuple of this effect's parameter values, argument of its laws."""
         return namedtuple(re.sub(r"\W", "_", f"{self.name}_values"), [p.name for p in self.parameters])
 
     def values(self, **given: float) -> Any:
@@ -209,5 +210,5 @@ _ROTARY = {
 
 
 def rotary_unit(unit: str) -> str:
-    """The unit that stands on a rotary axis for `unit` on a linear one (`N*s/m` -> `N*m*s/rad`)."""
+    """The unit on a rotary axis that corresponds to `unit` on a linear one (`N*s/m` -> `N*m*s/rad`)."""
     return _ROTARY.get(unit, unit)

@@ -1,14 +1,14 @@
-"""What a core is: it turns the friction level into a force, with memory in the stretch of bristles.
+"""Friction state model: turns the friction level into a force, with internal states such as the deflection of bristles.
 
-In a simulation a core is a set of elements, each with one state z that depends on the rest of the axis through the
-velocity v and the level g alone, so the Jacobian of any model is an arrowhead:
+In a simulation it is a set of elements, each with one state z that depends on the rest of the axis through the velocity
+v and the level g alone, so the Jacobian of any model is an arrowhead:
 
     z_k' = rate(z_k, v, g),    friction = sum over k of force(z_k, v, g)
 
-A law is told the direction of the motion and takes direction * v for the speed |v|: an integrator holds the direction
-through a step, so that the law stays smooth past a reversal inside it.
+A law receives the direction of the motion and uses direction * v for the speed |v|: an integrator keeps the direction
+within a step, so that the law stays smooth past a reversal.
 
-Along a measured motion it is an operator on the record, stepped exactly from row to row instead of integrated.
+Along a measured motion it is an operator on the record, with an exact step from row to row.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class FrictionStateModel:
     """How the friction level becomes a force.
 
     Args:
-        name: the core's name.
+        name: of the model.
         law: rate of one element's state and its share of the force, N. Zero level means no force.
         slopes: the exact partial derivatives of `law`.
         along_record: the force along a measured motion, of shape (n,).
@@ -43,8 +43,9 @@ class FrictionStateModel:
         elements: how many states; a function of `p`.
         stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
             function exists.
-        springs: stretches (N,) at which ideal springs side by side slip, m, and the parts (N,) of the level they carry,
-            where the core is made of such; a function of `p`.
+        springs: stretches (N,) at which parallel ideal springs slip, m, and the parts (N,) of the level they carry,
+        where the
+            model consists of such; a function of `p`.
     """
 
     name: str

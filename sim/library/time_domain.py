@@ -1,7 +1,7 @@
-"""What an effect that has no law at one instant is in a simulation: `Effect.time_domain(p)` gives one of these.
+"""Time-domain realisations of effects that have no law at one instant; `Effect.time_domain(p)` returns one of these.
 
-Along a record such an effect is an operator on a signal or on the motion; in time it is a state of its own, a memory of
-the motion, or a change of the drive.
+Along a record such an effect is an operator on a signal or on the motion; in a simulation it is an additional state, a
+delay, or a change of the drive.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class AddedOscillator:
-    """A part of the moving mass that rides on a resonance: x2'' = w^2 (x - x2) - 2 damping w x2', w = 2 pi frequency.
+    """A part of the moving mass on a spring and damper: x2'' = w^2 (x - x2) - 2 damping w x2', w = 2 pi frequency.
 
-    It takes mass_ratio * mass * x2'' from the axis, of which (1 - mass_ratio) * mass is left; so a slow motion feels
-    the whole mass, and a steady one no drag.
+    Its reaction on the axis is mass_ratio * mass * x2''; the axis itself keeps (1 - mass_ratio) * mass. So a slow
+    motion has the total mass, and a steady one no drag.
     """
 
     frequency: float  # Hz
@@ -31,21 +31,21 @@ class Backlash:
 
 @dataclass(frozen=True)
 class DelayedSpeed:
-    """The friction level sees the speed of `delay` (s) ago, in the direction of now."""
+    """The friction level depends on the speed `delay` (s) ago, in the present direction."""
 
     delay: float
 
 
 @dataclass(frozen=True)
 class FirstOrderLag:
-    """The drive's force, or the end its spring is pulled by, follows its command: y' = (u - y)/time_constant (s)."""
+    """The drive's force, or the driven end of its spring, follows its command: y' = (u - y)/time_constant (s)."""
 
     time_constant: float
 
 
 @dataclass(frozen=True)
 class TransportDelay:
-    """The drive does what its command said `delay` (s) ago."""
+    """The drive follows its command after `delay` (s)."""
 
     delay: float
 

@@ -1,7 +1,7 @@
 """Compile with numba, at first use, into a cache on disk that is keyed by the source it was compiled from.
 
-numba by itself looks only at the time stamp of the one file a function stands in, so a law edited in another file would
-leave old machine code in use. Here the folder's name is a hash of every source file that can matter.
+numba itself checks only the time stamp of the file that defines a function, so an edit of a law in another file would
+leave old machine code in use. Here the folder's name is a hash of every source file that the function depends on.
 The cache is in `STAGECAD_CACHE`, else the user's cache folder, else a temporary one: never in the package, which may be
 read-only.
 """
@@ -81,7 +81,7 @@ def source_key(files: Iterable[str]) -> str:
 
 @contextlib.contextmanager
 def _caching_in(folder: Path) -> Iterator[None]:
-    # numba picks the cache folder while it decorates the function: the setting is ours for that moment only.
+    # numba chooses the cache folder while it decorates the function: the setting is changed for that time only.
     from numba.core import config
 
     before = config.CACHE_DIR  # type: ignore[attr-defined]
@@ -99,7 +99,7 @@ def _numba_parts() -> Any:
 
 
 SUMS_IN_ANY_ORDER = {"reassoc", "contract"}
-"""Several terms of a sum at once; nothing else is given up, and what is no number stays none."""
+"""Reassociation of sums and fused multiply-add; infinities and NaN are kept."""
 
 INLINED: dict[str, Any] = {
     "cache": False,
@@ -109,8 +109,8 @@ INLINED: dict[str, Any] = {
     "no_cpython_wrapper": True,
     "no_cfunc_wrapper": True,
 }
-"""Options of a function that becomes part of the compiled one that calls it. LLVM puts it in place: numba's own way,
-`inline="always"`, looks through all of the caller once more for every call, and takes twice as long."""
+"""Options of a function that LLVM inlines into the compiled function that calls it, without a cache file or wrappers of
+its own. numba's `inline="always"` takes twice as long to compile."""
 
 
 _depends_on: dict[int, tuple[Any, frozenset[str]]] = {}
@@ -118,7 +118,7 @@ _depends_on: dict[int, tuple[Any, frozenset[str]]] = {}
 
 
 def _called(function: Callable[..., Any]) -> set[str]:
-    """Source files of the compiled functions that a function names."""
+    """Source files of the compiled functions that a function refers to."""
     named = (function.__globals__.get(name) for name in function.__code__.co_names)
     return {file for value in named if id(value) in _depends_on for file in _depends_on[id(value)][1]}
 

@@ -1,6 +1,6 @@
-"""Loops over a record that numpy cannot express: operators with memory, compiled once and cached on disk.
+"""Operators with memory along a record, compiled once and cached on disk.
 
-Imported only inside the laws that need them, since importing numba takes longer than most commands should.
+Imported only inside the laws that need them, since importing numba is slow.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def first_order_lag(signal: np.ndarray, step: float, time_constant: float) -> np
 
 
 def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: float, early: float) -> np.ndarray:
-    """Response of y' = (u - y)/T to `signal` (n,) that goes to a row's value `early` steps before that row.
+    """Response of y' = (u - y)/T to `signal` (n,), held, which changes to a row's value `early` steps before that row.
 
         y_k = d y_(k-1) + (e - d) u_(k-1) + (1 - e) u_k,   d = exp(-step/T), e = exp(-early step/T)
 
@@ -45,11 +45,11 @@ def first_order_lag_of_steps(signal: np.ndarray, step: float, time_constant: flo
         early: part of a step, 0 to 1.
     """
     time_constant = max(time_constant, 1e-6 * step)
-    return _followed(signal, math.exp(-step / time_constant), math.exp(-early * step / time_constant))
+    return _held_lag(signal, math.exp(-step / time_constant), math.exp(-early * step / time_constant))
 
 
 @compiled
-def _followed(signal: np.ndarray, decay: float, kept: float) -> np.ndarray:
+def _held_lag(signal: np.ndarray, decay: float, kept: float) -> np.ndarray:
     """Steps y = decay y + (kept - decay) u_before + (1 - kept) u from the first value on."""
     out = np.empty(signal.size)
     y = signal[0]
@@ -66,16 +66,16 @@ def resonance(signal: np.ndarray, step: float, frequency: float, damping: float)
     Started at rest on the first sample.
     """
     late = 2.0 * damping / (2.0 * math.pi * frequency)
-    return _ringing(signal, step, late, _transition(step, frequency, damping))
+    return _resonance(signal, step, late, _transition(step, frequency, damping))
 
 
 def resonance_of_steps(signal: np.ndarray, step: float, frequency: float, damping: float) -> np.ndarray:
     """The same for an input that is held from each row to the next, as a converter holds a voltage."""
-    return _ringing_of_steps(signal, _transition(step, frequency, damping))
+    return _held_resonance(signal, _transition(step, frequency, damping))
 
 
 def _transition(step: float, frequency: float, damping: float) -> tuple[float, float, float, float]:
-    """What a resonance left alone makes of (y, y') in one step, row by row."""
+    """Transition matrix of (y, y') of a free resonance over one step, row by row."""
     w = 2.0 * math.pi * frequency
     wd = w * math.sqrt(1.0 - damping * damping)
     e = math.exp(-damping * w * step)
@@ -84,7 +84,9 @@ def _transition(step: float, frequency: float, damping: float) -> tuple[float, f
 
 
 @compiled
-def _ringing(signal: np.ndarray, step: float, late: float, transition: tuple[float, float, float, float]) -> np.ndarray:
+def _resonance(
+    signal: np.ndarray, step: float, late: float, transition: tuple[float, float, float, float]
+) -> np.ndarray:
     """Steps of (error, its rate) about the particular solution u - late * u'."""
     a11, a12, a21, a22 = transition
     out = np.empty(signal.size)
@@ -102,7 +104,7 @@ def _ringing(signal: np.ndarray, step: float, late: float, transition: tuple[flo
 
 
 @compiled
-def _ringing_of_steps(signal: np.ndarray, transition: tuple[float, float, float, float]) -> np.ndarray:
+def _held_resonance(signal: np.ndarray, transition: tuple[float, float, float, float]) -> np.ndarray:
     """Steps of (error, its rate) about the value held."""
     a11, a12, a21, a22 = transition
     out = np.empty(signal.size)
@@ -117,7 +119,7 @@ def _ringing_of_steps(signal: np.ndarray, transition: tuple[float, float, float,
 
 @compiled
 def play(signal: np.ndarray, half_width: float) -> np.ndarray:
-    """Backlash (play) operator: the output rests while the input is within `half_width` of it, and is pushed else."""
+    """Play (backlash) operator: the output is constant while the input is within `half_width` of it."""
     out = np.empty(signal.size)
     y = signal[0]
     for i in range(signal.size):
@@ -143,8 +145,8 @@ def stop(position: np.ndarray, stretch: float) -> np.ndarray:
 
 
 @compiled
-def unslipped(position: np.ndarray, stretch: float) -> np.ndarray:
-    """Part, 0 to 1, of the steps beside a row that an elastic, ideally plastic bristle of +-`stretch` goes unslipped.
+def sticking_fraction(position: np.ndarray, stretch: float) -> np.ndarray:
+    """Fraction, 0 to 1, of the steps beside a row in which an elastic, ideally plastic bristle of +-`stretch` sticks.
 
     The mean of the step before and the one after each row, (n,).
     """
@@ -181,10 +183,10 @@ def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) ->
 
 
 @compiled
-def strengthened(
+def ageing_strength(
     time: np.ndarray, gone: np.ndarray, rested: np.ndarray, cut_off: float, memory_length: float
 ) -> np.ndarray:
-    """Strength ln(1 + time at rest/cut_off) of a contact (n,), which fades over the way gone and grows on from there.
+    """Strength ln(1 + time at rest/cut_off) of a contact (n,), which decays with the distance slid.
 
     Args:
         time: s, (n,).
@@ -210,8 +212,8 @@ def strengthened(
 def bouc_wen(signal: np.ndarray, width: float, turning: float) -> np.ndarray:
     """Bouc-Wen hysteresis h driven by `signal`: dh = du - (turning |du| h + (1 - turning) du |h|) / width.
 
-    While loading dh = du (1 - |h|/width), while unloading dh = du (1 + (2 turning - 1) |h|/width); either is solved
-    exactly along a straight piece of the signal.
+    While loading dh = du (1 - |h|/width), while unloading dh = du (1 + (2 turning - 1) |h|/width); both are solved
+    exactly where the signal is linear.
     """
     out = np.empty(signal.size)
     h = 0.0
@@ -222,7 +224,7 @@ def bouc_wen(signal: np.ndarray, width: float, turning: float) -> np.ndarray:
         side, path = (1.0 if du > 0.0 else -1.0), abs(du)
         down = -side * h
         if down > 0.0:
-            # Unloading, to zero at the most: the magnitude's fall per path is 1 + back * magnitude.
+            # Unloading, at most to zero: the magnitude falls by 1 + back * magnitude per path.
             to_zero = np.log1p(back * down) / back if abs(back) > 1e-12 else down
             gone = min(path, to_zero)
             faded = np.exp(-back * gone)

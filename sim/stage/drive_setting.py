@@ -1,4 +1,4 @@
-"""How a run of the stage is set: where it starts, how high the tip stands, and how it is brought to its speed."""
+"""Setting of a run of the stage: start, height of the tip, and run-up to its speed."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ RISE_CYCLES = 10
 SHORTEST_RISE, LONGEST_RISE = 2e-3, 20e-3
 """s: the ellipse grows over ten periods within these."""
 GUESS = 1.8
-"""Lasting speed over X f, with which a first run begins."""
+"""Steady speed over X f, with which a first run begins."""
 SETTLED = 0.01
-"""A speed lasts when it changes by less than this part of X f in a fifth of the run."""
+"""A speed is steady when it changes by less than this part of X f in a fifth of the run."""
 PIECES = 10
 """In the shortest run; before each the stage is set back, so that it stays near mid-travel."""
 LOOKED_AT = (1, 2, 4, 8)
-"""Shortest runs after which it is looked whether the speed lasts: the fifths grow, and what comes and goes averages
-out."""
+"""Shortest runs after which it is checked whether the speed is steady: the fifths grow, and what comes and goes
+averages out."""
 STRIDE, STEADY_STRIDE = 20, 10
 """Steps to a row, and where a swing is read off the rows."""
 
@@ -37,7 +37,7 @@ class Setting:
     Args:
         ellipse: of every tip.
         frequency: Hz.
-        height: of the apex at mid-stroke over the drive surface as it stands without tips, m.
+        height: of the apex at mid-stroke over the drive surface without tips, m.
         position: of the stage's middle at the start, m.
         velocity: of the stage along x at the start, m/s.
         phases: of each actuator's turn, rad; none when all turn together.
@@ -77,7 +77,7 @@ def _wave(machine: StageMachine, setting: Setting, time: np.ndarray) -> np.ndarr
 
 @dataclass(frozen=True)
 class Steady:
-    """A drive at its lasting speed, averaged over whole periods at the end of a run.
+    """A drive at its steady speed, averaged over whole periods at the end of a run.
 
     Args:
         velocity: along x, across it (m/s) and of yaw (rad/s), shape (3,).
@@ -99,10 +99,10 @@ class Steady:
 
 
 def steady(machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5) -> Steady:
-    """Lasting speed at a setting, about mid-travel, begun near it.
+    """Steady speed at a setting, about mid-travel, begun near it.
 
     The run goes on until its last fifth is as fast as the fifth before: pads may take a second to bring a stage to rest
-    that its tip drives too weakly, and a speed on the way down is no lasting one.
+    that its tip drives too weakly, and a speed on the way down is not steady.
 
     Args:
         machine, setting: what is driven, and how; its position and velocity are chosen here.

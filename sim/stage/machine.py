@@ -1,7 +1,8 @@
-"""The machine as its simulation sees it: bodies, places, stiffnesses and limits, SI throughout.
+"""Parameters of the simulated machine: bodies, places, stiffnesses and limits, SI.
 
 Axes: x along the travel, y across it, z up. Places are given from the middle of the stage (`Stage`) or of the base
-(`Actuator`); heights from the drive surface, the face of the stage on which the tip acts, with the stage on its pads.
+(`Actuator`); heights from the drive surface, the face of the stage on which the tip acts, with the stage resting on its
+pads.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ class Stage:
 
     Args:
         mass: kg.
-        centre: of mass, from the middle of the stage on the drive surface's height, m, shape (3,).
+        centre: of mass, from the middle of the stage at the height of the drive surface, m, shape (3,).
         inertia: about the centre of mass, kg m^2, shape (3, 3).
         preload: of the magnets, N, downwards at the middle of the stage; it moves with the stage.
         guide_stiffness: of one tooth iron across the travel, N/m.
@@ -140,7 +141,7 @@ class Piezo:
 
 @dataclass(frozen=True)
 class Sensors:
-    """What the loop can see of the stage.
+    """Sensors of the control loop.
 
     Args:
         interferometer_count: m.
@@ -165,7 +166,7 @@ class Sensors:
 
 @dataclass(frozen=True)
 class StageMachine:
-    """Everything the simulation of the stage needs.
+    """All parameters of the simulated stage.
 
     Args:
         stage, pads, tip, contact, piezo, sensors: see there.

@@ -30,7 +30,7 @@ class StageRun:
 
     @cached_property
     def position(self) -> np.ndarray:
-        """Motion of the drive surface's middle (x, y) and yaw from the start, m, m, rad, shape (n, 3).
+        """Motion of the middle of the drive surface (x, y) and yaw from the start, m, m, rad, shape (n, 3).
 
         The middle lies below the centre of mass: the stage's pitch and roll carry it along.
         """
@@ -93,7 +93,7 @@ class StageRun:
         return gained / float(np.diff(self.time[ends])[0])
 
     def mean_velocity(self, start: float, end: float) -> np.ndarray:
-        """Of the drive surface's middle between two times, m/s, m/s, rad/s, shape (3,)."""
+        """Of the middle of the drive surface between two times, m/s, m/s, rad/s, shape (3,)."""
         ends = [int(np.argmin(np.abs(self.time - t))) for t in (start, end)]
         return np.diff(self.position[ends], axis=0)[0] / float(np.diff(self.time[ends])[0])
 

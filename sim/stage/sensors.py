@@ -1,4 +1,4 @@
-"""The thesis's sensors as a loop sees them: filtered, noisy, rounded, out of range. One reading a sample."""
+"""The thesis's sensors: filter, noise, quantisation, range. One reading a sample."""
 
 from __future__ import annotations
 

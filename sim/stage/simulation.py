@@ -1,4 +1,4 @@
-"""The driven stage, simulated piece by piece: whatever decides on the voltages can look in between."""
+"""The driven stage, simulated piece by piece, so that a controller can act in between."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class StageSimulation:
 
     @property
     def travel(self) -> float:
-        """Motion of the drive surface's middle along x since the start, m."""
+        """Motion of the middle of the drive surface along x since the start, m."""
         q, centre = self.state.position, self.machine.stage.centre
         return float(self._set_back + q[0] - (q[4] - self.rest.attitude[2]) * centre[2] + q[5] * centre[1])
 
@@ -55,7 +55,7 @@ class StageSimulation:
         self._set_back += distance
 
     def advance(self, commands: np.ndarray, stride: int = 10) -> np.ndarray:
-        """Go on under the voltages asked for.
+        """Go on under the commanded voltages.
 
         Args:
             commands: V at the middle of each step, shape (steps, actuators, 3).

@@ -1,4 +1,4 @@
-"""What the kernel of the driven stage works on: the machine's numbers, and what changes."""
+"""Constants and state of the driven stage for the compiled kernel."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Constants(NamedTuple):
 
 
 class State(NamedTuple):
-    """What changes; every array is written in place."""
+    """State of the stage; every array is written in place."""
 
     position: np.ndarray  # (6,) x, y, z, turn about x, y, z
     velocity: np.ndarray  # (6,)

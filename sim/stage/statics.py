@@ -1,7 +1,7 @@
-"""Where the stage rests on its pads and tips before anything moves.
+"""Static equilibrium of the stage on its pads and tips.
 
 The elastic energy of pads and tips in heave and the two turns is convex, so rest is its minimum, found by Newton's
-method with halving. Friction holds nothing at rest: the stage has been set down without shear.
+method with halving. There is no friction force at rest: the stage is set down without shear.
 """
 
 from __future__ import annotations
@@ -106,20 +106,20 @@ def rest_with_load(machine: StageMachine, position: float, load: float, pad_heig
     apart = np.full(len(machine.actuators), -1.0)
     if load == 0.0:
         free = rest_at(machine, position, apart, pad_height)
-        return rest_at(machine, position, _sea_at_tips(machine, position, free.attitude), pad_height)
+        return rest_at(machine, position, _surface_at_tips(machine, position, free.attitude), pad_height)
     # The pads' attitude with the tips' forces applied as dead loads.
     lifted = _with_dead_loads(machine, position, load, pad_height)
     pressed = contact_depth(machine, load) + load / (3.0 * machine.tip.stiffness)
-    return rest_at(machine, position, _sea_at_tips(machine, position, lifted.attitude) + pressed, pad_height)
+    return rest_at(machine, position, _surface_at_tips(machine, position, lifted.attitude) + pressed, pad_height)
 
 
 def over_drive_surface(machine: StageMachine, position: float, height: float, pad_height: float = 2e-3) -> Rest:
-    """Rest with each apex at mid-stroke at `height` over the unloaded drive surface, m (below: negative)."""
+    """Rest with each apex at mid-stroke set to `height` over the drive surface without tips, m (below: negative)."""
     free = rest_at(machine, position, np.full(len(machine.actuators), -1.0), pad_height)
-    return rest_at(machine, position, _sea_at_tips(machine, position, free.attitude) + height, pad_height)
+    return rest_at(machine, position, _surface_at_tips(machine, position, free.attitude) + height, pad_height)
 
 
-def _sea_at_tips(machine: StageMachine, position: float, attitude: np.ndarray) -> np.ndarray:
+def _surface_at_tips(machine: StageMachine, position: float, attitude: np.ndarray) -> np.ndarray:
     centre = np.asarray(machine.stage.centre, dtype=float)
     tips = np.asarray(machine.actuators, dtype=float) - centre[:2] - [position, 0.0]
     return attitude[0] + attitude[1] * tips[:, 1] - attitude[2] * tips[:, 0]

@@ -1,7 +1,7 @@
-"""What the piezos are asked for: ellipses in any direction, ramps and holds.
+"""Voltages of the piezos: ellipses in any direction, ramps and holds.
 
 A voltage wave is an array of shape (steps, actuators, 3): the voltages at the middle of each step. Stretches are turned
-into volts by the stack's mean gain (stroke over highest voltage), which a drive without feedback has to go by.
+into volts by the stack's mean gain (stroke over highest voltage), as for a drive without feedback.
 """
 
 from __future__ import annotations

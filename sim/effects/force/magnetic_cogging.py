@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.friction.position_dependent_friction import SECOND_HARMONIC
 from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.overtone import SECOND
 
 
 def force(axis: Axis, p: Any) -> Any:
@@ -20,13 +20,13 @@ def force_position(axis: Axis, p: Any) -> Any:
     return p.amplitude * 2.0 * math.pi / p.pitch * np.cos(2.0 * math.pi * axis.position / p.pitch + p.phase)
 
 
-def _overtone_force(axis: Axis, p: Any) -> Any:
+def _two_harmonics_force(axis: Axis, p: Any) -> Any:
     angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
     overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
     return p.amplitude * (np.sin(angle) + overtone)
 
 
-def _overtone_force_position(axis: Axis, p: Any) -> Any:
+def _two_harmonics_force_position(axis: Axis, p: Any) -> Any:
     angle = 2.0 * math.pi * axis.position / p.pitch + p.phase
     overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
     return p.amplitude * 2.0 * math.pi / p.pitch * (np.cos(angle) + overtone)
@@ -64,9 +64,9 @@ _OVERTONE = replace(
     name="magnetic_cogging:overtone",
     meaning="a cogging force with a second harmonic: square teeth, saturated iron",
     equation="force = amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a), a = 2 pi x/pitch + phase",
-    parameters=(*_SINE.parameters, *SECOND),
-    force=_overtone_force,
-    slopes={"force.position": _overtone_force_position},
+    parameters=(*_SINE.parameters, *SECOND_HARMONIC),
+    force=_two_harmonics_force,
+    slopes={"force.position": _two_harmonics_force_position},
 )
 
 EFFECT = replace(_SINE, variants=(_OVERTONE,))

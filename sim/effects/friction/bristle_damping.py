@@ -33,9 +33,9 @@ def _slopes(
 
 
 def _along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
-    from sim.numerics.record_operators import unslipped
+    from sim.numerics.record_operators import sticking_fraction
 
-    return p.damping * velocity * unslipped(np.ascontiguousarray(position), p.stretch)
+    return p.damping * velocity * sticking_fraction(np.ascontiguousarray(position), p.stretch)
 
 
 SPREAD = 8
@@ -67,11 +67,11 @@ def _spread_slopes(
 def _spread_along(
     position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any
 ) -> np.ndarray:
-    from sim.numerics.record_operators import unslipped
+    from sim.numerics.record_operators import sticking_fraction
 
     position = np.ascontiguousarray(position)
     stretches = p.stretch * p.span ** ((np.arange(SPREAD) - 7.0) / 7.0)
-    return p.damping / SPREAD * velocity * sum(unslipped(position, stretch) for stretch in stretches)
+    return p.damping / SPREAD * velocity * sum(sticking_fraction(position, stretch) for stretch in stretches)
 
 
 _ONE = Effect(

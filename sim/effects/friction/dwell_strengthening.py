@@ -25,12 +25,12 @@ def _without_rests(axis: Axis) -> Any:
 
 
 def _fading(axis: Axis, p: Any) -> Any:
-    from sim.numerics.record_operators import strengthened
+    from sim.numerics.record_operators import ageing_strength
 
     if np.ndim(axis.position) == 0:
         raise ValueError("this law is defined along a whole record only")
     time, rested = (np.ascontiguousarray(a, dtype=float) for a in (axis.time, axis.contact_age))
-    return p.force * strengthened(time, _without_rests(axis), rested, p.cut_off, p.memory_length)
+    return p.force * ageing_strength(time, _without_rests(axis), rested, p.cut_off, p.memory_length)
 
 
 def _logarithmic(axis: Axis, p: Any) -> Any:

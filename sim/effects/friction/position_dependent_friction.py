@@ -8,7 +8,23 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.overtone import SECOND
+
+SECOND_HARMONIC = (
+    Parameter(
+        "second_sine", "1", 0.0, -0.3, 0.3, "sine part of the second harmonic, over the amplitude", "one wave", "shape"
+    ),
+    Parameter(
+        "second_cosine",
+        "1",
+        0.0,
+        -0.3,
+        0.3,
+        "cosine part of the second harmonic, over the amplitude",
+        "one wave",
+        "shape",
+    ),
+)
+"""Parameters of a wave sin a + second_sine sin 2a + second_cosine cos 2a, a = 2 pi x / pitch + phase."""
 
 
 def _factor(axis: Axis, p: Any) -> Any:
@@ -27,13 +43,13 @@ def _gradient_factor_position(axis: Axis, p: Any) -> Any:
     return p.gradient + 0.0 * axis.position
 
 
-def _overtone_factor(axis: Axis, p: Any) -> Any:
+def _two_harmonics_factor(axis: Axis, p: Any) -> Any:
     angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
     overtone = p.second_sine * np.sin(2.0 * angle) + p.second_cosine * np.cos(2.0 * angle)
     return 1.0 + p.amplitude * (np.sin(angle) + overtone)
 
 
-def _overtone_factor_position(axis: Axis, p: Any) -> Any:
+def _two_harmonics_factor_position(axis: Axis, p: Any) -> Any:
     angle = 2.0 * np.pi * axis.position / p.pitch + p.phase
     overtone = 2.0 * (p.second_sine * np.cos(2.0 * angle) - p.second_cosine * np.sin(2.0 * angle))
     return p.amplitude * 2.0 * np.pi / p.pitch * (np.cos(angle) + overtone)
@@ -83,9 +99,9 @@ _OVERTONE = replace(
     name="position_dependent_friction:overtone",
     meaning="a periodic variation along the travel with a second harmonic",
     equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
-    parameters=(*(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters), *SECOND),
-    factor=_overtone_factor,
-    slopes={"factor.position": _overtone_factor_position},
+    parameters=(*(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters), *SECOND_HARMONIC),
+    factor=_two_harmonics_factor,
+    slopes={"factor.position": _two_harmonics_factor_position},
 )
 
 EFFECT = replace(_SINE, variants=(_GRADIENT, _OVERTONE))

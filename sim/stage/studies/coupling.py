@@ -19,7 +19,8 @@ from sim.stage.waveforms import ellipse_wave, step_times, two_piezo_ellipse
 
 DURATION = 0.1
 HEIGHT = -0.3
-"""Height of the apex at mid-stroke over the drive surface, in heights of the ellipse: no pad lifts at mid-travel."""
+"""Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height: no pad lifts at
+mid-travel."""
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ HEIGHTS = (-0.6, -0.3, -0.1, 0.1, 0.3)
 
 @dataclass(frozen=True)
 class EllipseSearch:
-    """Lasting speeds over phase and height.
+    """Steady speeds over phase and height.
 
     Args:
         frequency: Hz.
@@ -49,7 +49,7 @@ class EllipseSearch:
 
     @property
     def lasts(self) -> np.ndarray:
-        """Whether the speed lasts, or was still changing after the longest run, shape (m, n)."""
+        """Whether the speed is steady, or was still changing after the longest run, shape (m, n)."""
         changed = np.array([[abs(point.changed) for point in row] for row in self.points])
         travels = np.array([2.0 * path.along for path in self.ellipses])
         return changed <= SETTLED * travels * self.frequency
@@ -88,7 +88,7 @@ def ellipse_search(
     frequency: float,
     run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
 ) -> EllipseSearch:
-    """Lasting speed over phase and height at one frequency.
+    """Steady speed over phase and height at one frequency.
 
     Args:
         machine: with one actuator.

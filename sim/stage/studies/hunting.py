@@ -27,8 +27,9 @@ class Hold:
     """A loop that holds the stage at a target, by the interferometer.
 
     Args:
-        text: for people.
-        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one has no contact;
+        text: description.
+        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one does not touch the
+        drive surface;
             `travel` scales its travel along only; `lean` leans the pressed tip.
         proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s.
         target: m.

@@ -97,7 +97,7 @@ def planar_study(
     in step and a third of a turn apart.
 
     Args:
-        machine: with three actuators, nothing guiding it.
+        machine: with three actuators, without guide.
         amplitude: of a piezo, m; phase: between piezos 1 and 2 in the one-axis drive, rad; frequency: Hz.
         run_all: runs a function on each of several cases.
     """

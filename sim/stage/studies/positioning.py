@@ -2,8 +2,8 @@
 
 Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. A
 speed is asked for that falls with the square root of the distance left; the output is proportional to what it lacks.
-Fine: the tip stays on the drive surface and leans by the integral of the error; the stage follows through the
-contact within its presliding.
+Fine: the tip stands still, pressed on the drive surface, and leans by the integral of the error; the stage follows
+through the contact within its presliding.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Loop:
     """Which sensors the loop has.
 
     Args:
-        text: for people.
+        text: description.
         coarse: name of the sensor of the run.
         fine: name of the sensor of the settling.
         fine_rate: of the integral loop, 1/s, well within the sensor's bandwidth.

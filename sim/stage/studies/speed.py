@@ -23,10 +23,10 @@ HEIGHTS = {"grazing": -0.6, "halfway": -0.3, "level": 0.0}
 
 @dataclass(frozen=True)
 class SpeedStudy:
-    """Lasting speeds.
+    """Steady speeds.
 
     Args:
-        travel: X, peak to peak, of the ellipse asked for, m.
+        travel: X, peak to peak, of the commanded ellipse, m.
         drive_frequency: the design's, Hz.
         frequencies: Hz, shape (n,).
         points: by height, each shape (n,).
@@ -50,7 +50,7 @@ class SpeedStudy:
         return self.speed(height) / (self.swing(height) * self.frequencies)
 
     def lasts(self, height: str) -> np.ndarray:
-        """Whether the speed lasts, or was still changing after the longest run, shape (n,)."""
+        """Whether the speed is steady, or was still changing after the longest run, shape (n,)."""
         changed = np.array([abs(point.changed) for point in self.points[height]])
         return changed <= SETTLED * self.travel * self.frequencies
 
@@ -98,7 +98,7 @@ def speed_study(
     drive_frequency: float,
     run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]],
 ) -> SpeedStudy:
-    """Lasting speed over frequency and height of the tip.
+    """Steady speed over frequency and height of the tip.
 
     Args:
         machine: with one actuator.
