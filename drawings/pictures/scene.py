@@ -1,6 +1,6 @@
 """The shapes of a picture with their triangles, and the faces of them that one direction of view can show.
 
-A depth buffer (z-buffer) of all triangles tells which faces are in front somewhere. Only these are given to the exact
+A depth buffer (z-buffer) of all triangles shows which faces are in front somewhere. Only these are given to the exact
 hidden-line removal, because its time grows with the number of faces that overlap in projection: without the buffer the
 section of the machine takes 2.4 s instead of 0.5 s, and the command ``drawings assembly`` a quarter longer. A face that
 is nowhere in front hides nothing that is visible.

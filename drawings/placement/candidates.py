@@ -125,11 +125,11 @@ def _text_positions(text: str, low: float, high: float, extended: bool) -> Itera
     middle = (low + high) / 2
     if width + 2 * GAP < span:
         yield 0.0, middle
-        room = (span - width) / 2 - GAP - (ARROW if span > 2 * ARROW + 1 else 0.0)
+        slack = (span - width) / 2 - GAP - (ARROW if span > 2 * ARROW + 1 else 0.0)
         for fraction in (0.35, -0.35, 0.7, -0.7, 1.0, -1.0):
-            if room > 3.0:
-                off = abs(room * fraction)
-                yield OFF_MIDDLE_COST * abs(fraction) + OFF_MIDDLE_DISTANCE_COST * off, middle + room * fraction
+            if slack > 3.0:
+                off = abs(slack * fraction)
+                yield OFF_MIDDLE_COST * abs(fraction) + OFF_MIDDLE_DISTANCE_COST * off, middle + slack * fraction
     if extended or width + 2 * GAP >= span:
         for away in (1.5, 8.0, 15.0, 22.0, 29.0, 36.0) if extended else (1.5, 8.0):
             cost = BESIDE_COST + BESIDE_DISTANCE_COST * away

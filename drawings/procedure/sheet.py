@@ -113,12 +113,11 @@ class _Table:
 def _placed(pictures: Sequence[Picture], area: Box2) -> list[Picture]:
     """The pictures one below the other in an area, at the largest scale at which they fit."""
     x0, y0, x1, y1 = area
-    room = 8 * BALLOON
     for scale in SCALES:
         scaled = [replace(one, view=replace(one.view, scale=scale, place=(0.0, 0.0), label="")) for one in pictures]
         boxes = [view_box(one.view) or (0.0, 0.0, 0.0, 0.0) for one in scaled]
         gap = (y1 - y0 - sum(box[3] - box[1] for box in boxes)) / (len(boxes) + 1)
-        if gap < BALLOON or any(box[2] - box[0] + room > x1 - x0 for box in boxes):
+        if gap < BALLOON or any(box[2] - box[0] + 8 * BALLOON > x1 - x0 for box in boxes):
             continue
         placed, top = [], y1
         for one, box in zip(scaled, boxes, strict=True):

@@ -27,6 +27,8 @@ COLUMNS = ((10.0, "item"), (10.0, "qty"), (62.0, "part"), (34.0, "number"), (44.
 """Widths and headings of the parts list, mm."""
 ROW = 6.5
 """Height of its rows, mm."""
+MARGIN = 24.0
+"""Least distance around the top view and the section, mm."""
 
 
 @dataclass(frozen=True)
@@ -101,13 +103,12 @@ def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
     x0, y0, x1, y1 = sheet_area(PAPER).space
     boxes = [view_box(view) or (0.0, 0.0, 0.0, 0.0) for view in views]
     upper, lower = boxes[:2]
-    room = 24.0
     low_x, high_x = min(upper[0] - SIDE, lower[0]), max(upper[2], lower[2] + FIRST)
-    column = high_x - low_x + 2 * room
-    left = x0 + room - low_x
+    column = high_x - low_x + 2 * MARGIN
+    left = x0 + MARGIN - low_x
     floor = y0 + (notes + 2) * LINE_PITCH * TEXT_HEIGHT
-    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + room + 2 * DIMENSIONED
-    gap = max(room, (y1 - floor - height) / 3)
+    height = (upper[3] - upper[1]) + (lower[3] - lower[1]) + MARGIN + 2 * DIMENSIONED
+    gap = max(MARGIN, (y1 - floor - height) / 3)
     top_at = (left, y1 - gap - DIMENSIONED - upper[3])
     places = [top_at, (left, top_at[1] + upper[1] - gap - DIMENSIONED - lower[3])]
     list_left, list_top = title_box(PAPER)[0], title_box(PAPER)[3] + (rows + 1) * ROW

@@ -65,7 +65,7 @@ def _zones(
     """Division marks and names along two opposite borders; letters run from the top down."""
     reach = int((high - low) / 2 // ZONE)
     inner = [middle + i * ZONE for i in range(-reach, reach + 1)]
-    # A rest shorter than a third of a zone is no zone of its own: it belongs to the last one.
+    # A remainder shorter than a third of a zone is part of the last zone.
     marks = [at for at in inner if min(at - low, high - at) > ZONE / 3]
     ends = [low, *marks, high]
     centres = [(a + b) / 2 for a, b in pairwise(ends)]

@@ -1,4 +1,4 @@
-"""A sheet with everything in its place: what the layout aims at, and what the document is drawn from."""
+"""Drawing sheets: views, annotations, notes and tables in place, from which the files are written."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ class Sheet:
         part: the part, or `assembly`.
         paper: size of the paper.
         scale: of the main views, paper over part.
-        title: what its title block says.
+        title: fields of the title block.
         views: placed.
         annotations: placed.
         notes: placed.
-        tables: primitives that belong to no view: parts list, table of steps.
+        tables: primitives outside the views: parts list, table of steps.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Sheet:
 
 
 def sheet_area(paper: Paper, taken: tuple[Box2, ...] = ()) -> SheetArea:
-    """The area of a sheet that is free for views, beside its title block and what else is named, mm."""
+    """The area of a sheet for views, without the title block, the centring marks and other boxes, mm."""
     x0, y0, x1, y1 = drawing_space(paper)
     width, height = PAPERS[paper]
     u, v = width / 2, height / 2
@@ -61,7 +61,7 @@ def sheet_area(paper: Paper, taken: tuple[Box2, ...] = ()) -> SheetArea:
 
 
 def scale_text(scale: float) -> str:
-    """A scale as it is written: `1:5`, `2:1`, or the plain factor where neither side is one."""
+    """A scale as printed: `1:5`, `2:1`, or the factor if neither side is 1."""
     for over, under in ((scale, 1.0), (1.0, 1.0 / scale)):
         if abs(over - round(over)) < 1e-9 and abs(under - round(under)) < 1e-9:
             return f"{round(over)}:{round(under)}"

@@ -1,4 +1,4 @@
-"""The title block: the fields of ISO 7200 and those of the thesis's drawings, in the sheet's lower right corner."""
+"""The title block, with the fields of ISO 7200 and of the thesis, in the lower right corner of the sheet."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ WIDTH, HEIGHT = 180.0, 56.0
 
 @dataclass(frozen=True)
 class TitleBlock:
-    """What the title block says.
+    """Fields of the title block.
 
     Args:
-        title: name of the part, or what the sheet shows.
-        supplement: what the part belongs to.
+        title: name of the part or of the sheet.
+        supplement: product of the part.
         number: file name of the drawing, `THS_PZT_TIP`.
         material: of the part; empty on an assembly.
         mass: with its unit, `39.1 g`.
         scale: of the main views, `1:2`.
         sheet, sheets: number of this sheet, and of how many.
-        revision: of the program that draws it.
+        revision: of the program.
         parameters: hash of the parameters the sheet depends on.
         kind: of document, `Part drawing`.
         finish: general surface texture and edges.
-        tolerances: class and what it allows, `("X.XX", "±0.01")`; `ANGLE` for all angles.
+        tolerances: class and tolerance, `("X.XX", "±0.01")`; `ANGLE` for all angles.
     """
 
     title: str
@@ -49,7 +49,7 @@ class TitleBlock:
 
 
 def title_box(paper: Paper) -> Box2:
-    """Where the title block stands, mm."""
+    """Bounding box of the title block, mm."""
     _, y0, x1, _ = drawing_space(paper)
     return (x1 - WIDTH, y0, x1, y0 + HEIGHT)
 
@@ -110,8 +110,7 @@ def _cell(box: Box2, caption: str, text: str, height: float) -> Iterator[Primiti
     if caption:
         yield Text(caption, (x0 + 1.2, y1 - 1.0 - SMALL_HEIGHT * 0.72), SMALL_HEIGHT * 0.72)
     if text:
-        room = x1 - x0 - 3.0
-        fitting = min(1.0, room / text_width(text, height))
+        fitting = min(1.0, (x1 - x0 - 3.0) / text_width(text, height))
         yield Text(text, (x0 + 1.8, y0 + 1.9), height * fitting)
 
 

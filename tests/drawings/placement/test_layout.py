@@ -1,4 +1,4 @@
-"""Placing: on blocks whose good places can be told by hand."""
+"""Placement of annotations and views, on blocks with known good positions."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def lines_of(result: AnnotatedView) -> dict[str, LinearDimension]:
     return {a.names[0]: a for a in result.annotations if isinstance(a, LinearDimension)}
 
 
-def test_short_dimensions_stand_inside_long_ones_and_all_outside_the_part() -> None:
+def test_short_dimensions_are_inside_long_ones_and_all_outside_the_part() -> None:
     asked = [
         distance((0.0, 50.0), (200.0, 50.0), "length"),
         distance((50.0, 100.0), (150.0, 100.0), "middle"),
@@ -60,13 +60,13 @@ def test_an_extension_line_starts_from_the_end_of_the_face_it_measures() -> None
     assert (length.first, length.second) == ((0.0, level), (200.0, level))
 
 
-def test_a_text_that_does_not_fit_between_its_arrows_stands_beside() -> None:
+def test_a_text_that_does_not_fit_between_its_arrows_is_beside_them() -> None:
     (narrow,) = lines_of(place_annotations(block(), [distance((90.0, 100.0), (93.0, 100.0), "slot")])).values()
     assert narrow.text_at is not None
     assert not 45.0 < narrow.text_at[0] < 46.5
 
 
-def test_no_text_touches_anything_in_a_crowd() -> None:
+def test_many_annotations_have_no_conflicts() -> None:
     """Twenty steps side by side and ten callouts: every text is free, and the same again gives the same places."""
     asked: list[DimensionSpec] = [distance((10.0 * i, 100.0), (10.0 * i + 10.0, 100.0), f"step {i}") for i in range(20)]
     asked += [CalloutSpec("front", (20.0 * i + 10.0, 20.0), 2.0, (f"⌀{i}.0",), (f"hole {i}",)) for i in range(10)]
@@ -83,13 +83,13 @@ def test_no_text_touches_anything_in_a_crowd() -> None:
     assert place_annotations(block(), asked).annotations == result.annotations
 
 
-def test_dimension_lines_in_each_others_way_are_placed_anew() -> None:
+def test_conflicting_dimension_lines_are_placed_again() -> None:
     """Nested and crossing spans on a part with a line close by on three sides."""
     asked = [distance((20.0 * i, 50.0), (200.0 - 15.0 * i, 50.0), f"span {i}") for i in range(5)]
     assert place_annotations(block(), asked).conflicts == 0
 
 
-def test_a_control_frame_stands_off_the_part_with_its_arrow_on_the_face() -> None:
+def test_a_control_frame_is_off_the_part_with_its_arrow_on_the_face() -> None:
     asked = [FrameSpec("front", (0.0, 100.0), (200.0, 100.0), 90.0, ("top",), "flatness", "0.01")]
     (frame,) = place_annotations(block(), asked).annotations
     assert isinstance(frame, FeatureControlFrame)
@@ -97,7 +97,7 @@ def test_a_control_frame_stands_off_the_part_with_its_arrow_on_the_face() -> Non
     assert frame.elbow[1] > 50.0 + 3.5
 
 
-def test_a_leader_takes_the_choice_that_is_drawn() -> None:
+def test_a_leader_ends_on_a_drawn_line() -> None:
     asked = [CalloutSpec("front", (100.0, 60.0), 0.0, ("Ra 1",), ("texture",), ((100.0, 100.0),))]
     (callout,) = place_annotations(block(), asked).annotations
     assert isinstance(callout, Callout)
@@ -109,7 +109,7 @@ def test_a_leader_takes_the_choice_that_is_drawn() -> None:
 VIEWS = (block("top"), block("front", beside="top"), block("right", 80.0, beside="front"))
 
 
-def test_views_stand_as_third_angle_asks_with_room_between() -> None:
+def test_views_are_in_third_angle_projection_with_distance() -> None:
     result = arrange(annotated_views(VIEWS, []), sheet_area("A3"))
     top, front, right = result.views
     assert result.fits
@@ -131,7 +131,7 @@ def test_a_view_moves_with_its_annotations() -> None:
     assert (after.first, after.second) == (before.first, before.second)
 
 
-def test_what_does_not_fit_says_so_and_a_view_by_itself_gets_its_name() -> None:
+def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() -> None:
     tall = tuple(replace(view, scale=1.0) for view in (*VIEWS[:2], block("bottom", beside="front")))
     every = annotated_views(tall, [])
     area = SheetArea((0.0, 0.0, 480.0, 240.0), ())
@@ -142,7 +142,7 @@ def test_what_does_not_fit_says_so_and_a_view_by_itself_gets_its_name() -> None:
     assert alone.views[2].label_at is not None
 
 
-def test_taken_room_stays_free() -> None:
+def test_taken_areas_stay_free() -> None:
     area = sheet_area("A3", ((0.0, 0.0, 260.0, 297.0),))
     result = arrange(annotated_views(VIEWS[:1], []), area)
     assert result.fits
