@@ -35,7 +35,7 @@ def declared(kind: str, name: str, value: float, **more: object) -> Dimension:
     return Dimension(name, kind, value, "stage.length", points, (0.0, 0.0, -1.0), tolerance, **more)  # type: ignore[arg-type]
 
 
-def test_what_stands_alone() -> None:
+def test_text_of_single_dimensions() -> None:
     assert dimension_text(declared("diameter", "bore", 16.02, tolerance="X.XX", count=3), 0.01) == "3x ⌀16.02"
     assert dimension_text(declared("radius", "nose", 20.0, note="spherical; coated"), 0.1) == "SR20.0"
     assert dimension_text(declared("radius", "corner", 5.0, tolerance="X", count=4), 0.1) == "4x R5"

@@ -35,7 +35,7 @@ COMMON_ZONE = XCAFDimTolObjects_GeomToleranceModif.XCAFDimTolObjects_GeomToleran
 
 @dataclass(frozen=True)
 class ReadDimension:
-    """A dimension: its kind as the kernel names it, its value in mm or degrees, and the shapes it stands on."""
+    """A dimension: its kind as the kernel names it, its value in mm or degrees, and its faces and edges."""
 
     kind: str
     value: float

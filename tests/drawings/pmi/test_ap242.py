@@ -225,7 +225,7 @@ def test_a_stage_of_another_kind_says_all_of_its_own(overrides: tuple[str, ...],
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_other_sizes_throughout(name: str, tmp_path: Path) -> None:
-    """Every length by its own small factor: each dimension still stands on the faces that measure it."""
+    """Every length by its own small factor: each dimension is still associated with the faces that measure it."""
     module, notes = part_definition(name), {}
     module.build(TrackedDesign(thesis(), notes))
     keys = sorted({".".join(str(step[1]) for step in way) for way in notes})

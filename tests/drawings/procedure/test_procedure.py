@@ -95,7 +95,7 @@ def test_every_part_of_the_list_goes_in_once() -> None:
         ("stage", "clamp_screw_long"),  # the height is set against the stage, and then held
     ],
 )
-def test_what_stands_on_another_comes_after_it(first: str, then: str) -> None:
+def test_a_part_is_put_in_after_the_part_that_carries_it(first: str, then: str) -> None:
     place = {use.part: step.number for step in made().steps for use in step.parts}
     assert place[first] <= place[then]
 
@@ -111,15 +111,15 @@ def test_the_height_is_set_before_clamping_and_checked_afterwards() -> None:
     assert [title for title in titles if title in order] == order
 
 
-def test_sentences_hold_no_numbers_of_their_own() -> None:
-    """Digits stand only in names of things; all else is a figure in braces."""
+def test_sentences_contain_no_literal_numbers() -> None:
+    """Digits occur only in names; all numbers are figures in braces."""
     for step in step_templates(thesis(), VALUES):
         for text in (*step.sentences, *step.tools):
             plain = re.sub(r"\{\w+\}|height pin [12]|pocket 1|piezos 1 and 2", "", text)
             assert not re.search(r"\d", plain), text
 
 
-def test_every_figure_knows_where_it_comes_from() -> None:
+def test_every_figure_has_an_origin() -> None:
     keys = set(schema())
     for step in made().steps:
         for name, figure in step.figures.items():
@@ -143,7 +143,7 @@ def test_torques_and_sizes_follow_the_parameter_file() -> None:
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(ProcedureValues)])
-def test_every_calculated_value_is_told(name: str) -> None:
+def test_every_calculated_value_is_in_the_text(name: str) -> None:
     other = replace(VALUES, **{name: 0.3 * getattr(VALUES, name)})
     assert words(made(values=other)) != words(made())
 

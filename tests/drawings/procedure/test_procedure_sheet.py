@@ -105,7 +105,7 @@ def test_a_step_without_needs_is_a_row_all_the_same() -> None:
     assert not any(re.match("Torque", text) for text in shown)
 
 
-def test_the_picture_stands_beside_the_table_and_points_at_every_part() -> None:
+def test_the_pictures_are_beside_the_table_and_have_a_balloon_for_every_part() -> None:
     """A tall and a wide view, ten times too large: scaled to the free column, one above the other, balloons and all."""
     views = []
     for name, (width, height), part in (("tall", (900.0, 2000.0), "base"), ("wide", (1500.0, 300.0), "stage")):

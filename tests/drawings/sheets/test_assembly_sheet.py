@@ -85,7 +85,7 @@ def test_a_balloon_points_at_a_line_that_is_drawn(sheet: Sheet) -> None:
             assert near or any(not isinstance(c, Segment) for c in curves)
 
 
-def test_balloons_stand_apart_and_within_the_frame(sheet: Sheet) -> None:
+def test_balloons_are_apart_and_within_the_frame(sheet: Sheet) -> None:
     x0, y0, x1, y1 = drawing_space(sheet.paper)
     centres = [a.centre for a in sheet.annotations if isinstance(a, Balloon)]
     for i, one in enumerate(centres):
@@ -144,7 +144,7 @@ def test_the_stage_is_shown_at_the_ends_of_its_travel(sheet: Sheet, machine: Mac
         )
 
 
-def test_what_has_no_room_under_the_exploded_view_stands_smaller_above_the_list(
+def test_a_view_that_does_not_fit_under_the_exploded_view_is_smaller_and_above_the_list(
     machine: Machine, design: Design, pictures: dict[str, Picture]
 ) -> None:
     below = pictures["from below"]

@@ -38,7 +38,7 @@ NOT_DIMENSIONS = {
     "teeth.fitted": "whether pockets and tapped holes for the teeth are there: seen from their being there",
     "sea.whole_underside": "whether grooves bound the drive surface: seen from their being there",
 }
-"""Parameters that shape a part and stand on no sheet as a number, with the reason."""
+"""Parameters that shape a part and are no number on any sheet, with the reason."""
 
 
 @cache
@@ -155,7 +155,7 @@ def test_the_crowns_of_the_pads_are_in_the_picture() -> None:
         assert picture[row - 2 : row + 3, column].min() < 128
 
 
-def test_a_datum_that_is_an_axis_stands_in_line_with_its_diameter() -> None:
+def test_an_axis_datum_is_in_line_with_the_dimension_of_its_diameter() -> None:
     (sheet,) = sheets("holder")
     (mark,) = (a for a in sheet.annotations if isinstance(a, DatumSymbol))
     diameter = next(a for a in sheet.annotations if isinstance(a, LinearDimension) and a.names == ("diameter",))

@@ -1,4 +1,4 @@
-"""Centre lines stand where something round is shown, and nowhere else."""
+"""Centre lines and centre marks: on round features and nowhere else."""
 
 from __future__ import annotations
 

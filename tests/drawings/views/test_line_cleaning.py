@@ -1,4 +1,4 @@
-"""Lines in order: pieces joined, nothing hidden under what is visible, whatever order they come in."""
+"""Coincident curves: pieces joined, no hidden line under a visible one, independent of the order of the input."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_pieces_of_one_line_become_one() -> None:
     ]
 
 
-def test_what_lies_under_a_visible_line_is_not_hidden() -> None:
+def test_a_hidden_line_under_a_visible_one_is_left_out() -> None:
     visible, hidden = cleaned([Segment((2, 0), (4, 0))], [Segment((6, 0), (0, 0)), Segment((3, 0), (5, 0))])
     assert len(visible) == 1
     assert [(line.start, line.end) for line in hidden if isinstance(line, Segment)] == [
@@ -44,7 +44,7 @@ def test_arcs_close_to_a_circle_over_the_end_of_the_turn() -> None:
     assert hidden == (Arc((0, 0), 4, 350.0, 370.0),)
 
 
-def test_polylines_are_drawn_once_where_they_run_together() -> None:
+def test_coincident_polylines_are_drawn_once() -> None:
     curve = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(60)))
     part = Polyline(curve.points[20:40])
     beyond = Polyline(tuple((t / 10, math.sin(t / 10)) for t in range(50, 80)))
@@ -57,7 +57,7 @@ def test_polylines_are_drawn_once_where_they_run_together() -> None:
 
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, 10**6))
-def test_the_same_lines_come_out_whatever_their_order_and_cover_what_went_in(seed: int) -> None:
+def test_the_result_is_independent_of_order_and_covers_the_input(seed: int) -> None:
     generator = random.Random(seed)
     lines = [
         Segment((float(generator.randrange(9)), y), (float(generator.randrange(9)), y))
