@@ -1,8 +1,7 @@
-"""Plain data for what stands beside each solid: its named datums, its dimensions and what its faces must be.
+"""Data types of a part's datums, dimensions and requirements on its faces, independent of the solid.
 
-A part declares each dimension next to the feature that needs it; the drawings lay the declarations out, the tolerance
-analysis adds them up, the assembly mates the datums. No type here knows a solid. Millimetres and degrees, in part
-coordinates.
+A part declares each dimension next to its feature; the drawings place the declarations, the tolerance analysis adds
+them up, the assembly mates the datums. Millimetres and degrees, in part coordinates.
 """
 
 from __future__ import annotations
@@ -33,11 +32,11 @@ Kind = Literal[
 `chamfer`: leg of a chamfer, 45 degrees unless the note says otherwise. `thread`: nominal diameter, the note carries
 the designation; `tap_drill` and `thread_depth` of the same hole. `slope`: tangent of the angle
 between a face and the direction. `count`: number of features of a pattern. `callout`: a
-note on a feature, with the number it speaks of.
+note on a feature, with the number it refers to.
 """
 
 View = Literal["top", "bottom", "front", "back", "left", "right", "section", "iso", "any"]
-"""The view in which a dimension reads best: `top` looks down z, `front` along +y (x to the right), `right` along -x."""
+"""The preferred view of a dimension: `top` looks down z, `front` along +y (x to the right), `right` along -x."""
 
 
 @dataclass(frozen=True)
@@ -77,18 +76,18 @@ class Dimension:
     Args:
         name: what is measured, unique within the part (`length`, `pocket depth`).
         kind: see `Kind`.
-        value: mm, or degrees for an angle; for a count or callout the number it speaks of.
+        value: mm, or degrees for an angle; for a count or callout the number.
         parameter: key of the parameter file the value comes from (`stage.length`).
-        points: where to look on the part, part coordinates: two for linear and depth; for round ones a point on the
+        points: on the part, in part coordinates: two for linear and depth; for round ones a point on the
             axis beside the face, or on the face.
         direction: direction measured along, or the axis of a round feature; from point to point when left out.
         tolerance: class `X`, `X.X` or `X.XX`; none for a reference dimension or one a standard covers.
         note: callout text that goes with it (`M6x1 - 6H`, `lapped Ra 1 um`).
         count: number of like features it stands for.
-        view: where it reads best.
-        feature: name of the feature it belongs to; what belongs to one hole is gathered in one callout.
-        between: names of the datums or features it stands between, where they have names.
-        derived_from: keys of the parameters the value is worked out from, where it is not one parameter's own; then
+        view: the preferred one.
+        feature: name of its feature; the dimensions of one hole are combined in one callout.
+        between: names of the datums or features between which it is measured, if they have names.
+        derived_from: keys of the parameters from which the value is computed, if it is not one parameter; then
             `parameter` is empty, and `tolerance` is the class of the first of them.
     """
 

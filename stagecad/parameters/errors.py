@@ -1,4 +1,4 @@
-"""The one error a user's mistake raises."""
+"""The error for invalid input of the user."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 
 class InputError(ValueError):
-    """A mistake in what the user gave: the message is one line naming place, value and what is allowed."""
+    """Invalid input: the message is one line with place, value and what is allowed."""
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str:

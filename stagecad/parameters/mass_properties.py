@@ -1,4 +1,4 @@
-"""Mass properties as plain SI numbers: what the geometry hands to checks and simulation."""
+"""Mass properties in SI, passed from the geometry to checks and simulation."""
 
 from __future__ import annotations
 

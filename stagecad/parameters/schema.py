@@ -1,4 +1,4 @@
-"""How a table of the parameter file declares its keys: one line each, with unit, meaning and bounds.
+"""Declaration of the keys of a table of the parameter file: one line each, with unit, meaning and bounds.
 
 A table is a frozen dataclass whose fields are made by the functions below. The loader reads the declarations, so a key
 is added by one line in its table and one in the parameter file, and nothing else.
@@ -28,7 +28,7 @@ class Declaration:
         low, high: bounds in `unit`; `low` itself is allowed only where `closed`.
         closed: whether the lower bound is allowed.
         allowed: values of a choice.
-        computed: worked out from other keys where the file leaves it out.
+        computed: computed from other keys if the file leaves it out.
     """
 
     kind: FieldKind

@@ -1,9 +1,9 @@
-"""The machine put together: every part placed by its named datums, at any place of the travel and height adjustment.
+"""Assembly of the machine: every part positioned by mates of its datums, at any travel and height adjustment.
 
-The base stands still at the origin (x along the travel, y across, z up, its top at z = 0). Everything else hangs on it
-by mates of datums: a part that is wrong by a millimetre stands wrong by a millimetre, and the interference test
-sees it. The height of an actuator follows from its wedge: pin 1 is pushed along its bore, pin 2 comes down its own bore
-until it meets the wedge's plane, and holder, piezos and tip ride on it.
+The base is fixed at the origin (x along the travel, y across, z up, its top at z = 0). All other parts are placed by
+mates, so that an error in a part appears in the assembly and in the interference check. The height of an actuator
+follows from its wedge: pin 1 is moved along its bore, pin 2 is lowered in its own bore to the plane of the wedge, and
+carries holder, piezos and tip.
 """
 
 from __future__ import annotations
@@ -37,19 +37,19 @@ EXPLODED = {
     "tooth_iron": 30.0,
     "magnet": 50.0,
 }
-"""How far a part is drawn out of its seat in the exploded view, mm, on top of what it stands on."""
+"""Displacement of a part from its seat in the exploded view, mm, in addition to that of its parent."""
 
 
 @dataclass(frozen=True)
 class Instance:
-    """One part somewhere in the machine.
+    """One instance of a part in the assembly.
 
     Attributes:
-        name: unique: the part's, with a number or side where there are several.
+        name: unique: the part's, with a number or side if there are several.
         part: name of the part.
-        frame: where it stands.
-        exploded: where it stands in the exploded view.
-        compression: of a spring, beyond its installed length at mid-adjustment, mm.
+        frame: position in the assembly.
+        exploded: position in the exploded view.
+        compression: of a spring, relative to its installed length at mid-adjustment, mm.
     """
 
     name: str
@@ -60,20 +60,20 @@ class Instance:
 
     @property
     def shape(self) -> str:
-        """Name of its shape: the part's, but a spring's by its length."""
+        """Name of its shape: that of the part; for a compressed spring with the compression."""
         return self.part if abs(self.compression) < 1e-6 else f"{self.part}@{self.compression:.6f}"
 
 
 def assemble(
     parts: Mapping[str, BuiltPart], design: Any, travel: float = 0.0, height: float = 0.0
 ) -> tuple[Instance, ...]:
-    """All parts of the machine where they stand.
+    """All instances of parts in the machine.
 
     Args:
-        parts: the made parts by name.
-        design: the design (for travel, stroke of the height pin, and which actuators are fitted).
-        travel: place of the stage, -1 and 1 at the ends of its travel.
-        height: place of the height adjustment, -1 lowest, 1 highest.
+        parts: the built parts by name.
+        design: the design (for travel, stroke of the height pin, and number of actuators).
+        travel: position of the stage, -1 and 1 at the ends of its travel.
+        height: position of the height adjustment, -1 lowest, 1 highest.
     """
     return tuple(_Builder(parts, design, travel, height).all())
 
@@ -181,11 +181,11 @@ class _Builder:
         return scaled(axis, gap / dot(axis, normal))
 
     def _tip(self, holder: Instance, piezos: list[Instance], number: int) -> Instance:
-        """The tip on the ends of the piezos, with the heading of the holder."""
+        """The tip on the ends of the piezos, oriented like the holder."""
         end = self.datum("piezo", "end")
-        # The heading is the holder's: piezos are round, and stand as they like.
-        heading = self.datum("holder", "bottom").x_direction
-        seat = Datum("piezo_ends", end.origin, end.normal, _back(piezos[0].frame, holder.frame.direction(heading)))
+        # The orientation is the holder's: piezos are round, with no preferred orientation.
+        orientation = self.datum("holder", "bottom").x_direction
+        seat = Datum("piezo_ends", end.origin, end.normal, _back(piezos[0].frame, holder.frame.direction(orientation)))
         return self.on(piezos[0], seat, "tip", "piezo_1", f"tip_{number}")
 
 

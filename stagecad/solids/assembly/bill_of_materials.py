@@ -1,11 +1,11 @@
-"""What a machine is made of: each part with number, quantity, material and mass."""
+"""Bill of materials: each part with number, quantity, material and mass."""
 
 from __future__ import annotations
 
 import csv
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from stagecad.parameters.mass_properties import MassProperties
@@ -24,7 +24,7 @@ class Row:
         item: number in the list, counted from 1.
         part: its name.
         description: in words.
-        part_number: of the catalogue when it is bought, of the drawing when it is made; empty where it has neither.
+        part_number: of the catalogue or of the drawing; empty without either.
         quantity: in one machine.
         material: as it is ordered.
         mass: of one, kg.
@@ -47,7 +47,7 @@ def bill_of_materials(
     masses: Mapping[str, MassProperties],
     design: Any,
 ) -> tuple[Row, ...]:
-    """The list of all parts in the assembly, made ones first."""
+    """The list of all parts in the assembly, manufactured parts first."""
     counts = count(instances)
     rows: list[Row] = []
     for name in (*MADE, *PURCHASED):
@@ -75,18 +75,8 @@ def csv_text(rows: Sequence[Row]) -> str:
     writer = csv.writer(memory, lineterminator="\n")
     writer.writerow(HEADINGS)
     for row in rows:
-        writer.writerow(
-            [
-                row.item,
-                row.part,
-                row.description,
-                row.part_number,
-                row.quantity,
-                row.material,
-                f"{row.mass:.4f}",
-                f"{row.quantity * row.mass:.4f}",
-            ]
-        )
+        masses = (f"{row.mass:.4f}", f"{row.quantity * row.mass:.4f}")
+        writer.writerow([row.item, row.part, row.description, row.part_number, row.quantity, row.material, *masses])
     total = sum(row.quantity * row.mass for row in rows)
     writer.writerow(["", "total", "", "", sum(row.quantity for row in rows), "", "", f"{total:.4f}"])
     return memory.getvalue()
@@ -94,16 +84,4 @@ def csv_text(rows: Sequence[Row]) -> str:
 
 def document(rows: Sequence[Row]) -> list[dict[str, Any]]:
     """The list for JSON."""
-    return [
-        {
-            "item": row.item,
-            "part": row.part,
-            "description": row.description,
-            "part_number": row.part_number,
-            "quantity": row.quantity,
-            "material": row.material,
-            "mass": {"value": row.mass, "unit": "kg"},
-            "purchased": row.purchased,
-        }
-        for row in rows
-    ]
+    return [{**asdict(row), "mass": {"value": row.mass, "unit": "kg"}} for row in rows]

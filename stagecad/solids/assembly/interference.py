@@ -1,9 +1,9 @@
-"""Which parts touch, fit or run into each other, at the ends and the middle of travel and height adjustment.
+"""Interference check: contacts, fits and clashes of parts at the ends and middle of travel and height adjustment.
 
-Two parts may meet only where the table of intended meetings says how: elsewhere any common volume is a clash. Threads
-are cosmetic (a screw has its major diameter, a tapped hole its drill's), so that a thread engagement shows as common
-volume, which must stay within the thread's own ring. The tip is meant to reach the stage and a little further, since
-that is how its preload is set.
+The table `INTENDED` lists the pairs of parts that touch, fit or overlap by design; common volume of any other pair is a
+clash. Threads are cosmetic (a screw has its major diameter, a tapped hole its drill's), so a thread engagement has a
+common volume, which must not exceed the ring between the two diameters. The tip overlaps the stage slightly, since this
+sets its preload.
 """
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import combinations
 from pathlib import Path
@@ -23,7 +23,7 @@ from stagecad.solids.artefacts.part import BuiltPart
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.assembly.assemble import HEIGHT_ENDS, TRAVEL_ENDS, Instance, assemble
 from stagecad.solids.assembly.built_assembly import shapes_of
-from stagecad.solids.modelling.frame import Frame, Vector, dot, subtract
+from stagecad.solids.modelling.frame import Box, Frame, Vector, dot, subtract, transformed_box
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -74,7 +74,7 @@ INTENDED: dict[frozenset[str], str] = {
     }.items()
     for pair in pairs
 }
-"""How two kinds of part are meant to meet. A gap is meant to stay open, but to be narrow."""
+"""Intended relation of two kinds of part. `GAP`: close to each other without contact."""
 
 THREADED = {
     "way_screw": ("screws.way.diameter", "screws.way.length", "threads.unc_3_8_tap_drill"),
@@ -87,15 +87,15 @@ THREADED = {
 
 @dataclass(frozen=True)
 class Interference:
-    """Two parts that touch, fit, overlap or come near.
+    """Two parts that touch, fit, overlap or are close to each other.
 
     Attributes:
         first, second: names of the instances.
-        kind: as intended; `CLASH` where nothing is meant, or more than what is meant.
-        travel, height: place of stage and height adjustment, -1 to 1.
+        kind: the intended relation; `CLASH` for a common volume that is not intended, or larger than intended.
+        travel, height: position of stage and height adjustment, -1 to 1.
         common_volume: of the two solids, mm^3.
-        clearance: least distance, mm; 0 where they touch or overlap. None where it was not measured: it is for the
-            first pair of two parts at mid-travel and mid-height, since distances take longer than common volumes.
+        clearance: least distance, mm; 0 for contact or overlap. None if it was not measured: distances are slow, and
+            are measured for the first pair of two kinds of part at mid-travel and mid-height.
     """
 
     first: str
@@ -117,9 +117,9 @@ def find_interferences(
     travels: Iterable[float] = TRAVEL_ENDS,
     heights: Iterable[float] = HEIGHT_ENDS,
 ) -> list[Interference]:
-    """All pairs that meet or come within `NEAR`, for every combination of travel and height.
+    """All pairs closer than `NEAR`, for every combination of travel and height.
 
-    A pair that has not moved against each other since another combination is intersected only once.
+    Pairs with the same relative position in several combinations are intersected only once.
     """
     volumes: dict[tuple[Any, ...], float] = {}
     measured: set[frozenset[str]] = set()
@@ -147,10 +147,10 @@ def find_interferences(
 
 
 def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], design: Any) -> list[Interference]:
-    """All meetings at the ends and middles, from the cache or found now."""
+    """All interference pairs at the ends and middles, from the cache or computed now."""
 
-    def make(reading: Any, folder: Path) -> None:
-        found = [asdict(meeting) for meeting in find_interferences(parts, reading)]
+    def make(tracked: Any, folder: Path) -> None:
+        found = [asdict(pair) for pair in find_interferences(parts, tracked)]
         (folder / "interferences.json").write_text(json.dumps(found, indent=1), "utf-8")
 
     entry = store.make("interference", design, (__name__,), make, [part.entry.key for part in parts.values()])
@@ -158,18 +158,18 @@ def build_interferences(store: ArtefactStore, parts: Mapping[str, BuiltPart], de
 
 
 def clashes(found: Sequence[Interference]) -> list[Interference]:
-    """Those that are not meant."""
-    return [meeting for meeting in found if meeting.clash]
+    """The pairs that are not intended."""
+    return [pair for pair in found if pair.clash]
 
 
 def _kind(one: str, two: str, volume: float, distance: float | None, design: Any) -> str | None:
-    """How a pair meets; None where it merely passes by."""
-    meant = INTENDED.get(frozenset((one, two)))
-    if meant == THREAD:
-        return meant if volume <= _ring(one if one in THREADED else two, design) + TOUCH else CLASH
-    if volume > TOUCH and meant != DRIVE:
+    """Relation of a pair; None if it is not close."""
+    intended = INTENDED.get(frozenset((one, two)))
+    if intended == THREAD:
+        return intended if volume <= _ring(one if one in THREADED else two, design) + TOUCH else CLASH
+    if volume > TOUCH and intended != DRIVE:
         return CLASH
-    return meant if distance is None or distance <= NEAR else None
+    return intended if distance is None or distance <= NEAR else None
 
 
 def _ring(screw: str, design: Any) -> float:
@@ -198,7 +198,7 @@ def _common_volume(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape])
 
 
 def _distance(one: Instance, two: Instance, shapes: Mapping[str, cq.Shape]) -> float | None:
-    """Least distance of two instances, mm; None where the kernel finds none."""
+    """Least distance of two instances, mm; None if the kernel fails."""
     from OCP.BRepExtrema import BRepExtrema_DistShapeShape
 
     distance = BRepExtrema_DistShapeShape(_placed(one, shapes), _placed(two, shapes))
@@ -213,26 +213,12 @@ def _placed(instance: Instance, shapes: Mapping[str, cq.Shape]) -> Any:
     return shapes[instance.shape].wrapped.Moved(TopLoc_Location(transformation(instance.frame)))
 
 
-Box = tuple[Vector, Vector]
-
-
 def _box(instance: Instance, parts: Mapping[str, BuiltPart]) -> Box:
-    """Box of an instance in the assembly, mm; it encloses the part's turned box."""
+    """Bounding box of an instance in the assembly, mm: that of the part's transformed box."""
     low, high = parts[instance.part].geometry.bounding_box
     # A spring off its installed length is longer or shorter along its own z.
     high = (high[0], high[1], high[2] + max(0.0, -instance.compression))
-    corners = [instance.frame.point(corner) for corner in _corners(low, high)]
-    return (
-        _triple(min(corner[axis] for corner in corners) for axis in range(3)),
-        _triple(max(corner[axis] for corner in corners) for axis in range(3)),
-    )
-
-
-def _corners(low: Vector, high: Vector) -> Iterator[Vector]:
-    for x in (low[0], high[0]):
-        for y in (low[1], high[1]):
-            for z in (low[2], high[2]):
-                yield (x, y, z)
+    return transformed_box(instance.frame, (low, high))
 
 
 def _near(one: Box, two: Box, gap: float) -> bool:
@@ -240,7 +226,7 @@ def _near(one: Box, two: Box, gap: float) -> bool:
 
 
 def _relative(one: Frame, two: Frame) -> tuple[float, ...]:
-    """Frame of the second seen from the first, rounded to what geometry can tell."""
+    """Transformation from the first part to the second, rounded to the accuracy of the geometry."""
     columns = [_triple(row[axis] for row in one.rotation) for axis in range(3)]
     other = [_triple(row[axis] for row in two.rotation) for axis in range(3)]
     apart = subtract(two.shift, one.shift)

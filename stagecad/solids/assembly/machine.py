@@ -1,6 +1,6 @@
-"""The machine as solids: parts and assembly made, and what they weigh and measure as plain numbers.
+"""The machine as solids: built parts and assembly, with mass properties and measured dimensions.
 
-Everything comes from the cache when nothing changed; then no solid is loaded, and the CAD kernel is not imported.
+If the cache has all of it, no solid is loaded, and the CAD kernel is not imported.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ MOVING = ("stage", "tooth_iron", "magnet")
 
 @dataclass(frozen=True)
 class Measures:
-    """What checks and simulation want to know of the geometry, measured on the parts that were made; SI.
+    """Dimensions for checks and simulation, measured on the built parts; SI.
 
     Attributes:
         pad_area: of all pads together, m^2.
@@ -98,7 +98,7 @@ def part_mass(part: BuiltPart, design: Any) -> MassProperties:
 
 
 def find_machine(design: Any, store: ArtefactStore | None = None) -> Machine | None:
-    """The machine if the cache has all of it, else None; the CAD kernel is never imported."""
+    """The machine if the cache has all of it, else None; does not import the CAD kernel."""
     store = store or ArtefactStore()
     parts: dict[str, BuiltPart] = {}
     for name in part_names(design):
@@ -113,12 +113,12 @@ def find_machine(design: Any, store: ArtefactStore | None = None) -> Machine | N
 def build_machine(
     design: Any, store: ArtefactStore | None = None, advance: Callable[[str], None] = lambda name: None
 ) -> Machine:
-    """The machine, its parts and assembly made where the cache lacks them.
+    """The machine; parts and assembly are built if the cache lacks them.
 
     Args:
         design: the design.
         store: the cache; the user's own when left out.
-        advance: called with the name of each part, and at last of the assembly, as it is done.
+        advance: called with the name of each finished part, and finally of the assembly.
     """
     store = store or ArtefactStore()
     parts = build_parts(store, part_names(design), design, advance)

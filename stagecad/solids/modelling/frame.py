@@ -1,4 +1,4 @@
-"""Rigid moves, and the one way in which parts are put together: datum on datum."""
+"""Rigid transformations, vectors, and the mating of two datums."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float, float]
 Matrix = tuple[Vector, Vector, Vector]
+Box = tuple[Vector, Vector]
 
 IDENTITY: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Rigid move from a part's coordinates to the assembly's: x -> rotation x + shift.
+    """Rigid transformation from a part's coordinates to the assembly's: x -> rotation x + shift.
 
     Attributes:
         rotation: three rows of three.
@@ -27,15 +28,15 @@ class Frame:
     shift: Vector = (0.0, 0.0, 0.0)
 
     def point(self, place: Vector) -> Vector:
-        """Where a point of the part is in the assembly, mm."""
+        """A point of the part in coordinates of the assembly, mm."""
         return add(self.direction(place), self.shift)
 
     def direction(self, along: Vector) -> Vector:
-        """Where a direction of the part points in the assembly."""
+        """A direction of the part in coordinates of the assembly."""
         return _triple([dot(row, along) for row in self.rotation])
 
     def shifted(self, by: Vector) -> Frame:
-        """The same, moved on by `by` in the assembly, mm."""
+        """The transformation followed by a translation `by` in the assembly, mm."""
         return Frame(self.rotation, add(self.shift, by))
 
 
@@ -43,12 +44,12 @@ UNMOVED = Frame()
 
 
 def mate(child: Datum, frame: Frame, parent: Datum) -> Frame:
-    """Frame of the part of `child` such that origins coincide, normals are opposed and x directions are parallel.
+    """Frame of the child's part such that origins coincide, normals are opposed and x directions are parallel.
 
     Args:
-        child: datum of the part to place.
-        frame: of the part it goes to.
-        parent: datum of that part.
+        child: datum of the part to be placed.
+        frame: of the parent part.
+        parent: datum of the parent part.
     """
     own = (child.x_direction, cross(child.normal, child.x_direction), child.normal)
     x = frame.direction(parent.x_direction)
@@ -58,6 +59,14 @@ def mate(child: Datum, frame: Frame, parent: Datum) -> Frame:
     rotation = _rows([[_tidy(sum(there[k][i] * own[k][j] for k in range(3))) for j in range(3)] for i in range(3)])
     turned = Frame(rotation).direction(child.origin)
     return Frame(rotation, subtract(frame.point(parent.origin), turned))
+
+
+def transformed_box(frame: Frame, box: Box) -> Box:
+    """Axis-parallel box that encloses the transformed `box` (lowest and highest corner)."""
+    (x0, y0, z0), (x1, y1, z1) = box
+    points = [frame.point((x, y, z)) for x in (x0, x1) for y in (y0, y1) for z in (z0, z1)]
+    low, high = ([function(point[axis] for point in points) for axis in range(3)] for function in (min, max))
+    return _triple(low), _triple(high)
 
 
 def dot(a: Vector, b: Vector) -> float:
@@ -81,7 +90,7 @@ def scaled(a: Vector, by: float) -> Vector:
 
 
 def _tidy(value: float) -> float:
-    # A part that stands square is square to the last bit, so that faces meant to touch do.
+    # Exact zeros and ones, so that mated faces coincide exactly.
     return float(round(value)) if abs(value - round(value)) < 1e-12 else value
 
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.mass_properties import MassProperties
-from stagecad.solids.modelling.frame import Frame, add, scaled
+from stagecad.solids.modelling.frame import Frame, add, scaled, transformed_box
 
 if TYPE_CHECKING:
     import cadquery as cq
@@ -95,7 +95,7 @@ def density_of(design: Any, material: str) -> float:
 
 
 def placed(properties: MassProperties, frame: Frame) -> MassProperties:
-    """The same body where `frame` puts it. The box of a body that is turned askew encloses its turned box.
+    """The same body after the transformation `frame`; the box encloses the transformed box.
 
     Args:
         properties: in part coordinates, SI.
@@ -110,16 +110,6 @@ def placed(properties: MassProperties, frame: Frame) -> MassProperties:
         )
         for i in range(3)
     )
-    low, high = properties.bounding_box
-    corners = [
-        add(frame.direction((x, y, z)), shift)
-        for x in (low[0], high[0])
-        for y in (low[1], high[1])
-        for z in (low[2], high[2])
-    ]
-    box = (
-        tuple(min(corner[axis] for corner in corners) for axis in range(3)),
-        tuple(max(corner[axis] for corner in corners) for axis in range(3)),
-    )
+    box = transformed_box(Frame(rotation, shift), properties.bounding_box)
     centre = add(frame.direction(properties.centre_of_mass), shift)
     return MassProperties(properties.volume, properties.mass, centre, inertia, box)

@@ -1,6 +1,7 @@
-"""What a part module is: the contract between the parts, their cache, the assembly and the drawings.
+"""Interface of a part definition: the contract between the parts, their cache, the assembly and the drawings.
 
-A part is one module of `stagecad.solids` (or `stagecad.solids.purchased`), named after the part, that has
+A part is one module of `stagecad.solids.parts` or `stagecad.solids.purchased`, named after the part (or an object in a
+module for several parts, as the screws), that has
 
 - ``NAME``: the part's name everywhere (files, tables, command line).
 - ``build(design) -> cadquery.Solid``: the solid, one valid closed solid, millimetres, in part coordinates.
@@ -19,7 +20,7 @@ own origin said in its docstring. A turned part that is used in more than one di
 axis along z.
 
 **Reading the design.** `design` may be the `Design` itself or a `TrackedDesign`
-(`stagecad.parameters.tracking`) that notes what is read. The cache key covers just what was noted, so a
+(`stagecad.parameters.tracking`) that records what is read. The cache key covers only the recorded parameters, so a
 part must read all its numbers from the `design` it is handed, as attributes (``design.stage.thickness``), and neither
 from a module global nor by walking over all fields. Functions of other modules may be called with the same `design`.
 
@@ -81,7 +82,7 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class Part(Protocol):
-    """A module that follows the contract above. `design` is a `Design` or a `TrackedDesign` of one."""
+    """A part definition that follows the contract above. `design` is a `Design` or a `TrackedDesign` of one."""
 
     NAME: str
 

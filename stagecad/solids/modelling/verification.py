@@ -1,7 +1,7 @@
-"""Measures a declared dimension on the solid itself, so that a sheet cannot disagree with the part.
+"""Verification of dimensions: measures each declared dimension on the solid; a drawing cannot differ from the part.
 
-The declaration says where to look; the number comes from the solid's own surfaces: the plane of a face, the axis and
-radius of a cylinder, the place where a bore ends. A declaration that points at nothing is an error.
+The declaration gives the points; the value comes from the surfaces of the solid: the plane of a face, the axis and
+radius of a cylinder, the end of a bore. A declaration without a feature at its points is an error.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
     import cadquery as cq
 
 NEAR = 1e-4
-"""How near a declared point must lie to the surface it means, mm. The measured value is not limited by it."""
+"""Largest distance of a declared point from its surface, mm; the accuracy of the value does not depend on it."""
 
 
 @dataclass(frozen=True)
 class Surface:
-    """What a face lies on: a plane, cylinder, cone, sphere or torus, with its box."""
+    """Geometry of a face: plane, cylinder, cone, sphere or torus, with its bounding box."""
 
     face: cq.Face
     kind: str
@@ -38,7 +38,7 @@ class Surface:
 
     @cached_property
     def vertices(self) -> tuple[Point, ...]:
-        """Of the face; read when they are asked for, which is of a few faces only."""
+        """Vertices of the face; computed on demand, since they are needed for few faces."""
         return tuple(vertex.toTuple() for vertex in self.face.Vertices())
 
     def off_axis(self, point: Point) -> float:
@@ -55,12 +55,12 @@ class Surface:
         return inside and self.face.distance(cq.Vertex.makeVertex(*point)) < NEAR
 
     def extent(self, along: Point) -> tuple[float, float]:
-        """From where to where the face's vertices reach along a direction, mm."""
+        """Least and largest coordinate of the face's vertices in a direction, mm."""
         at = [_dot(v, along) for v in self.vertices]
         return min(at), max(at)
 
     def place(self, point: Point, along: Point) -> float | None:
-        """Coordinate along `along` where the line through the point meets the surface, about squarely; else None."""
+        """Coordinate along `along` of the intersection with the line through the point, if nearly normal; else None."""
         centre = _dot(self.origin, along)
         side = math.copysign(1.0, _dot(point, along) - centre)
         if self.kind == "PLANE":
@@ -75,7 +75,7 @@ class Surface:
 
 
 class DimensionVerifier:
-    """The surfaces of one solid, read once, ready to be measured.
+    """Measures dimensions on the surfaces of one solid.
 
     Attributes:
         surfaces: one per face, in the solid's order.
@@ -85,15 +85,16 @@ class DimensionVerifier:
         self.surfaces = [_surface(face) for face in solid.Faces()]
 
     def measure(self, dimension: Dimension) -> float | None:
-        """The dimension's value on the solid, mm (degrees; a number for slope and count).
+        """Value of a dimension on the solid, mm (degrees; a number for slope and count).
 
-        None for what the solid does not show: threads, and callouts of text.
+        None for dimensions without geometry in the solid: threads, and callouts of text.
 
-        Errors: LookupError where a declared point meets no such feature of the solid.
+        Raises:
+            LookupError: there is no such feature of the solid at a declared point.
         """
         points, along = dimension.points, dimension.direction
         if along is None or not points:
-            raise LookupError(f"dimension '{dimension.name}' is to be measured, and needs points and a direction")
+            raise LookupError(f"dimension '{dimension.name}' needs points and a direction for its verification")
         match dimension.kind:
             case "linear":
                 return abs(self._place(points[1], along) - self._place(points[0], along))
@@ -124,9 +125,9 @@ class DimensionVerifier:
         raise LookupError(f"no {' or '.join(kinds).lower()} face at {point}")
 
     def _radius_about(self, points: tuple[Point, ...], axis: Point) -> float:
-        """Radius of the cylinder about `axis` through the first point, there; of a cone too, run on to that place.
+        """Radius of the cylinder or cone about `axis` at the first point, which lies on the axis.
 
-        A second point, on the face, tells which, where one stands inside another.
+        A second point, on the face, selects one of several coaxial faces.
         """
         point, touch = points[0], points[1] if len(points) > 1 else None
         at = _dot(point, axis)
@@ -170,9 +171,9 @@ class DimensionVerifier:
         return None
 
     def _level(self, point: Point, along: Point) -> float:
-        """Coordinate of the end of a bore about the point, or of a plane face square to `along` at its level.
+        """Coordinate of the end of a bore about the point, or of a plane normal to `along` at the point.
 
-        Else of the part's middle, half-way between its outermost faces, where the point is there.
+        Otherwise of the middle between the outermost such planes, if the point lies there.
         """
         at = _dot(point, along)
         levels = [
@@ -200,7 +201,7 @@ class DimensionVerifier:
         return math.degrees(math.acos((step[0] * along[0] + step[1] * along[1]) / math.hypot(*step)))
 
     def _count(self, point: Point, along: Point) -> int:
-        """How many holes like the one about the point are in its row along `along`; or crowns, or crests, in all."""
+        """Number of holes in the row of the one at the point along `along`; or of all crowns, or crests."""
         for surface in self._of("CYLINDER"):
             if abs(_dot(surface.axis, along)) < 1e-9 and surface.off_axis(point) < NEAR:
                 return len({round(place, 3) for place in self._row(surface, along)})
@@ -210,7 +211,7 @@ class DimensionVerifier:
         raise LookupError(f"nothing to count at {point}")
 
     def _row(self, first: Surface, along: Point) -> list[float]:
-        """Places along `along` of the cylinders of the same radius whose axes stand in one row with the first's."""
+        """Coordinates along `along` of the cylinders of the same radius with axes in one row with the first."""
         places = []
         for other in self._of("CYLINDER", first.axis):
             across = _minus(other.origin, first.origin)
@@ -262,7 +263,7 @@ def _surface(face: cq.Face) -> Surface:
     elif kind == "TORUS":
         frame, radius = adaptor.Torus().Position(), adaptor.Torus().MinorRadius()
     box = Bnd_Box()
-    # The exact box of a torus takes long, and serves only to spare a look at faces that are elsewhere.
+    # The exact box of a torus is slow, and the box only excludes faces that are elsewhere.
     (BRepBndLib.Add_s if kind == "TORUS" else BRepBndLib.AddOptimal_s)(face.wrapped, box)
     x0, y0, z0, x1, y1, z1 = box.Get()
     at, axis = (frame.Location(), frame.Direction()) if frame else (None, None)
