@@ -14,12 +14,23 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.numerics.compilation import compiled, inlined
+from sysid.prediction.friction_drive.regimes import (
+    Constants,
+    Inputs,
+    State,
+    Transition,
+    contact_limit_at,
+    free_transition,
+    inputs_after,
+    motion_after,
+    pad_limit_at,
+    velocity_force,
+)
 from sysid.prediction.friction_drive.simulation_inputs import (
     DrivenStage,
     FrictionLimit,
     Nudging,
     TipMotion,
-    VelocityTable,
     resolved_stage,
 )
 
@@ -33,68 +44,6 @@ while a slip slows down, a contact may slip and stick again within less than a r
 MOST_EVENTS = 40
 MOST_ITERATIONS = 60
 PADS_SWITCH, CONTACT_SLIPS, CONTACT_STICKS, SPRING_AT_LIMIT, SPRING_BELOW_LIMIT = 1, 2, 3, 4, 5
-
-
-class Transition(NamedTuple):
-    """Propagator of a free damped oscillation: displacement and velocity after a time from those before."""
-
-    xx: float
-    xv: float
-    vx: float
-    vv: float
-
-
-class Constants(NamedTuple):
-    """Constants of a simulation: the stage, its velocity tables, and the oscillation on the contact."""
-
-    stiffness: float
-    damping: float
-    mass: float
-    contact: VelocityTable
-    pads: VelocityTable
-    tabulated: bool
-    decay: float
-    square: float
-    frequency: float
-    longest: float
-    soon: float
-    resolution: float
-
-
-class Inputs(NamedTuple):
-    """Inputs of the simulation at an instant, SI, and the rates at which they change until the next row."""
-
-    tip_velocity: float
-    push: float
-    push_rate: float
-    limit: float
-    limit_rate: float
-    factor: float
-    factor_rate: float
-    pad_limit: float
-    pad_limit_rate: float
-    pad_factor: float
-    pad_factor_rate: float
-
-
-class State(NamedTuple):
-    """State of the stage.
-
-    Args:
-        x, v: position, m, and velocity, m/s.
-        spring: force of the contact's spring, N.
-        pad_side, slip_side: direction in which the pads slide and the contact slips, 0 while they stick.
-        below: a contact that slips transmits its limit by spring and dashpot; whether its spring alone is below that.
-        touching: whether the tip touches the stage.
-    """
-
-    x: float
-    v: float
-    spring: float
-    pad_side: float
-    slip_side: float
-    below: bool
-    touching: bool
 
 
 class Event(NamedTuple):
@@ -145,80 +94,6 @@ def simulate_event_driven(
 
 
 @inlined
-def _looked_up(curve: np.ndarray, speed: float, top: float) -> float:
-    """Value of a curve (k,) over speeds that grow with the square of their index, at a speed, m/s."""
-    place = np.sqrt(abs(speed) / top) * (curve.size - 1)
-    k = min(int(place), curve.size - 2)
-    low, high = (k / (curve.size - 1.0)) ** 2 * top, ((k + 1.0) / (curve.size - 1.0)) ** 2 * top
-    part = min((abs(speed) - low) / (high - low), 1.0)
-    return curve[k] + part * (curve[k + 1] - curve[k])
-
-
-@inlined
-def _limit(table: VelocityTable, limit: float, factor: float, side: float, velocity: float) -> float:
-    """Friction limit, N, at a velocity; `side` is the direction of slip."""
-    if table.values.shape[1] == 0:
-        return limit
-    row = 0 if side > 0.0 else 1
-    total = limit * _looked_up(table.values[row], velocity, table.top)
-    total += factor * _looked_up(table.values[2 + row], velocity, table.top)
-    return max(total, 0.0)
-
-
-@inlined
-def _velocity_force(table: VelocityTable, velocity: float) -> float:
-    """Velocity-dependent force beside the friction limit, N."""
-    if table.values.shape[1] == 0:
-        return 0.0
-    return _looked_up(table.values[4 if velocity > 0.0 else 5], velocity, table.top)
-
-
-@inlined
-def _contact_limit(constants, now, side, velocity):  # type: ignore[no-untyped-def]
-    return _limit(constants.contact, now.limit, now.factor, side, velocity)
-
-
-@inlined
-def _pad_limit(constants, now, side, velocity):  # type: ignore[no-untyped-def]
-    return _limit(constants.pads, now.pad_limit, now.pad_factor, side, velocity)
-
-
-@inlined
-def _at(now: Inputs, t: float) -> Inputs:
-    """Inputs a time t later, within the same row."""
-    return Inputs(
-        now.tip_velocity,
-        now.push + now.push_rate * t,
-        now.push_rate,
-        now.limit + now.limit_rate * t,
-        now.limit_rate,
-        now.factor + now.factor_rate * t,
-        now.factor_rate,
-        now.pad_limit + now.pad_limit_rate * t,
-        now.pad_limit_rate,
-        now.pad_factor + now.pad_factor_rate * t,
-        now.pad_factor_rate,
-    )
-
-
-@inlined
-def _transition(constants: Constants, t: float) -> Transition:
-    """Propagator of the free oscillation on the contact over a time t."""
-    decayed = np.exp(-constants.decay * t)
-    phase = constants.frequency * t
-    if constants.square > 0.0:
-        cosine, sine = np.cos(phase), np.sin(phase) / constants.frequency
-    else:
-        cosine, sine = np.cosh(phase), np.sinh(phase) / constants.frequency
-    return Transition(
-        decayed * (cosine + constants.decay * sine),
-        decayed * sine,
-        -decayed * constants.stiffness / constants.mass * sine,
-        decayed * (cosine - constants.decay * sine),
-    )
-
-
-@inlined
 def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, float]:
     """State and contact force, N, where a segment begins: inputs that change their slope may change the regime."""
     sliding = now.tip_velocity - state.v
@@ -226,10 +101,10 @@ def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, fl
     elastic = spring + constants.damping * sliding
     force, beside = 0.0, 0.0
     if state.touching:
-        beside = _velocity_force(constants.contact, sliding)
+        beside = velocity_force(constants.contact, sliding)
         force = elastic
         if slip_side != 0.0:
-            limit = _contact_limit(constants, now, slip_side, sliding)
+            limit = contact_limit_at(constants, now, slip_side, sliding)
             force = slip_side * limit
             # A limit that rises at once, because the slip slows down, is not followed by the spring.
             below = below or slip_side * spring < limit * (1.0 - 1e-12)
@@ -241,97 +116,14 @@ def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, fl
                 slip_side, force = 0.0, elastic
         else:
             side = 1.0 if force > 0.0 else -1.0
-            limit = _contact_limit(constants, now, side, sliding)
+            limit = contact_limit_at(constants, now, side, sliding)
             if abs(force) > limit:
                 force, slip_side, below = side * limit, side, True
     pull = force + beside + now.push
     side = 1.0 if pull > 0.0 else -1.0
-    if pad_side == 0.0 and abs(pull) > _pad_limit(constants, now, side, 0.0):
+    if pad_side == 0.0 and abs(pull) > pad_limit_at(constants, now, side, 0.0):
         pad_side = side
     return State(state.x, state.v, spring, pad_side, slip_side, below, state.touching), force
-
-
-@inlined
-def _limited_spring(constants: Constants, now: Inputs, spring: float, sliding: float) -> float:
-    """Spring force, N, cut at the friction limit: the dashpot may pull back what the spring has beyond it."""
-    side = 1.0 if spring > 0.0 else -1.0
-    return side * min(side * spring, _contact_limit(constants, now, side, sliding))
-
-
-@compiled(_nrt=False)
-def _rates(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> tuple[float, float]:
-    """Acceleration, m/s^2, and rate of the spring force, N/s, where friction depends on the velocity."""
-    sliding = now.tip_velocity - v
-    force, spring_rate = 0.0, 0.0
-    if state.touching:
-        if state.slip_side != 0.0:
-            force = state.slip_side * _contact_limit(constants, now, state.slip_side, sliding)
-        else:
-            limited = _limited_spring(constants, now, spring, sliding)
-            force, spring_rate = limited + constants.damping * sliding, constants.stiffness * sliding
-        force += _velocity_force(constants.contact, sliding)
-    friction = state.pad_side * _pad_limit(constants, now, state.pad_side, v) + _velocity_force(constants.pads, v)
-    return (force + now.push - friction) / constants.mass, spring_rate
-
-
-@compiled(_nrt=False)
-def _runge_kutta(constants: Constants, now: Inputs, state: State, t: float) -> tuple[float, float, float]:
-    """Position, velocity and spring force after a time t within one regime, friction depending on the velocity."""
-    count = max(1, int(np.ceil(t / constants.longest)))
-    h = t / count
-    x, v, q = state.x, state.v, state.spring
-    sticks = state.touching and state.slip_side == 0.0
-    if sticks:
-        # A tip that reverses from row to row may lower the limit at once.
-        q = _limited_spring(constants, now, q, now.tip_velocity - v)
-    for n in range(count):
-        begin, middle, end = _at(now, n * h), _at(now, n * h + 0.5 * h), _at(now, n * h + h)
-        a1, w1 = _rates(constants, begin, state, v, q)
-        a2, w2 = _rates(constants, middle, state, v + 0.5 * h * a1, q + 0.5 * h * w1)
-        a3, w3 = _rates(constants, middle, state, v + 0.5 * h * a2, q + 0.5 * h * w2)
-        a4, w4 = _rates(constants, end, state, v + h * a3, q + h * w3)
-        x += h * (v + h / 6.0 * (a1 + a2 + a3))
-        v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-        q += h / 6.0 * (w1 + 2.0 * w2 + 2.0 * w3 + w4)
-        if sticks:
-            q = _limited_spring(constants, end, q, now.tip_velocity - v)
-    return x, v, q
-
-
-@inlined
-def _moved(
-    constants: Constants, now: Inputs, state: State, force: float, t: float, free: Transition
-) -> tuple[float, float, float]:
-    """Position, velocity and spring force after a time t within the regime of `state`.
-
-    Args:
-        force: of the contact at the start, N.
-        free: propagator of the free oscillation over t.
-    """
-    k, wound = constants.stiffness, now.tip_velocity * t
-    if state.pad_side == 0.0:
-        x, v, q = state.x, 0.0, state.spring + k * now.tip_velocity * t
-    elif constants.tabulated:
-        x, v, q = _runge_kutta(constants, now, state, t)
-    elif state.touching and state.slip_side == 0.0:
-        # Particular solution: a constant velocity and offset.
-        velocity = now.tip_velocity + (now.push_rate - state.pad_side * now.pad_limit_rate) / k
-        loaded = state.spring + constants.damping * now.tip_velocity + now.push - state.pad_side * now.pad_limit
-        offset = (loaded - constants.damping * velocity) / k
-        y0, y1 = -offset, state.v - velocity
-        moved = offset + velocity * t + free.xx * y0 + free.xv * y1
-        x, v = state.x + moved, velocity + free.vx * y0 + free.vv * y1
-        q = state.spring + k * (wound - moved)
-    else:
-        a = (force + now.push - state.pad_side * now.pad_limit) / constants.mass
-        limit_rate = state.slip_side * now.limit_rate if state.touching else 0.0
-        jerk = (limit_rate + now.push_rate - state.pad_side * now.pad_limit_rate) / constants.mass
-        v = state.v + t * (a + 0.5 * jerk * t)
-        x = state.x + t * (state.v + t * (0.5 * a + jerk * t / 6.0))
-        q = state.spring
-    if state.slip_side != 0.0:
-        q = state.spring + k * (wound - (x - state.x))
-    return x, v, q
 
 
 @compiled(_nrt=False)
@@ -342,13 +134,13 @@ def _limit_rise(constants: Constants, now: Inputs, state: State, v: float, force
     sliding = now.tip_velocity - v
     acceleration = 0.0
     if state.pad_side != 0.0:
-        friction = _velocity_force(constants.pads, v) + state.pad_side * _pad_limit(constants, now, state.pad_side, v)
-        beside = _velocity_force(constants.contact, sliding)
+        friction = velocity_force(constants.pads, v) + state.pad_side * pad_limit_at(constants, now, state.pad_side, v)
+        beside = velocity_force(constants.contact, sliding)
         acceleration = -(force + beside + now.push - friction) / constants.mass
     soon = constants.soon
     later = sliding + acceleration * soon
-    limit = _contact_limit(constants, now, state.slip_side, sliding)
-    return (_contact_limit(constants, _at(now, soon), state.slip_side, later) - limit) / soon
+    limit = contact_limit_at(constants, now, state.slip_side, sliding)
+    return (contact_limit_at(constants, inputs_after(now, soon), state.slip_side, later) - limit) / soon
 
 
 @inlined
@@ -362,10 +154,10 @@ def _overshoot(
     sliding = now.tip_velocity - v
     force, beside = 0.0, 0.0
     if state.touching:
-        beside = _velocity_force(constants.contact, sliding)
+        beside = velocity_force(constants.contact, sliding)
         elastic = spring + constants.damping * sliding
         if state.slip_side != 0.0:
-            limit = _contact_limit(constants, now, state.slip_side, sliding)
+            limit = contact_limit_at(constants, now, state.slip_side, sliding)
             force = state.slip_side * limit
             if state.below:
                 over = (limit - state.slip_side * elastic) / k
@@ -387,13 +179,13 @@ def _overshoot(
         else:
             force = elastic
             side = 1.0 if force > 0.0 else -1.0
-            over = (abs(force) - _contact_limit(constants, now, side, sliding)) / k
+            over = (abs(force) - contact_limit_at(constants, now, side, sliding)) / k
             if over > past:
                 past, kind = over, CONTACT_SLIPS
     pull = force + beside + now.push
     if state.pad_side == 0.0:
         side = 1.0 if pull > 0.0 else -1.0
-        over = (abs(pull) - _pad_limit(constants, now, side, 0.0)) / k
+        over = (abs(pull) - pad_limit_at(constants, now, side, 0.0)) / k
     else:
         over = -state.pad_side * v / natural
     if over > past:
@@ -416,9 +208,9 @@ def _next_event(
     free, found = regular, Event(state.x, state.v, state.spring, force, 0.0, 0, False)
     for iteration in range(MOST_ITERATIONS):
         if iteration > 0:
-            free = _transition(constants, t)
-        x, v, spring = _moved(constants, now, state, force, t, free)
-        contact, spring, past, kind = _overshoot(constants, _at(now, t), state, v, spring)
+            free = free_transition(constants, t)
+        x, v, spring = motion_after(constants, now, state, force, t, free)
+        contact, spring, past, kind = _overshoot(constants, inputs_after(now, t), state, v, spring)
         found = Event(x, v, spring, contact, t, kind, past > 1e-18 or iteration > 0)
         if iteration == 0:
             if not found.happened:
@@ -451,10 +243,10 @@ def _switched(constants: Constants, now: Inputs, state: State, event: Event) -> 
     if event.kind == PADS_SWITCH:
         elastic = event.spring + constants.damping * now.tip_velocity
         held = event.force if slip_side != 0.0 or not state.touching or pad_side == 0.0 else elastic
-        beside = _velocity_force(constants.contact, now.tip_velocity) if state.touching else 0.0
+        beside = velocity_force(constants.contact, now.tip_velocity) if state.touching else 0.0
         pull = held + now.push + beside
         side = 1.0 if pull > 0.0 else -1.0
-        sticks = pad_side != 0.0 and abs(pull) <= _pad_limit(constants, now, side, 0.0)
+        sticks = pad_side != 0.0 and abs(pull) <= pad_limit_at(constants, now, side, 0.0)
         v = v if pad_side == 0.0 else 0.0
         pad_side = 0.0 if sticks else side
     elif event.kind == CONTACT_SLIPS:
@@ -483,14 +275,14 @@ def _advanced(
         left = until - now
         if left <= 0.0:
             break
-        here = _at(row, now)
+        here = inputs_after(row, now)
         state, force = _entered(constants, here, state)
-        free = regular if evenly and number == 0 else _transition(constants, left)
+        free = regular if evenly and number == 0 else free_transition(constants, left)
         event = _next_event(constants, here, state, force, left, free)
         now += event.time
         if not event.happened:
             return State(event.x, event.v, event.spring, state.pad_side, state.slip_side, state.below, state.touching)
-        state = _switched(constants, _at(here, event.time), state, event)
+        state = _switched(constants, inputs_after(here, event.time), state, event)
     return state
 
 
@@ -527,7 +319,7 @@ def _simulate(
 ) -> np.ndarray:
     """Positions (n,) of `simulate_event_driven`, with so many event `checks` in a row."""
     load, out = tip.load, np.zeros(tip.along.size)
-    regular = _transition(constants, step / checks)
+    regular = free_transition(constants, step / checks)
     state = State(0.0, 0.0, 0.0, 0.0, 0.0, False, load[0] > 0.0)
     for i in range(1, out.size):
         row, slips = _row_inputs(tip, push, contact, pads, i, step)
