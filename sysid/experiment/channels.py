@@ -1,4 +1,4 @@
-"""Columns of a record: their names and units as written, and which channel each one serves."""
+"""Columns of a record: their names and units as written, and the channel of each."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Column:
     Args:
         index: place in the file, from 0.
         label: header as written.
-        name: what stands before the unit.
-        unit: what stands in brackets; none where there are no brackets.
+        name: text before the unit.
+        unit: text in brackets; none without brackets.
     """
 
     index: int
@@ -96,7 +96,7 @@ def choose_columns(
     units: Mapping[str, str],
     where: str,
 ) -> tuple[dict[str, Source], dict[str, bool], list[str]]:
-    """Which column of a file serves which channel of the rig.
+    """Assign the columns of a file to the channels of the rig.
 
     Args:
         labels: header cells, or variable names.
@@ -107,7 +107,8 @@ def choose_columns(
         where: the record's place in the experiment file, for messages about `columns` and `units`.
 
     Returns:
-        The source of each channel; for each that tells, whether the axis is rotary; notes on columns not used.
+        The source of each channel; for those whose unit shows it, whether the axis is rotary; notes on columns not
+        used.
 
     Raises:
         InputError: a channel the rig needs is missing, a column has no unit, or one of another dimension.
@@ -148,10 +149,10 @@ def choose_columns(
             )
         declared = CHANNELS[channel]
         place = f"{file}: column '{column.label.strip()}'"
-        # A load on a rotary axis may be logged as a torque, and says nothing about the axis.
+        # A load on a rotary axis may be logged as a force or torque: its unit does not show the kind of axis.
         torque = "N*m" if channel == "normal_load" else declared.rotary_unit
         si_unit, tells = unit_for(unit, declared.unit, torque, place)
-        if tells is not None and declared.tells_axis:
+        if tells is not None and declared.shows_axis:
             rotary[channel] = tells
         factor, offset = conversion(unit, si_unit)
         sources[channel] = Source(channel, column, unit, si_unit, factor, offset)

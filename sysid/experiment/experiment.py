@@ -1,4 +1,4 @@
-"""An experiment: the rig, the model as it stands, the records and their noise, read from `experiment.toml`."""
+"""An experiment: the rig, the stated model, the records and their noise, read from `experiment.toml`."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Place:
-    """Where an experiment lies: its folder and its file, whatever the file says."""
+    """Folder and file of an experiment, valid or not."""
 
     folder: Path
     path: Path

@@ -4,9 +4,9 @@
 000 is the model before anything was added. Nothing is deleted: an undone rung moves to `ladder/undone/`.
 
 Order of writes: a note of what is about to happen (`ladder/pending.json`), the rung, `experiment.toml`, the note away.
-Each file appears whole. A run that is stopped in between leaves the note, and `experiment.toml` tells how far it came:
-if it holds the new model, the change stands, if not, the rung is set aside. Readers come to the same conclusion without
-writing.
+Each file is written atomically. A run that is stopped in between leaves the note, and `experiment.toml` tells how far
+it came: if it holds the new model, the change stands, if not, the rung is set aside. Readers come to the same
+conclusion without writing.
 """
 
 from __future__ import annotations
@@ -85,11 +85,11 @@ def read_history(experiment: Placed) -> list[Revision]:
     pending = _pending(experiment.folder)
     if pending is None or not rungs or rungs[-1].number != pending["rung"]:
         return rungs
-    return rungs if _stands(experiment, rungs[-1]) else rungs[:-1]
+    return rungs if _is_current(experiment, rungs[-1]) else rungs[:-1]
 
 
 def edited_by_hand(experiment: Placed, rungs: Sequence[Revision]) -> bool:
-    """Whether `[model]` says something else than the last rung."""
+    """Whether `[model]` differs from the last revision."""
     return bool(rungs) and model_hash(model_of(_current_text(experiment))) != model_hash(rungs[-1].model)
 
 
@@ -270,7 +270,7 @@ def _pending(folder: Path) -> dict[str, Any] | None:
         return None
 
 
-def _stands(experiment: Placed, rung: Revision) -> bool:
+def _is_current(experiment: Placed, rung: Revision) -> bool:
     """Whether `experiment.toml` holds the model of `rung`, which a stopped run was about to write or to undo."""
     return model_hash(model_of(_current_text(experiment))) == model_hash(rung.model)
 
@@ -281,7 +281,7 @@ def _recover(experiment: Placed) -> None:
     pending = _pending(folder)
     if pending is not None:
         rungs = _read_rungs(folder / "ladder")
-        if rungs and rungs[-1].number == pending["rung"] and not _stands(experiment, rungs[-1]):
+        if rungs and rungs[-1].number == pending["rung"] and not _is_current(experiment, rungs[-1]):
             _set_aside(rungs[-1].path)
     _pending_path(folder).unlink(missing_ok=True)
 

@@ -1,4 +1,4 @@
-"""`[rig.known]`: what the user knows about the rig, as quantities, with their uncertainty, or taken from the design."""
+"""`[rig.known]`: known quantities of the rig, with their uncertainty, or taken from the design."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 
 @dataclass(frozen=True)
 class DesignValue:
-    """What the design says of a number, SI.
+    """A number of the design, SI.
 
     Args:
         value: the number.
@@ -48,7 +48,7 @@ class Known:
 
 
 def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
-    """Which known values tell by their unit whether the axis is rotary, each with its place in the file.
+    """Whether the axis is rotary, by the unit of each known value that shows it, with its place in the file.
 
     Raises:
         InputError: a key the kind of rig does not know, or no quantity of its dimension on either axis.
@@ -106,7 +106,7 @@ def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValu
 
 
 def design_value(design: DesignValues | None, key: str, rotary: bool, where: str) -> DesignValue:
-    """What the design says of `key`, which stands at `where`.
+    """The value of `key` in the design; `where` names its place in the file.
 
     Raises:
         InputError: there is no design at hand, it is of another kind of axis, or has no such number.
@@ -119,7 +119,7 @@ def design_value(design: DesignValues | None, key: str, rotary: bool, where: str
         try:
             found = design(key)
         except InputError as error:
-            # What the design has to say about a key of this file is said with the file.
+            # An error about a key of this file names the file.
             file = where.partition(": ")[0] + ": " if str(error).startswith(("rig.", "model.")) else ""
             raise InputError(f"{file}{error}") from None
     elif key not in design:

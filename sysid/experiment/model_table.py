@@ -20,7 +20,7 @@ def model_of(text: str) -> dict[str, Any]:
 
 
 def model_hash(model: Mapping[str, Any]) -> str:
-    """Hash of what a `[model]` says; comments, order of keys and layout do not count."""
+    """Hash of the content of a `[model]`; comments, order of keys and layout do not count."""
     return hashlib.sha256(json.dumps(json_data(model), sort_keys=True, default=str).encode()).hexdigest()
 
 

@@ -16,7 +16,7 @@ from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.rigs import RigKind
 
 MINIMUM_ROWS = 10
-"""Fewer rows than this say nothing about an effect."""
+"""Least rows of a record."""
 HELD_OUT_SHARE = 0.3
 """Share of a record's time that is held out when no record validates."""
 
@@ -33,7 +33,7 @@ class Record:
         channels: SI values of shape (n,) by channel, NaN in gaps; `time` is not among them.
         units: SI unit by channel.
         rotary: whether the axis turns.
-        notes: what the reader has to tell of this file: columns left out, gaps, rows left out, a split.
+        notes: for the user: columns left out, gaps, rows left out, a split.
         sha256: of the file's bytes.
         step: median of the time steps, s.
         uniform: whether every step equals the median within a hundredth.
@@ -164,7 +164,7 @@ def _check_values(
         label = spec.sources[channel].column.label.strip()
         gaps = int(np.count_nonzero(np.isnan(array)))
         if gaps == array.size:
-            # An idle optional channel may be left empty; one the rig lives on may not, unless its partner serves.
+            # An optional channel may be empty; a required one may not, unless its alternative is recorded.
             notes.append(f"column '{label}' holds no number; left out")
             continue
         if gaps:

@@ -50,7 +50,7 @@ class RecordSpec:
 def read_record_specs(
     top: TomlTable, kind: RigKind, file: Path
 ) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
-    """Every `[[record]]` with its columns found, and which columns tell by their unit whether the axis is rotary.
+    """Every `[[record]]` with its columns found, and whether the axis is rotary by the units of columns that show it.
 
     Args:
         top: the whole experiment file.
@@ -72,7 +72,7 @@ def read_record_specs(
         shown_name = shown_path(str(file.parent / written))
         opened = open_record_file(file.parent / written, shown_name)
         renamed, units = _texts_by_key(table.table("columns")), _texts_by_key(table.table("units"))
-        # Units that a file carries inside serve where the experiment is silent.
+        # Units inside the file are used where the experiment gives none.
         units = {key: unit for key, unit in opened.units.items() if key in (*kind.channels, *opened.labels)} | units
         sources, rotary, notes = choose_columns(opened.labels, kind, shown_name, renamed, units, table.where())
         axes += [

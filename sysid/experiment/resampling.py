@@ -52,6 +52,6 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
     hole = (time[after] - time[after - 1]) > 3.0 * step
     on_row = near <= 0.02 * step
     if on_row.mean() > 0.5:
-        # A regular log with rows missing: what stands between its rows was not measured.
+        # A regular log with missing rows: samples between its rows were not measured.
         hole = hole | ~on_row
     return grid, step, channels, hole

@@ -15,13 +15,13 @@ class Channel:
         name: the column's name.
         unit: SI unit on a linear axis.
         rotary_unit: SI unit on a rotary axis.
-        tells_axis: its unit shows whether the axis is linear or rotary.
+        shows_axis: its unit shows whether the axis is linear or rotary.
     """
 
     name: str
     unit: str
     rotary_unit: str
-    tells_axis: bool = False
+    shows_axis: bool = False
 
     def si_unit(self, rotary: bool) -> str:
         """The SI unit of the channel on a linear or a rotary axis."""
@@ -32,13 +32,13 @@ CHANNELS: dict[str, Channel] = {
     channel.name: channel
     for channel in (
         Channel("time", "s", "s"),
-        Channel("position", "m", "rad", tells_axis=True),
+        Channel("position", "m", "rad", shows_axis=True),
         Channel("position_y", "m", "m"),
-        Channel("velocity", "m/s", "rad/s", tells_axis=True),
-        Channel("pull_position", "m", "rad", tells_axis=True),
-        Channel("friction_force", "N", "N*m", tells_axis=True),
-        Channel("spring_force", "N", "N*m", tells_axis=True),
-        Channel("drive_force", "N", "N*m", tells_axis=True),
+        Channel("velocity", "m/s", "rad/s", shows_axis=True),
+        Channel("pull_position", "m", "rad", shows_axis=True),
+        Channel("friction_force", "N", "N*m", shows_axis=True),
+        Channel("spring_force", "N", "N*m", shows_axis=True),
+        Channel("drive_force", "N", "N*m", shows_axis=True),
         Channel("voltage_1", "V", "V"),
         Channel("voltage_2", "V", "V"),
         Channel("voltage_3", "V", "V"),

@@ -23,7 +23,7 @@ _KEYS = ("start", "low", "high", "fixed")
 
 @dataclass(frozen=True)
 class Setting:
-    """What the file says about one parameter, SI; none where it is silent.
+    """Setting of one parameter in the file, SI; none where it is not given.
 
     Args:
         start: start of the fit, or the value held.
@@ -52,7 +52,7 @@ def check_effects(
         model: the table, for messages.
 
     Raises:
-        InputError: an effect nobody knows, one that stands twice, two friction cores at one place, a sensor channel
+        InputError: an unknown effect, a repeated one, two friction state models at one place, a sensor channel
             that is not recorded, a fault in a user's file.
     """
     own = load_all_custom(custom)
@@ -80,7 +80,7 @@ def check_effects(
 
 
 def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> None:
-    """One friction level becomes one force: a second core at the same place would leave one of the two unheard."""
+    """Refuse a second friction state model at one place: one friction level becomes one force."""
     if found[name].friction_state is None:
         return
     in_contact = name.startswith("contact.")
@@ -160,13 +160,13 @@ def _setting(
         raise InputError(f"{table.where()}: fixed = true needs start, the value it is held at")
     if low is not None and high is not None and low >= high:
         raise InputError(
-            f"{table.where()}: low = {_said(table, 'low', low)} is not below high = {_said(table, 'high', high)}"
+            f"{table.where()}: low = {_text(table, 'low', low)} is not below high = {_text(table, 'high', high)}"
         )
     for bound, key in ((low, "low"), (high, "high")):
         if start is not None and bound is not None and (start < bound if key == "low" else start > bound):
             raise InputError(
-                f"{table.where()}: start = {_said(table, 'start', start)} lies outside {key} = "
-                f"{_said(table, key, bound)}"
+                f"{table.where()}: start = {_text(table, 'start', start)} lies outside {key} = "
+                f"{_text(table, key, bound)}"
             )
     _within_declared(table, parameter, start, low, high, fixed)
     return Setting(start, low, high, fixed, None if fixed else std)
@@ -186,12 +186,12 @@ def _within_declared(
     ):
         if beyond and given is None:
             raise InputError(
-                f"{table.where()}: start = {_said(table, 'start', start)} lies outside the effect's own {key} = "
+                f"{table.where()}: start = {_text(table, 'start', start)} lies outside the effect's own {key} = "
                 f"{bound:g}; give {key} with it if it is meant"
             )
 
 
-def _said(table: TomlTable, key: str, value: float) -> str:
+def _text(table: TomlTable, key: str, value: float) -> str:
     """A value as the file writes it; in SI where it is the design's."""
     return shown(table.data[key]) if table.data.get(key, "design") != "design" else f"{value:g} (the design's)"
 
@@ -209,7 +209,7 @@ def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: boo
 def _value(
     table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool
 ) -> tuple[float | None, float | None]:
-    """A value and, of a start, its standard deviation; none where the file is silent."""
+    """A value and, of a start, its standard deviation; none where it is not given."""
     if key not in table.data:
         return None, None
     value, where = table.data[key], table.where(key)

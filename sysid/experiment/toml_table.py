@@ -34,7 +34,7 @@ def shown(value: Any) -> str:
 
 
 class TomlTable:
-    """A table of a TOML file that knows its file and its name.
+    """A table of a TOML file, with its file and name for messages.
 
     Args:
         file: shown in messages.

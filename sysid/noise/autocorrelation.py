@@ -1,4 +1,5 @@
-"""Size and colour of the noise on a smooth signal: differences of rising order, and windows of growing length."""
+"""Standard deviation and autocorrelation of the noise on a smooth signal, from differences of rising order and windows
+of growing length."""
 
 from __future__ import annotations
 
@@ -18,15 +19,15 @@ SHORT = 32
 DEGREE = 3
 CORRELATIONS = (*np.arange(0.0, 0.9, 0.05).round(2).tolist(), *np.arange(0.9, 0.995, 0.01).round(2).tolist())
 LONGEST = 0.9
-"""Noise that remembers more than ten samples cannot be told from a signal that moves."""
+"""Largest correlation: noise correlated over more than ten samples is not distinguishable from a signal that moves."""
 AGREES = 0.08
 FILTERED_FALL = 1.25
-"""White noise keeps its size from one order of differences to the next; falling by this much still at the eighth order
-tells that nothing white is left in the log."""
+"""White noise gives the same standard deviation at every order of differences; a fall by this factor up to the eighth
+order shows that the log has no white part."""
 
 
 LOCAL = 256
-"""Differences by which the noise's size is told along a record."""
+"""Differences from which the local standard deviation of the noise is estimated."""
 
 UNEVEN = 0.15
 """Deviation of the logarithm of that size from which the noise is uneven: even white noise has 0.08 by chance."""
@@ -64,7 +65,7 @@ def segments(time: np.ndarray, values: np.ndarray, step: float) -> list[np.ndarr
 
 
 def difference_scale(differences: np.ndarray) -> float:
-    """Standard deviation by the median of the sizes, blind to a minority of jumps and outliers."""
+    """Standard deviation by the median of the sizes, robust against a minority of jumps and outliers."""
     return float(MAD_TO_STD * np.median(np.abs(differences)))
 
 
@@ -77,7 +78,7 @@ def fit_autoregression(
         pieces: stretches, each of shape (n,).
         quantisation_step: grid the values lie on; medians are no measure on a coarse grid, whose own noise is taken
         off.
-        flat: the stretches hold noise and slow drift alone, so that long windows tell its colour too.
+        flat: the stretches hold noise and slow drift alone, so that long windows determine its correlation too.
 
     Returns:
         None where the stretches are too short altogether (fewer than 64 samples).
@@ -99,7 +100,7 @@ def fit_autoregression(
         if scale <= 1.06 * after or order == ORDERS[-1]
     )
     levels = _levels(pieces, order, white)
-    return _coloured([_without_outliers(piece, white) for piece in pieces], levels, order, white, flat)
+    return _correlated([_without_outliers(piece, white) for piece in pieces], levels, order, white, flat)
 
 
 def _levels(pieces: Sequence[np.ndarray], order: int, white: float) -> list[np.ndarray]:
@@ -137,7 +138,7 @@ def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
     return np.where(np.abs(piece - middle) > 6.0 * scale, middle, piece)
 
 
-def _coloured(
+def _correlated(
     pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], order: int, white: float, flat: bool
 ) -> Autoregression:
     """Compare the scatter in windows with the differences, and find the autoregression that gives both."""
@@ -160,12 +161,12 @@ def _coloured(
     }
     size = 1.0
     if flat:
-        # Differences and windows each tell the size; the colour on which they agree best is the one.
+        # Differences and windows each give the standard deviation: the correlation at which they agree best.
         spread = {c: float(np.std([0.0, *error.values()])) for c, error in errors.items()}
         best = min(spread, key=lambda correlation: spread[correlation])
         size = float(np.exp(np.mean([0.0, *errors[best].values()])))
     else:
-        # A signal that bends adds to every window, the more the longer it is: the least colour that agrees is nearest.
+        # A curved signal adds to every window, the more the longer it is: the least correlation that agrees is nearest.
         sizes = {c: max(abs(error[length]) for length in used) for c, error in errors.items()}
         best = next(c for c, size in sizes.items() if size <= max(AGREES, min(sizes.values())))
     misfit = errors[best]

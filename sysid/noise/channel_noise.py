@@ -25,7 +25,7 @@ def measured_channels(experiment: Experiment, records: Sequence[Record]) -> list
 
 
 def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple[dict[str, Noise], list[str]]:
-    """Noise of each measured channel, given or estimated, and what the user should be told of it."""
+    """Noise of each measured channel, given or estimated, and notes for the user."""
     noise, notes = {}, []
     for channel in measured_channels(experiment, records):
         given = experiment.noise.get(channel)

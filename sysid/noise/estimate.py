@@ -4,10 +4,10 @@ The order of trust: what the user gives; the scatter from cycle to cycle of a pe
 stands still; differences of neighbouring samples. Never the residual of a model, which would take a missing effect for
 noise.
 
-Differences see only the fastest part of the noise. Noise that is coloured is found by comparing them with the scatter
+Differences contain only the fastest part of the noise. Correlated noise is found by comparing them with the scatter
 in windows of growing length; a log that was filtered, by differences that keep falling from order to order without
 reaching a floor, or by cycles that differ far more than neighbours do where neighbours agree better than any sensor
-could. A filtered log without repeats is said to be so, since its value is then a lower bound only.
+could. A filtered log without periodic repeats is reported, since the estimate is then a lower bound only.
 
 Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625
 (differences); Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
@@ -84,7 +84,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         given: standard deviation given by the user, SI.
 
     Returns:
-        The noise. With `given`, only its colour and grid are read off the records.
+        The noise. With `given`, only its correlation and quantisation are estimated from the records.
 
     Raises:
         InputError: no record holds the channel, or none has a stretch long enough.
@@ -97,50 +97,50 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     quanta = [find_quantisation_step([record.channels[channel]]) for record in holding]
     quantisation_step = max((found for found in quanta if found is not None), default=None)
     if quantisation_step is None:
-        colour = fit_autoregression([piece for record in holding for piece in _pieces(record, channel)])
+        fitted = fit_autoregression([piece for record in holding for piece in _pieces(record, channel)])
     else:
         # A record on a grid and one that is not are two sensors, or one that was worked on.
         apart = [fit_autoregression(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
-        colour = _together([found for found in apart if found is not None])
-    irregular = colour is None
-    if colour is None:
-        colour = _irregular(holding, channel)
+        fitted = _together([found for found in apart if found is not None])
+    irregular = fitted is None
+    if fitted is None:
+        fitted = _irregular(holding, channel)
     if given is not None:
-        return _noise(given, unit, "given", colour, step, quantisation_step, "given")
+        return _noise(given, unit, "given", fitted, step, quantisation_step, "given")
     repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
     scatter = _rms([item.scatter for item in repeats])
     signal = _rms([float(np.sqrt(np.nanmean(record.channels[channel] ** 2))) for record in holding])
-    filtered = colour.filtered or (scatter > 10.0 * colour.value and colour.value < BEST_SENSOR * signal)
-    if repeats and (filtered or scatter <= 3.0 * colour.value):
+    filtered = fitted.filtered or (scatter > 10.0 * fitted.value and fitted.value < BEST_SENSOR * signal)
+    if repeats and (filtered or scatter <= 3.0 * fitted.value):
         cycles = sum(item.cycles for item in repeats)
         note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
         if filtered:
-            note += f"; the log was filtered, so the {colour.value:.2g} {unit} between neighbours says nothing"
+            note += f"; the log was filtered, so the {fitted.value:.2g} {unit} between neighbours says nothing"
             memory = float(np.median([item.correlation for item in repeats]))
-            colour = Autoregression(scatter, memory, True, colour.white)
-        return _noise(scatter, unit, "repeats", colour, step, quantisation_step, note)
+            fitted = Autoregression(scatter, memory, True, fitted.white)
+        return _noise(scatter, unit, "repeats", fitted, step, quantisation_step, note)
     least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
-    if colour.value < least:
+    if fitted.value < least:
         note = f"no noise is seen; taken as {LEAST:g} of the largest value, the last digit a file would keep"
-        if colour.filtered:
+        if fitted.filtered:
             note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
         return _noise(
-            least, unit, "difference", Autoregression(least, 0.0, colour.filtered, least), step, quantisation_step, note
+            least, unit, "difference", Autoregression(least, 0.0, fitted.filtered, least), step, quantisation_step, note
         )
-    quiet = _quiet(holding, channel, colour, quantisation_step)
-    if quiet is not None:
-        return _noise(quiet.value, unit, "quiet", quiet, step, quantisation_step, "where the input stands still")
+    idle = _input_idle(holding, channel, fitted, quantisation_step)
+    if idle is not None:
+        return _noise(idle.value, unit, "quiet", idle, step, quantisation_step, "where the input stands still")
     note = "from differences of neighbouring samples"
     if irregular:
         note += " at uneven times"
-    if colour.correlation:
-        note += f" and windows of growing length: coloured, correlation time {_time(colour.correlation, step):.2g} s"
-    if colour.filtered:
+    if fitted.correlation:
+        note += f" and windows of growing length: coloured, correlation time {_time(fitted.correlation, step):.2g} s"
+    if fitted.filtered:
         note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
     elif repeats:
         # Cycles that differ by more than a sensor's noise hold an effect that changes from cycle to cycle.
         note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
-    return _noise(colour.value, unit, "difference", colour, step, quantisation_step, note)
+    return _noise(fitted.value, unit, "difference", fitted, step, quantisation_step, note)
 
 
 def _rms(values: Sequence[float]) -> float:
@@ -151,14 +151,14 @@ def _pieces(record: Record, channel: str) -> list[np.ndarray]:
     return segments(record.time, record.channels[channel], record.step)
 
 
-def _together(colours: Sequence[Autoregression]) -> Autoregression | None:
-    if not colours:
+def _together(models: Sequence[Autoregression]) -> Autoregression | None:
+    if not models:
         return None
     return Autoregression(
-        _rms([colour.value for colour in colours]),
-        float(np.median([colour.correlation for colour in colours])),
-        all(colour.filtered for colour in colours),
-        _rms([colour.white for colour in colours]),
+        _rms([fitted.value for fitted in models]),
+        float(np.median([fitted.correlation for fitted in models])),
+        all(fitted.filtered for fitted in models),
+        _rms([fitted.white for fitted in models]),
     )
 
 
@@ -166,15 +166,15 @@ def _noise(
     value: float,
     unit: str,
     source: NoiseSource,
-    colour: Autoregression,
+    fitted: Autoregression,
     step: float,
     quantisation_step: float | None,
     note: str,
 ) -> Noise:
     if quantisation_step is not None and quantisation_step > 0.1 * value:
         note += f"; the values lie on a grid of {quantisation_step:.3g} {unit}"
-    correlation = colour.correlation
-    return Noise(value, unit, source, correlation, _time(correlation, step), colour.filtered, quantisation_step, note)
+    correlation = fitted.correlation
+    return Noise(value, unit, source, correlation, _time(correlation, step), fitted.filtered, quantisation_step, note)
 
 
 def _time(correlation: float, step: float) -> float:
@@ -193,12 +193,12 @@ def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
         miss = x[1:-1] - (1.0 - share) * x[:-2] - share * x[2:]
         parts.append(miss / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
     if not parts or sum(part.size for part in parts) < 8:
-        raise InputError(f"channel '{channel}' has too few samples to tell its noise; give it under [noise]")
+        raise InputError(f"channel '{channel}' has too few samples to estimate its noise; give it under [noise]")
     value = difference_scale(np.concatenate(parts))
     return Autoregression(value, 0.0, False, value)
 
 
-def _quiet(
+def _input_idle(
     records: Sequence[Record], channel: str, overall: Autoregression, quantisation_step: float | None
 ) -> Autoregression | None:
     """The noise where the input stands still, if that is long enough and free of motion that goes on."""
@@ -217,15 +217,15 @@ def _quiet(
         pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
     if sum(piece.size for piece in pieces) < 1000:
         return None
-    colour = fit_autoregression(pieces, quantisation_step, flat=True)
-    if colour is None or colour.filtered:
+    fitted = fit_autoregression(pieces, quantisation_step, flat=True)
+    if fitted is None or fitted.filtered:
         return None
-    uneven = overall.white / max(colour.white, 1e-300)
+    uneven = overall.white / max(fitted.white, 1e-300)
     if 0.8 < uneven < 1.0 / 0.6:
-        return colour
+        return fitted
     if 1.0 / UNEVEN < uneven < UNEVEN:
-        # Noise of one colour that is stronger at some times: its size is that of the whole record.
-        return replace(colour, value=uneven * colour.value, white=overall.white)
+        # Noise of one correlation that is stronger at some times: its standard deviation is that of the whole record.
+        return replace(fitted, value=uneven * fitted.value, white=overall.white)
     # Where neighbours differ far otherwise than in the whole record, the stretches do not hold the same noise.
     return None
 

@@ -13,8 +13,8 @@ SHARPNESS = 0.995
 def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
     """Step of the grid that the values of a channel lie on.
 
-    A step is told from the smallest changes between neighbours, then sharpened over ever wider ranges, since an error
-    of one part in a thousand is a whole step after a thousand.
+    The step is estimated from the smallest changes between neighbours, then refined over ever wider ranges, since an
+    error of one part in a thousand is a whole step after a thousand.
 
     Args:
         arrays: the channel in each record, shape (n,), gaps as NaN.

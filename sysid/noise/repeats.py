@@ -78,7 +78,7 @@ def _load_repeats(record: Record, values: np.ndarray, scatter: float, lag: int) 
 
 
 def _imposed(record: Record, channel: str) -> np.ndarray | None:
-    """The channel that tells the cycle: an imposed one, not the one whose noise is asked for."""
+    """The channel whose period is the cycle: an imposed one, other than `channel`."""
     order = ("pull_position", "voltage_1", "voltage_2") if channel != "friction_force" else ("position", "velocity")
     for name in order:
         values = record.channels.get(name)

@@ -36,7 +36,8 @@ def predict(
 
 @dataclass(frozen=True)
 class Scales:
-    """Sizes that the records set: what a parameter's start, search range and step are measured in. SI units.
+    """Scales of a set of records, in which initial values, search ranges and steps of parameters are expressed. SI
+    units.
 
     `rest` is the longest rest, or a hundredth of the time where there is none to speak of. `sliding` is the speed
     between the tip and the stage of a friction drive; zero where there is none.
@@ -66,7 +67,7 @@ _SCALES = ("force", "position", "velocity", "time", "sample", "travelled", "load
 
 
 LEAST_REST = 10.0
-"""Samples that a rest must last to be one to speak of."""
+"""Samples of the shortest stick phase that sets the scale of time at rest."""
 
 
 def scales_of(records: Sequence[PreparedRecord]) -> Scales:
@@ -107,8 +108,8 @@ def scales_of(records: Sequence[PreparedRecord]) -> Scales:
     return Scales(**sizes, load_mean=load_mean, temperature_mean=temperature_mean, sliding=sliding, rest=rest)
 
 
-def _seen_by(effect: Effect, scales: Scales) -> Scales:
-    """The scales of an effect: what acts between tip and stage moves with the one over the other."""
+def _scales_for(effect: Effect, scales: Scales) -> Scales:
+    """The scales of an effect: between tip and stage the velocity is that of sliding."""
     return replace(scales, velocity=scales.sliding) if in_contact(effect) and scales.sliding > 0.0 else scales
 
 
@@ -166,7 +167,7 @@ def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
     """Bounds of a fit: the declared ones, narrowed to what these records can show of a shape parameter."""
     low, high = parameter.low, parameter.high
     if parameter.unit == "m" and parameter.scan is None and not np.isfinite(high):
-        # A place the axis never comes near (the rest of a cable, say) is a constant in disguise.
+        # A position far outside the travel (of the rest of a cable, say) acts as a constant.
         low, high = max(low, -scales.position), min(high, scales.position)
     if parameter.scan is not None:
         scale = _scan_scale(parameter, scales)
@@ -189,7 +190,7 @@ def reference_value(parameter: Parameter, effect: Effect, scales: Scales) -> flo
 
 
 def start_of(parameter: Parameter, effect: Effect, scales: Scales) -> float:
-    """Where a fit of a base model begins."""
+    """Initial value of a parameter."""
     if parameter.role == "reference" or parameter.fixed:
         return reference_value(parameter, effect, scales)
     if parameter.role == "level":
@@ -205,7 +206,7 @@ def start_of(parameter: Parameter, effect: Effect, scales: Scales) -> float:
 
 @dataclass(frozen=True)
 class Model:
-    """Effects with the values they have now, and which of those a fit moves.
+    """Effects with their parameter values, and the parameters that a fit adjusts.
 
     `values` holds every parameter by key, `rig.` numbers included; `unknowns` those that are moved.
     """
@@ -221,9 +222,9 @@ class Model:
 
 
 def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
-    """What a fit moves of one effect."""
+    """Free parameters of an effect."""
     found = []
-    scales = _seen_by(effect, scales)
+    scales = _scales_for(effect, scales)
     for parameter in effect.parameters:
         if parameter.role == "reference" or parameter.fixed:
             continue
@@ -236,7 +237,7 @@ def unknowns_of(effect: Effect, scales: Scales) -> list[Unknown]:
 
 
 CONTACT_OVER_PADS = 1.03
-"""What a contact holds over the pads' friction, where a fit of it begins."""
+"""Friction limit of a contact over the pads' friction: initial value."""
 
 
 def in_contact(effect: Effect) -> bool:
@@ -247,9 +248,10 @@ def in_contact(effect: Effect) -> bool:
 def with_effect(
     model: Model, effect: Effect, scales: Scales, start: Mapping[str, float] | None = None, as_listed: bool = False
 ) -> Model:
-    """The model with one more effect; a core takes the place of the one before it, and starts from its level.
+    """The model with one more effect; a friction state model replaces the one before it, and starts from its
+    friction level.
 
-    A sensor's effect comes before the drift of its zero, which is added behind whatever bends the scale; `as_listed`
+    A sensor effect comes before the drift of its zero, which is added after any nonlinearity; `as_listed`
     puts it last.
     """
     effects, values = list(model.effects), dict(model.values)
@@ -264,8 +266,8 @@ def with_effect(
                 start = {f"{effect.name}.force": carried["force"], **(start or {})}
         beside = next((e for e in effects if e.friction_state is not None), None)
         if in_contact(effect) and beside is not None and f"{effect.name}.force" not in (start or {}):
-            # A contact that holds less than the pads moves nothing, one that holds far more never slips: either way
-            # nothing shows what it holds.
+            # A contact with a lower limit than the pads moves nothing, one with a far higher limit never slips: either
+            # way the limit is not identifiable.
             start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{beside.name}.force"], **(start or {})}
         effects.insert(0, effect)
     else:
@@ -273,7 +275,7 @@ def with_effect(
         before = drifts[0] if drifts and effect.acts_on == "sensor" and not as_listed else len(effects)
         effects.insert(before, effect)
     for parameter in effect.parameters:
-        values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, _seen_by(effect, scales))
+        values[f"{effect.name}.{parameter.name}"] = start_of(parameter, effect, _scales_for(effect, scales))
     values.update(start or {})
     unknowns += unknowns_of(effect, scales)
     return Model(tuple(effects), values, tuple(replace(u, start=values[u.key]) for u in unknowns))
@@ -282,7 +284,7 @@ def with_effect(
 def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str, float]]:
     """Every combination of the effect's shape parameters on their grids, thinned to at most `most`."""
     shapes = [p for p in effect.parameters if p.role == "shape" and not p.fixed]
-    axes = [scan_values(p, _seen_by(effect, scales)) for p in shapes]
+    axes = [scan_values(p, _scales_for(effect, scales)) for p in shapes]
     combinations = list(itertools.product(*axes))
     if len(combinations) > most:
         combinations = combinations[:: int(np.ceil(len(combinations) / most))]
@@ -293,11 +295,11 @@ def shape_grid(effect: Effect, scales: Scales, most: int = 130) -> list[dict[str
 
 
 def public_name(effect: str) -> str:
-    """The name everyone uses for an effect: without its variant and channel."""
+    """Public name of an effect: without its variant and channel."""
     return split_channel(effect)[0].partition(":")[0]
 
 
 def variant_group(effect: str) -> str:
-    """The name under which one law takes another's place: without its variant, with its channel."""
+    """Name of the group in which one variant replaces another: without its variant, with its channel."""
     plain, channel = split_channel(effect)
     return plain.partition(":")[0] + (f"@{channel}" if channel else "")

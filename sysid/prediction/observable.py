@@ -1,4 +1,4 @@
-"""Which effects could be missing on a rig: those of the names everyone uses that its records could show."""
+"""Effects that are observable on a rig, and those to try on top of a model."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ PUBLIC_EFFECTS = (
 """Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
 
 OF_A_COMMAND = (":of_steps", ":of_curves")
-"""Laws of how a voltage runs from row to row, held or along a curve."""
+"""Variants for a voltage between the rows, held or along a curve."""
 
 REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
-"""Laws that say no more of what is missing than another of their family: taken once that one is found, or by name."""
+"""Variants that are tried only once another of their group is in the model, or by name."""
 
 
 def candidate_effects(problem: Problem, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
@@ -74,7 +74,7 @@ def _another_channel(problem: Problem, name: str, present: Sequence[str]) -> boo
 
 
 def is_observable(problem: Problem, effect: Effect) -> bool:
-    """Whether the rig's records could show the effect at all."""
+    """Whether the effect is observable on this rig."""
     kind, records = problem.kind, problem.fit_records
     channels = set().union(*(r.channels for r in problem.records))
     acts = effect.acts_on
@@ -89,7 +89,7 @@ def is_observable(problem: Problem, effect: Effect) -> bool:
     if isinstance(records[0], FrictionDriveRecord):
         return can_show(records[0], effect)
     if acts == "piezo" or effect.name.endswith(OF_A_COMMAND):
-        # How a voltage runs from row to row rings and lags; what is measured elsewhere is too smooth to tell.
+        # Other measured channels are too smooth for the course of a signal between the rows to matter.
         return False
     if effect.friction_state is not None and effect.friction_state.name == "free_maxwell_slip":
         # So many shares take a motion that is known, not one that is measured.
@@ -97,7 +97,7 @@ def is_observable(problem: Problem, effect: Effect) -> bool:
     if acts == "drive":
         return kind == "force-drive" and effect.name in ("drive_lag", "drive_delay")
     if effect.name == "backlash":
-        # In a spring-pull rig with one channel a gap cannot be told from a longer pull.
+        # In a spring-pull rig with one channel a gap is not distinguishable from a longer pull.
         return kind == "velocity-drive" or (kind == "spring-pull" and {"position", "spring_force"} <= channels)
     if effect.name == "flexible_mode":
         return kind != "velocity-drive"
@@ -116,7 +116,7 @@ def _varies(records: Sequence[object], name: str) -> bool:
 
 
 def _on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
-    """A sensor effect on each measured channel and, on an actuator's tip, on all alike; other effects as they are."""
+    """A sensor effect on each measured channel and, for an actuator tip, on all alike; other effects unchanged."""
     if effect.acts_on != "sensor":
         return [effect]
     channels = list(problem.fit_records[0].measured)

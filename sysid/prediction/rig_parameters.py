@@ -1,4 +1,4 @@
-"""Numbers of the rig itself: what the user knows is held, what is not known is guessed from the records and fitted."""
+"""Rig parameters: known ones are fixed, unknown ones are estimated from the records and fitted."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LEAST_ROWS = 200
 def rig_parameters(
     experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise]
 ) -> tuple[dict[str, float], list[Unknown]]:
-    """Numbers of the rig, those the user knows held, those unknown or uncertain moved by the fit."""
+    """Rig parameters, and those among them that are unknown or uncertain and therefore fitted."""
     known, kind = experiment.rig.known, experiment.rig.kind
     values: dict[str, float] = {}
     unknowns: list[Unknown] = []
@@ -93,7 +93,7 @@ def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, n
                 y = balance.inputs["spring_force"]
             ok = balance.valid[channel]
             if ok.sum() < LEAST_ROWS:
-                # A filter as wide as this guess asks for leaves nothing between the gaps.
+                # A filter as wide as this guess requires leaves nothing between the gaps.
                 mass *= 0.1
                 continue
             assert (
@@ -138,7 +138,7 @@ def _motion_and_force(
 ) -> tuple[np.ndarray, np.ndarray, float, float] | None:
     """Position and force (n,) of a driven mass, with deviation and correlation of the position's noise.
 
-    Of a body pulled by a spring one of the two tells the other, by the spring's stiffness.
+    For a body pulled by a spring one of the two follows from the other and the stiffness.
     """
     position, pull = channels.get("position"), channels.get("pull_position")
     force = channels.get("drive_force" if kind == "force-drive" else "spring_force")

@@ -1,4 +1,4 @@
-"""What sensors, and a drive that is late, do to the channels of a force balance, and how that is undone."""
+"""Effects of sensors, and of the lag of a drive, on the channels of a force balance, and their inversion."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
     return np.interp(index + ahead / step, index, signal)
 
 
-def makes_motion_late(balance: ForceBalanceRecord, effect: Effect) -> bool:
-    """Whether an effect sets the logged motion behind the logged force: the drive's lag, or the motion sensor's."""
+def delays_motion(balance: ForceBalanceRecord, effect: Effect) -> bool:
+    """Whether an effect delays the logged motion against the logged force: a lag of the drive or the motion sensor."""
     base, channel = split_channel(effect.name)
     if balance.kind == "velocity-drive":
         return False
@@ -45,23 +45,23 @@ def makes_motion_late(balance: ForceBalanceRecord, effect: Effect) -> bool:
     return base in ("sensor_lag", "sensor_delay") and (every or channel in ("position", "velocity"))
 
 
-def as_late_as_the_motion(
+def delayed_like_motion(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, signal: np.ndarray
 ) -> np.ndarray:
-    """A signal (n,) set back by as much as the logged motion is."""
+    """A signal (n,) delayed as the logged motion is."""
     for effect in effects:
-        if makes_motion_late(balance, effect) and effect.signal is not None:
+        if delays_motion(balance, effect) and effect.signal is not None:
             signal = effect.signal(np.ascontiguousarray(signal), balance.step, values_of(effect, values))
     return signal
 
 
-def before_the_sensor(
-    said: np.ndarray, channel: str, effects: Sequence[Effect], values: Values, step: float, late: bool = True
+def sensor_input(
+    output: np.ndarray, channel: str, effects: Sequence[Effect], values: Values, step: float, late: bool = True
 ) -> np.ndarray:
-    """What the sensor of a channel was given (n,), from what it `said`: what its effects did, undone from the last on.
+    """Input (n,) of the sensor of a channel, from its `output`: its effects are inverted in reverse order.
 
     Args:
-        late: lags and delays too; else only what bends the scale.
+        late: invert lags and delays too; else only the nonlinearity.
     """
     for effect in reversed(effects):
         base, own = split_channel(effect.name)
@@ -69,10 +69,10 @@ def before_the_sensor(
             continue
         p = values_of(effect, values)
         if base == "sensor_lag":
-            said = said + p.time_constant * np.gradient(said, step) if late else said
+            output = output + p.time_constant * np.gradient(output, step) if late else output
         elif base == "sensor_delay":
-            said = _advanced(said, step, p.delay) if late else said
+            output = _advanced(output, step, p.delay) if late else output
         elif effect.signal is not None:
-            # A small distortion is undone, to first order, by taking it away again.
-            said = 2.0 * said - effect.signal(np.ascontiguousarray(said), step, p)
-    return said
+            # A small distortion is inverted to first order.
+            output = 2.0 * output - effect.signal(np.ascontiguousarray(output), step, p)
+    return output

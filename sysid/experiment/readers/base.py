@@ -22,7 +22,7 @@ class RecordFile(ABC):
         name: shown in messages.
 
     Raises:
-        InputError: no such file, another format, nothing in it, not readable as what its name says.
+        InputError: no such file, another format, nothing in it, not readable in the format of its suffix.
     """
 
     labels: list[str]

@@ -1,4 +1,4 @@
-"""What a model of named effects predicts for a prepared record, in the channels that were measured."""
+"""Prediction of a force-balance record by a model, in the measured channels."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from sysid.prediction.force_balance.sticking import (
     substeps_of,
     write_presliding_friction,
 )
-from sysid.prediction.sensors import as_late_as_the_motion, before_the_sensor, makes_motion_late, sensed
+from sysid.prediction.sensors import delayed_like_motion, delays_motion, sensed, sensor_input
 
 
 def predict_balance(
@@ -55,14 +55,14 @@ def predict_balance(
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values, at["position"])
     if balance.stick_phases is not None:
-        out[STICK_DISPLACEMENT] = _given_way(balance, effects, values, terms)[at[STICK_DISPLACEMENT]]
+        out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values, terms)[at[STICK_DISPLACEMENT]]
     return out
 
 
 def unfiltered_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """Force (n,) against the motion of a driven mass but for its inertia, N, as sharp as the model tells it."""
-    friction, sharp = _friction(balance, effects, values, _terms(balance, effects, values))
-    return friction if sharp is None else friction + sharp
+    """Force (n,) against the motion of a driven mass without its inertia, N, unfiltered."""
+    friction, resolved_friction = _friction(balance, effects, values, _terms(balance, effects, values))
+    return friction if resolved_friction is None else friction + resolved_friction
 
 
 def _needs_neighbours(effect: Effect) -> bool:
@@ -76,7 +76,7 @@ def _has_stretch(balance: ForceBalanceRecord) -> bool:
 
 @dataclass(frozen=True)
 class _Terms:
-    """What a model gives along a record before it is a force against the motion.
+    """Terms of a model along a record.
 
     Args:
         level: of the friction, N, (n,).
@@ -95,8 +95,8 @@ def _terms(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Value
 def _friction(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """Force against the motion (n,) for the filter `complementary_filter`, and the sharp part of it for the filter
-    `full_filter`, N."""
+    """Force against the motion (n,) for the filter `complementary_filter`, and the resolved_friction part of it for the
+    filter `full_filter`, N."""
     level, forces = terms.level, terms.forces
     axis, _ = friction_axis(balance, effects, values)
     core = next((e for e in effects if e.friction_state is not None), None)
@@ -105,7 +105,7 @@ def _friction(
     if core.friction_state.name != "coulomb" or balance.stick_fraction is None:
         p = values_of(core, values)
         usual = _usual(core, level)
-        unseen = unseen_part(balance, core, usual, p)
+        unseen = unobservable_part(balance, core, usual, p)
         if core.friction_state.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
         held = friction_from_initial_state(balance, core, axis, level, p, forces)
@@ -114,18 +114,20 @@ def _friction(
             and balance.velocity_sign is not None
             and axis.position is balance.axis.position
         ):
-            # The steps of the position tell the sign of a mean over the step, the velocity that at its end.
+            # Position differences have the sign of a mean over the step, the given velocity that at its end.
             held = np.where(balance.velocity_sign != 0.0, balance.velocity_sign * level, held)
-        if unseen > LEAST_UNSEEN:
-            sharp = _sharp(balance, effects, values, forces, level, usual, core)
+        if unseen > LEAST_UNOBSERVABLE:
+            resolved_friction = _event_resolved(balance, effects, values, forces, level, usual, core)
             part = unseen
             if balance.stick_phases is not None and balance.stick_fraction is not None:
                 # How the body gives way at rest is scored as a displacement, from rest to rest.
-                part = np.where(balance.stick_fraction > FULLY_AT_REST, min(1.0, unseen / ENOUGH_UNSEEN), unseen)
-            return forces + (1.0 - part) * held, part * sharp
+                part = np.where(
+                    balance.stick_fraction > FULLY_AT_REST, min(1.0, unseen / DISPLACEMENT_SUFFICES), unseen
+                )
+            return forces + (1.0 - part) * held, part * resolved_friction
         return forces + held, None
-    sharp = _sharp(balance, effects, values, forces, level, 0.0, core)
-    return forces, sharp
+    resolved_friction = _event_resolved(balance, effects, values, forces, level, 0.0, core)
+    return forces, resolved_friction
 
 
 def _usual(core: Effect, level: np.ndarray) -> float:
@@ -133,11 +135,11 @@ def _usual(core: Effect, level: np.ndarray) -> float:
     return 0.0 if core.friction_state is not None and core.friction_state.name == "coulomb" else usual_level(level)
 
 
-LEAST_UNSEEN = 0.02
-"""Part of a bristle's force that is too little to be taken from the balance of forces."""
+LEAST_UNOBSERVABLE = 0.02
+"""Part of a bristle's force below which it is not taken from the force balance."""
 
-ENOUGH_UNSEEN = 0.25
-"""Part from which the displacements at rest say more of the bristles than the force at rest."""
+DISPLACEMENT_SUFFICES = 0.25
+"""Part from which the displacements while sticking determine the bristles better than the force."""
 
 
 def _stretch_of(usual: float, p: Any) -> float:
@@ -145,8 +147,9 @@ def _stretch_of(usual: float, p: Any) -> float:
     return float(p.stretch) if hasattr(p, "stretch") else usual / max(float(p.stiffness), 1e-300)
 
 
-def unseen_part(balance: ForceBalanceRecord, core: Effect, usual: float, p: Any) -> float:
-    """Part of a bristle's force, 0 to 1, that a noisy position cannot show, and the balance of forces has to.
+def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p: Any) -> float:
+    """Part of a bristle's force, 0 to 1, that is not observable in a noisy position, and is taken from the force
+    balance.
 
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
     from the balance to s_F: what is left of the difference is s_F / hypot(s_F, k s_x) of it.
@@ -161,7 +164,7 @@ def unseen_part(balance: ForceBalanceRecord, core: Effect, usual: float, p: Any)
     return 1.0 - own / float(np.hypot(own, along))
 
 
-def _sharp(
+def _event_resolved(
     balance: ForceBalanceRecord,
     effects: Sequence[Effect],
     values: Values,
@@ -170,8 +173,8 @@ def _sharp(
     usual: float,
     core: Effect,
 ) -> np.ndarray:
-    """Friction (n,) of a driven mass from the sign of its motion and, at rest, from what is applied, N."""
-    # At rest Coulomb friction is whatever the balance asks for, up to the level; the motion cannot tell.
+    """Event-resolved friction (n,) of a driven mass, N: by the sign of its motion and, while sticking, by the push."""
+    # While sticking, Coulomb friction balances the push, up to the level; it does not follow from the motion.
     assert balance.direction is not None and balance.stick_fraction is not None and balance.slip_phases is not None
     push, mass = _as_driven(balance, effects, values) - forces, values.get("rig.mass", 0.0)
     level = np.ascontiguousarray(level, dtype=float)
@@ -203,21 +206,23 @@ MOST_SHIFT = 2.5
 """Widths of the prefilter by which the momentum may shift a sticking onset."""
 
 
-def _given_way(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms) -> np.ndarray:
-    """How a body moves while friction holds it (n,), from the mean of each rest, as its position sensor says, m."""
+def _stick_displacement(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms
+) -> np.ndarray:
+    """Displacement (n,) in each stick phase from its mean, as the position sensor measures it, m."""
     stick_phases = balance.stick_phases
     core = next((e for e in effects if e.friction_state is not None), None)
     assert stick_phases is not None
     moved = np.zeros(balance.size)
     if core is None:
-        # What would hold the body is still to be found: nothing is asked of how.
+        # Without a friction model nothing is predicted, and the residual is zero.
         moved = stick_phases.displacement
     elif core.friction_state is not None and core.friction_state.name != "coulomb":
         moved = presliding_displacement(
             stick_phases, stick_phases.force - terms.forces, terms.level, core.friction_state, values_of(core, values)
         )
     if stick_phases.compliance:
-        # The position was told by the force, and the spring as it was said to be.
+        # The position was computed from the force and the known stiffness.
         moved = moved + (1.0 / values["rig.pull_stiffness"] - stick_phases.compliance) * stick_phases.centred(
             stick_phases.force
         )
@@ -244,11 +249,11 @@ def _force_at(
     balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, terms: _Terms, index: np.ndarray
 ) -> np.ndarray:
     """The force channel (k,) at some samples, where nothing works on the filtered signal."""
-    friction, sharp = _friction(balance, effects, values, terms)
+    friction, resolved_friction = _friction(balance, effects, values, terms)
     total = balance.complementary_filter.at(friction, index)
-    if sharp is not None:
+    if resolved_friction is not None:
         assert balance.full_filter is not None
-        total += balance.full_filter.at(sharp, index)
+        total += balance.full_filter.at(resolved_friction, index)
     if balance.acceleration is not None:
         total += values.get("rig.mass", 0.0) * balance.acceleration[index]
     if balance.force_channel == "position":
@@ -257,42 +262,42 @@ def _force_at(
 
 
 def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
-    """Every channel (n,), with what the drive, the structure and the sensors do to it.
+    """Every channel (n,), with the effects of drive, structure and sensors.
 
-    Where the logged motion is late against the logged force, the two are compared at the time of the motion: the force
-    made late as well, less the one that the motion needs. To seek the force that was commanded instead, from a noisy
-    motion, would make its noise larger, and more so for a lag than for a delay.
+    Where the logged motion is delayed against the logged force, the two are compared at the time of the motion: the
+    force is delayed as well. To compute the commanded force from the noisy motion would amplify its noise, for a lag
+    more than for a delay.
     """
     terms = _terms(balance, effects, values)
-    friction, sharp = _friction(balance, effects, values, terms)
+    friction, resolved_friction = _friction(balance, effects, values, terms)
     every = np.arange(balance.size)
     total = balance.complementary_filter.at(friction, every)
-    if sharp is not None:
+    if resolved_friction is not None:
         assert balance.full_filter is not None
-        total = total + balance.full_filter.at(sharp, every)
+        total = total + balance.full_filter.at(resolved_friction, every)
     if balance.acceleration is not None:
         total = total + values.get("rig.mass", 0.0) * balance.acceleration
     out: dict[str, np.ndarray] = {}
     channel = balance.force_channel
     if channel == "position":
-        pull = as_late_as_the_motion(balance, effects, values, balance.inputs["pull_position"])
+        pull = delayed_like_motion(balance, effects, values, balance.inputs["pull_position"])
         out["position"] = pull - total / values["rig.pull_stiffness"]
-        effects = [effect for effect in effects if not makes_motion_late(balance, effect)]
+        effects = [effect for effect in effects if not delays_motion(balance, effect)]
     else:
         out[channel] = total
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values)
     out = sensed(effects, values, out, balance.step)
     if channel != "position":
-        said = balance.measured[channel]
-        out[channel] = out[channel] + said - as_late_as_the_motion(balance, effects, values, said)
+        logged = balance.measured[channel]
+        out[channel] = out[channel] + logged - delayed_like_motion(balance, effects, values, logged)
     if balance.stick_phases is not None:
-        out[STICK_DISPLACEMENT] = _given_way(balance, effects, values, terms)
+        out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values, terms)
     return out
 
 
 def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """The applied force (n,) at the time at which the logged motion answers it: what friction holds at rest.
+    """The applied force (n,) at the time of the logged motion, which friction balances while sticking.
 
     A pulling spring's is the force before its sensor: what that does comes later, with every other force.
     """
@@ -300,13 +305,13 @@ def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: V
     if balance.force_channel != "position":
         given = balance.applied
         if balance.force_channel == "spring_force":
-            given = before_the_sensor(given, "spring_force", effects, values, balance.step)
-        return as_late_as_the_motion(balance, effects, values, given)
+            given = sensor_input(given, "spring_force", effects, values, balance.step)
+        return delayed_like_motion(balance, effects, values, given)
     # The force is the spring's: stiffness times (pull - position), with the position that the sensor was given.
-    said, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
-    unbent = before_the_sensor(said, "position", effects, values, balance.step, late=False)
-    late = as_late_as_the_motion(balance, effects, values, pull)
-    return balance.applied + balance.pull_stiffness * (said - unbent + late - pull)
+    logged, pull = np.ascontiguousarray(balance.axis.position), balance.inputs["pull_position"]
+    unbent = sensor_input(logged, "position", effects, values, balance.step, late=False)
+    late = delayed_like_motion(balance, effects, values, pull)
+    return balance.applied + balance.pull_stiffness * (logged - unbent + late - pull)
 
 
 def _stretch_relation(
@@ -319,7 +324,7 @@ def _stretch_relation(
     stiffness = values["rig.pull_stiffness"]
     every = slice(None) if index is None else index
     force, pull = balance.inputs["spring_force"], balance.inputs["pull_position"][every]
-    force = before_the_sensor(force, "spring_force", effects, values, balance.step)[every]
+    force = sensor_input(force, "spring_force", effects, values, balance.step)[every]
     stretch = force / stiffness
     for effect in effects:
         if effect.name == "backlash":

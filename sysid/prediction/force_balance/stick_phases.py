@@ -149,7 +149,7 @@ def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: 
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
-def _given_way(
+def _spring_displacement(
     starts: np.ndarray,
     stops: np.ndarray,
     sides: np.ndarray,
@@ -233,7 +233,7 @@ def presliding_displacement(
     """
     stretches, weights = bristles_of(core, p, max(usual_level(level), 1e-12))
     starts, stops = np.array(stick_phases.spans).T
-    moved = _given_way(
+    moved = _spring_displacement(
         starts,
         stops,
         np.array(stick_phases.side),

@@ -1,4 +1,4 @@
-"""Which effects a record of a driven stage could show, and those between its tip and stage that may be missing."""
+"""Effects that are observable on a driven stage, and those between tip and stage to try on top of a model."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Numbers of a friction drive: those the user knows are held, the others are guessed from its records and fitted.
+"""Rig parameters of a friction drive: known ones are fixed, the others are estimated from its records and fitted.
 
-A motion tells forces and mass over the contact's stiffness. So where neither mass nor stiffness is known, the stiffness
-is held, and where the mass is known, what inertia adds to the motion tells the stiffness: it is fitted, within a
-decade or so of a Hertz contact under some newtons.
+The motion determines forces and mass over the contact stiffness only. Where neither mass nor stiffness is known, the
+stiffness is fixed; where the mass is known, the inertial part of the motion determines the stiffness, and it is fitted
+within a decade or so of that of a Hertz contact under some newtons.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def friction_drive_parameters(
                 Unknown(f"rig.{name}", value, value - reach, value + reach, given.std, Prior(value, given.std))
             )
 
-    gain, press = gain_and_indentation(known, records)
+    gain, indentation = gain_and_indentation(known, records)
     put("mass", MASS, 1e-3 * MASS, 1e3 * MASS)
     soft, stiff = CONTACT_STIFFNESS / STIFFNESS_DECADE, CONTACT_STIFFNESS * STIFFNESS_DECADE
     put("contact_stiffness", CONTACT_STIFFNESS, soft, stiff, free="mass" in known)
@@ -65,8 +65,8 @@ def friction_drive_parameters(
     stiffest = contact_damping(stiff, values["rig.mass"]) if "contact_stiffness" not in known else damping
     put("contact_damping", damping, 0.0, MOST_DAMPING * max(damping, stiffest))
     put("gain", gain, 1e-3 * gain, 1e3 * gain, "piezo_gain")
-    if press is not None:
-        put("press", press, 1e-3 * press, 1e3 * press)
+    if indentation is not None:
+        put("press", indentation, 1e-3 * indentation, 1e3 * indentation)
     if any("position_y" in record.channels for record in records):
         stiffest = STIFFNESS_DECADE * values["rig.contact_stiffness"]
         values |= {"rig.guide_stiffness": 0.0, "rig.turn": 0.0}
@@ -81,9 +81,10 @@ def contact_damping(stiffness: float, mass: float) -> float:
 
 
 def gain_and_indentation(known: Mapping[str, Known], records: Sequence[Record]) -> tuple[float, float | None]:
-    """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and how far the tip is pressed in, m.
+    """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and the preload indentation of the
+    tip, m.
 
-    The press is none where the tip goes neither up nor down: then it cannot be told.
+    The indentation is none where the tip does not move up and down: then it is not identifiable.
     """
     lever = known["tip_height"].value / known["piezo_spacing"].value
     across, common, travel = [], [], []
