@@ -38,7 +38,7 @@ VALUES = {
 TIME = np.linspace(0.0, 20.0, 41)
 KNOTS = np.linspace(0.0, 20.0, 9)
 PULL = drive.pulled_spring(KNOTS, 0.5 * np.abs((KNOTS / 5.0 + 1.0) % 2.0 - 1.0), 2.0)
-TARGET = 2e-6
+TARGET = 3e-6
 
 
 def cost(count: int) -> tuple[float, int]:

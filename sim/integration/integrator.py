@@ -22,6 +22,7 @@ from sim.integration.dense_output import (
     KEPT_STEPS,
     delayed_speed,
     forget_before,
+    interpolate,
     keep_velocity,
     part_before_reversal,
     part_on_branch,
@@ -157,22 +158,26 @@ def _attempt(t, span, branch, margins, tolerance, problem, work):
 @inlined
 def _write_outputs(t, h, rows, branch, problem, output, work):
     """Write states and forces at the output's rows (first, end) that lie within the step."""
-    kept = output.states.shape[0]
+    inverse_h = 1.0 / h
+    for j in range(output.states.shape[0]):
+        state = output.states[j]
+        before, after = work.y[j], work.fresh[j]
+        d0, d1, d2 = work.dense[j, 0], work.dense[j, 1], work.dense[j, 2]
+        for o in range(rows[0], rows[1]):
+            state[o] = interpolate((output.time[o] - t) * inverse_h, before, after, d0, d1, d2)
+    if output.forces.shape[0] == 0:
+        return
     for o in range(rows[0], rows[1]):
-        part = (output.time[o] - t) / h
-        for j in range(kept):
-            output.states[j, o] = state_at(part, j, work)
-        if output.forces.shape[0] > 0:
-            for j in range(problem.layout.size):
-                work.point[j] = output.states[j, o]
-            evaluate(output.time[o], work.point, branch, problem, work, work.rates)
-            command, _ = drive_at(output.time[o], problem.drive, branch.segment)
-            if problem.layout.lag >= 0:
-                command = work.point[problem.layout.lag]
-            total = work.terms.total
-            output.forces[o, 0], output.forces[o, 1], output.forces[o, 2] = total[0], total[1], total[2] + total[3]
-            stretched = command - problem.body.spring * work.point[0]
-            output.forces[o, 3] = branch.engaged * (stretched - branch.edge)
+        for j in range(problem.layout.size):
+            work.point[j] = output.states[j, o]
+        evaluate(output.time[o], work.point, branch, problem, work, work.rates)
+        command, _ = drive_at(output.time[o], problem.drive, branch.segment)
+        if problem.layout.lag >= 0:
+            command = work.point[problem.layout.lag]
+        total = work.terms.total
+        output.forces[o, 0], output.forces[o, 1], output.forces[o, 2] = total[0], total[1], total[2] + total[3]
+        stretched = command - problem.body.spring * work.point[0]
+        output.forces[o, 3] = branch.engaged * (stretched - branch.edge)
 
 
 @inlined
