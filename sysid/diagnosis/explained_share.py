@@ -1,11 +1,12 @@
-"""The coordinates that a residual is held against, and the bins that they are cut into.
-How much of a residual a coordinate tells: learned on some samples, judged on others.
+"""Share of a residual explained by a coordinate: binned predictor, learned on some samples and tested on others.
 
-A coordinate's table is the mean residual in bins of the coordinate, apart for the two directions of motion, over all
-records together: what depends on the coordinate looks the same whenever the axis comes by again, and is foretold by
-other moments. Time and distance travelled have a table for each record, since they mean nothing in another. Every
-coordinate has the same few bins, and is learned on every other sample and judged on the rest; the position is looked
-at in fine ones too.
+The predictor is the mean residual in bins of the coordinate, separately for the two directions of motion, shrunk
+towards zero in bins of few samples, and common to all records; per record for time and distance travelled, which do not
+recur. With p its prediction of test samples r, the explained share is the squared correlation
+
+    share = max(0, r'p)^2 / (r'r p'p)
+
+tested on every other sample (split share), and on each block of time from the others (cross-validated).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from sysid.prediction.model import Model, PreparedRecord, predict
 
 
 def coordinates_of(record: PreparedRecord) -> dict[str, np.ndarray]:
-    """The coordinates (n,) that a record's residual is held against, by the interface's names; `frequency` aside."""
+    """Coordinates (n,) of a record by the names of the interface, except `frequency`."""
     if isinstance(record, TipRecord):
         rate = np.gradient(np.mean(record.drives, axis=0), record.step)
         out = {"time": record.time, "input": np.mean(record.drives, axis=0), "velocity": rate}
@@ -52,7 +53,8 @@ _BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age"
 
 
 def edges_of(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
-    """Edges of a coordinate's bins, the outer ones open: even, or by rank where most samples share a few values."""
+    """Edges of the bins of a coordinate, the outer ones open: equidistant, or quantiles for unevenly spread
+    coordinates."""
     if coordinate == "direction":
         return np.array([-np.inf, 0.0, np.inf])
     if coordinate in _BY_RANK:
@@ -64,34 +66,32 @@ def edges_of(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
 
 
 def cells_of(values: np.ndarray, direction: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Number of each sample's bin (n,), the bins of motion backwards after those forwards."""
+    """Cell of each sample (n,): its bin, numbered on for backward motion."""
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     return index + (edges.size - 1) * (direction < 0)
 
 
 def means_of(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
-    """Mean residual per cell, drawn towards zero where a cell holds few samples."""
+    """Mean residual per cell (count,), shrunk towards zero where a cell holds few samples."""
     number = np.bincount(cells, minlength=count)
     return np.bincount(cells, residual, minlength=count) / (number + 3.0)
 
 
 BINS = 12
-"""Bins on which a coordinate's share is judged, the same for all: with many, anything is a function of time."""
+"""Bins of the explained share, the same for every coordinate: with many, any residual is a function of time."""
 
 FINE_BINS = 96
-"""Bins in which the position is looked at once more: a texture of the way repeats within a fraction of the travel.
-There each block of time is foretold by the others, since neighbours in time would be neighbours in so fine a bin."""
+"""Bins of a second, cross-validated predictor over the position, for a texture that repeats within the travel."""
 
-OF_ONE_RECORD = ("time", "distance_travelled")
-"""Coordinates that mean nothing in another record, and never come by again in their own."""
+PER_RECORD = ("time", "distance_travelled")
+"""Coordinates whose values do not recur, within a record or in another."""
 
-SEEN_AGAIN = 1.5
-"""Most that a share may be of what the map foretells in blocks of time it has not seen: what happened once, while the
-axis was at some place or speed, does not follow the place or the speed."""
+CROSS_VALIDATION_RATIO = 1.5
+"""Upper limit of the share over the cross-validated one: a single event is no dependence on the coordinate."""
 
 DRAWN_BINS = 24
 KEPT_BELOW = 0.995
-"""Quantile of the residual's size at which it is cut, so that no few samples decide."""
+"""Quantile of the absolute residual at which it is clipped."""
 
 BLOCKS = 40
 
@@ -99,18 +99,18 @@ BLOCKS = 40
 Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
 """Coordinates by name, residual and block number of the scored samples, each (n,)."""
 
-ALIAS = 0.9
-"""Rank correlation with time from which a coordinate says no more than time does."""
+MONOTONIC_IN_TIME = 0.9
+"""Absolute rank correlation with time from which a coordinate is hardly distinguishable from time."""
 
 
-def compared(
+def paired_samples(
     model: Model,
     fit_records: Sequence[PreparedRecord],
     fit_weights: ResidualWeights,
     held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> Iterator[tuple[str, Samples, Samples]]:
-    """Each of the worst channels, with its samples in the records of the fit and in the held-out ones."""
+    """Each of the channels with the largest misfit, with its samples of the fit and of the held-out records."""
     for channel in _worst_channels(model, [*fit_records, *held_out]):
         learn = _samples(model, fit_records, fit_weights, channel)
         judge = _samples(model, held_out, held_out_weights, channel) if held_out else learn
@@ -118,13 +118,13 @@ def compared(
             yield channel, learn, judge
 
 
-def shared(learn: Samples, judge: Samples) -> list[str]:
-    """Names of the coordinates that both have."""
+def common_coordinates(learn: Samples, judge: Samples) -> list[str]:
+    """Names of the coordinates that both sets of samples have."""
     return [name for name in learn[0] if name != "_direction" and name in judge[0]]
 
 
 def _worst_channels(model: Model, records: Sequence[PreparedRecord]) -> list[str]:
-    """Channels whose misfit, over their noise, is at least half the worst one's."""
+    """Channels whose misfit over noise is at least half the largest."""
     over = {channel: m.over_noise for channel, m in misfit(model, records).items()}
     return [channel for channel, value in over.items() if value >= 0.5 * max(over.values())]
 
@@ -160,10 +160,17 @@ def _samples(
 
 
 @dataclass(frozen=True)
-class Told:
-    """What a coordinate says of a residual: its samples, all records together (n,), and its `share` and `pattern`.
+class Predictor:
+    """Binned predictor of a residual by one coordinate, with the samples (n,) of all records.
 
-    `foretold` is the residual as other blocks of time foretell it, in `drawn` bins.
+    Args:
+        values, time, direction: coordinate, time and direction of motion of the samples.
+        residual: of the samples, in standard deviations.
+        block, record: numbers of the block of time and of the set of records.
+        cells: of the samples.
+        prediction: cross-validated prediction of the residual, in `drawn` bins.
+        share: explained share, limited by the cross-validated one.
+        split_share: explained share of every other sample.
     """
 
     values: np.ndarray
@@ -173,14 +180,14 @@ class Told:
     block: np.ndarray
     record: np.ndarray
     cells: np.ndarray
-    foretold: np.ndarray
+    prediction: np.ndarray
     drawn: int
     share: float
     split_share: float
 
 
-def told_by(name: str, learn: Samples, judge: Samples) -> Told:
-    """What a coordinate says over all records together; time and distance travelled, record by record."""
+def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:
+    """The predictor of a residual by one coordinate; per set of records for time and distance travelled."""
     together = [learn] if judge is learn else [learn, judge]
     values = np.concatenate([s[0][name] for s in together])
     time, direction = (np.concatenate([s[0][other] for s in together]) for other in ("time", "_direction"))
@@ -189,54 +196,58 @@ def told_by(name: str, learn: Samples, judge: Samples) -> Told:
     record = np.concatenate([np.full(s[1].size, k) for k, s in enumerate(together)])
     edges = edges_of(values, name, BINS)
     cells = cells_of(values, direction, edges)
-    if name in OF_ONE_RECORD:
+    if name in PER_RECORD:
         cells = cells + 2 * (edges.size - 1) * record
     half = np.arange(residual.size) % 2 == 0
     table = means_of(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
-    pattern = share = _share(r, predicted)
-    foretold, drawn = _foretold(cells, residual, block), DRAWN_BINS
-    if name not in OF_ONE_RECORD:
-        share = min(share, SEEN_AGAIN * _share(residual, foretold))
+    split_share = share = _share(r, predicted)
+    prediction, drawn = _cross_validated(cells, residual, block), DRAWN_BINS
+    if name not in PER_RECORD:
+        share = min(share, CROSS_VALIDATION_RATIO * _share(residual, prediction))
     if name == "position":
-        close = _foretold(cells_of(values, direction, edges_of(values, name, FINE_BINS)), residual, block)
-        if _share(residual, close) > share:
-            foretold, share, drawn = close, _share(residual, close), FINE_BINS
-        pattern = max(pattern, share)
-    if name not in OF_ONE_RECORD and all(_runs_with_time(s[0], name) for s in together):
-        share, pattern = 0.5 * share, 0.5 * pattern
-    return Told(values, time, direction, residual, block, record, cells, foretold, drawn, share, pattern)
+        fine_prediction = _cross_validated(
+            cells_of(values, direction, edges_of(values, name, FINE_BINS)), residual, block
+        )
+        if _share(residual, fine_prediction) > share:
+            prediction, share, drawn = fine_prediction, _share(residual, fine_prediction), FINE_BINS
+        split_share = max(split_share, share)
+    if name not in PER_RECORD and all(_monotonic_in_time(s[0], name) for s in together):
+        share, split_share = 0.5 * share, 0.5 * split_share
+    return Predictor(values, time, direction, residual, block, record, cells, prediction, drawn, share, split_share)
 
 
-def share_beyond_time(told: Told) -> float:
-    """What a coordinate explains of what time leaves, less what time explains of what the coordinate leaves; shares of
-    the residual's square."""
-    residual = told.residual
-    in_time = cells_of(told.time, told.direction, edges_of(told.time, "time", BINS)) + 2 * BINS * told.record
+def share_beyond_time(predictor: Predictor) -> float:
+    """Share explained by a coordinate after time, less the share explained by time after the coordinate."""
+    residual = predictor.residual
+    in_time = (
+        cells_of(predictor.time, predictor.direction, edges_of(predictor.time, "time", BINS))
+        + 2 * BINS * predictor.record
+    )
 
     def by_place(r: np.ndarray) -> np.ndarray:
-        return _less(r, _foretold(told.cells, r, told.block))
+        return _remainder(r, _cross_validated(predictor.cells, r, predictor.block))
 
     def by_time(r: np.ndarray) -> np.ndarray:
         odd = np.arange(r.size) % 2 == 1
         count = int(in_time.max()) + 1
         learned = [means_of(in_time[half], r[half], count) for half in (odd, ~odd)]
-        return _less(r, np.where(odd, learned[1][in_time], learned[0][in_time]))
+        return _remainder(r, np.where(odd, learned[1][in_time], learned[0][in_time]))
 
     place, time = by_place(residual), by_time(residual)
     both = [float(r @ r) for r in (time, by_place(time), place, by_time(place))]
     return ((both[0] - both[1]) - (both[2] - both[3])) / max(float(residual @ residual), 1e-300)
 
 
-def _less(residual: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-    """A residual (n,) less what is predicted of it, that no larger and no smaller than it helps."""
+def _remainder(residual: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+    """A residual (n,) less its prediction, scaled by least squares with a factor of at least zero."""
     own = float(predicted @ predicted)
     size = max(0.0, float(residual @ predicted)) / own if own > 0.0 else 0.0
     return residual - size * predicted
 
 
-def _runs_with_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:
-    return abs(_rank_correlation(coordinates[name], coordinates["time"])) > ALIAS
+def _monotonic_in_time(coordinates: Mapping[str, np.ndarray], name: str) -> bool:
+    return abs(_rank_correlation(coordinates[name], coordinates["time"])) > MONOTONIC_IN_TIME
 
 
 def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
@@ -247,9 +258,8 @@ def _rank_correlation(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.corrcoef(ranks[0], ranks[1])[0, 1])
 
 
-def _foretold(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:
-    """The map's prediction (n,) of each sample, learned on all blocks of time but its own and the two beside it:
-    neighbours share their noise, and would foretell each other."""
+def _cross_validated(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.ndarray:
+    """Prediction (n,) of each sample by all blocks of time except its own and the two adjacent ones."""
     _, place = np.unique(block, return_inverse=True)
     shape = (int(place.max()) + 1, int(cells.max()) + 1)
     flat = place * shape[1] + cells
@@ -264,7 +274,7 @@ def _foretold(cells: np.ndarray, residual: np.ndarray, block: np.ndarray) -> np.
 
 
 def _share(residual: np.ndarray, predicted: np.ndarray) -> float:
-    """Share of the squared residual that the map explains, its size free but not its sign."""
+    """Share of the squared residual (n,) that a prediction explains, its scale free but not its sign."""
     total, own = float(residual @ residual), float(predicted @ predicted)
     if total <= 0.0 or own <= 0.0:
         return 0.0

@@ -1,7 +1,4 @@
-"""Where a model fails: its residual against every coordinate, with how much of it each explains, and by what chance.
-
-A map is a table of `residual_shares`, drawn: the mean residual in bins of a coordinate, for either direction of motion.
-"""
+"""Residual maps: mean residual over each coordinate and direction of motion, with explained share and p value."""
 
 from __future__ import annotations
 
@@ -14,12 +11,12 @@ import numpy as np
 from sysid.diagnosis.explained_share import (
     Samples,
     cells_of,
-    compared,
+    common_coordinates,
     edges_of,
     means_of,
+    paired_samples,
+    predictor_of,
     share_beyond_time,
-    shared,
-    told_by,
 )
 from sysid.estimation.misfit import ResidualWeights
 from sysid.prediction.model import Model, PreparedRecord, predict
@@ -29,15 +26,14 @@ PERMUTATIONS = 500
 
 @dataclass(frozen=True)
 class ResidualMap:
-    """Residual against one coordinate.
+    """Residual over one coordinate.
 
     Args:
         coordinate: its name.
-        share: of the residual's variance that the map explains where it was not learned, in [0, 1].
-        split_share: what a verdict goes by: the same before what happened once is taken off.
-        beside_time: share that the coordinate explains of what time leaves, less that of time of what it leaves.
-        p_value: chance that the map foretells each block of time so well from the others, were residual and coordinate
-            unrelated.
+        share: cross-validated share of the residual's variance that the coordinate explains, in [0, 1].
+        split_share: the same, tested on every other sample only; the decision uses it.
+        beside_time: share explained by the coordinate after time, less that by time after the coordinate.
+        p_value: of the cross-validated prediction, from sign flips of whole blocks of time.
         centres: of the bins, (k,), in the coordinate's SI unit.
         forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
     """
@@ -60,15 +56,15 @@ def residual_maps(
     held_out_weights: ResidualWeights,
     seed: int = 0,
 ) -> list[ResidualMap]:
-    """Maps of the residual against every coordinate the records have, in the order of `order_maps`.
+    """Maps of the residual over every coordinate of the records, in the order of `order_maps`.
 
-    Residuals are in noise deviations, winsorised so that no few samples decide.
+    Residuals are in standard deviations of the noise, winsorised.
     """
     rng = np.random.default_rng(seed)
     maps: list[ResidualMap] = []
-    for channel, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
-        maps += [_map(name, learn, judge, rng) for name in shared(learn, judge)]
-        maps.append(_spectrum(model, held_out or fit_records, channel))
+    for channel, learn, judge in paired_samples(model, fit_records, fit_weights, held_out, held_out_weights):
+        maps += [_map(name, learn, judge, rng) for name in common_coordinates(learn, judge)]
+        maps.append(_spectrum_map(model, held_out or fit_records, channel))
     best: dict[str, ResidualMap] = {}
     for m in maps:
         other = best.get(m.coordinate, m)
@@ -84,13 +80,13 @@ def dependence_by_coordinate(
     held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> dict[str, float]:
-    """`ResidualMap.split_share` by coordinate, without the maps: what is asked of every model that a verdict weighs."""
+    """`ResidualMap.split_share` by coordinate, without the maps."""
     out: dict[str, float] = {}
-    for channel, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
-        for name in shared(learn, judge):
-            out[name] = max(out.get(name, 0.0), told_by(name, learn, judge).split_share)
+    for channel, learn, judge in paired_samples(model, fit_records, fit_weights, held_out, held_out_weights):
+        for name in common_coordinates(learn, judge):
+            out[name] = max(out.get(name, 0.0), predictor_of(name, learn, judge).split_share)
         out["frequency"] = max(
-            out.get("frequency", 0.0), _spectrum(model, held_out or fit_records, channel).split_share
+            out.get("frequency", 0.0), _spectrum_map(model, held_out or fit_records, channel).split_share
         )
     return out
 
@@ -103,58 +99,56 @@ def compared_with_time(
     held_out: Sequence[PreparedRecord],
     held_out_weights: ResidualWeights,
 ) -> list[ResidualMap]:
-    """The maps of a residual that no effect of the library explains: weighed against time, and in that order."""
+    """The maps of a residual that no effect explains, compared with time and ordered accordingly."""
     weighed: dict[str, tuple[float, float]] = {}
-    for _, learn, judge in compared(model, fit_records, fit_weights, held_out, held_out_weights):
-        for name in shared(learn, judge):
-            if name in OF_MOTION:
-                told = told_by(name, learn, judge)
-                weighed[name] = max(weighed.get(name, (-1.0, 0.0)), (told.share, share_beyond_time(told)))
+    for _, learn, judge in paired_samples(model, fit_records, fit_weights, held_out, held_out_weights):
+        for name in common_coordinates(learn, judge):
+            if name in MOTION_COORDINATES:
+                predictor = predictor_of(name, learn, judge)
+                weighed[name] = max(weighed.get(name, (-1.0, 0.0)), (predictor.share, share_beyond_time(predictor)))
     beside = [replace(m, beside_time=weighed.get(m.coordinate, (0.0, 0.0))[1]) for m in maps]
     return order_maps(beside, nameless=True)
 
 
 def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[ResidualMap]:
-    """Strongest first; a coordinate comes before time where it explains nearly as much.
+    """Largest weighted share first; a coordinate comes before time where it explains nearly as much.
 
     Args:
         maps: of one residual.
-        nameless: what is missing is no effect of the library. Then a coordinate of the motion, of which the library has
-            every kind of law, comes after time where time explains more beside it than it does beside time; so does
-            the distance travelled, which is time by another clock.
+        nameless: no effect of the library is missing. Then a coordinate of the motion comes after time where time
+            explains more after it than it does after time; so does the distance travelled.
     """
 
     def weight(m: ResidualMap) -> float:
-        return m.share * _TRUST.get(m.coordinate, 1.0)
+        return m.share * _SHARE_WEIGHT.get(m.coordinate, 1.0)
 
     time = max((weight(m) for m in maps if m.coordinate == "time"), default=0.0)
 
     def place(m: ResidualMap) -> tuple[float, bool]:
-        no_more = m.coordinate == "distance_travelled" or (m.coordinate in OF_MOTION and m.beside_time < 0.0)
+        no_more = m.coordinate == "distance_travelled" or (m.coordinate in MOTION_COORDINATES and m.beside_time < 0.0)
         yields = nameless and no_more and time > 0.0
         return (-min(weight(m), time), True) if yields else (-weight(m), False)
 
     return sorted(maps, key=place)
 
 
-OF_MOTION = ("velocity", "direction", "acceleration", "distance_since_reversal", "contact_age", "input")
-"""Coordinates that are of the motion, or drive it."""
+MOTION_COORDINATES = ("velocity", "direction", "acceleration", "distance_since_reversal", "contact_age", "input")
+"""Coordinates of the motion or its input."""
 
 
-_TRUST = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
-"""Weight of a share that has a map of its own for each record, or is that of the strongest of very many lines. Distance
-runs with time; few things follow it alone."""
+_SHARE_WEIGHT = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
+"""Weight of a share that has a predictor of its own per record, or is the largest of many spectral lines."""
 
 
 def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:
-    """Map of one coordinate, drawn finer than it is judged, from every sample."""
-    told = told_by(name, learn, judge)
-    p_value = _p_value(told.residual, told.foretold, told.block, rng)
-    fine = edges_of(told.values, name, told.drawn)
-    means = means_of(cells_of(told.values, told.direction, fine), told.residual, 2 * (fine.size - 1))
-    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], told.values)
+    """Map of one coordinate, in finer bins than those of its share."""
+    predictor = predictor_of(name, learn, judge)
+    p_value = _p_value(predictor.residual, predictor.prediction, predictor.block, rng)
+    fine = edges_of(predictor.values, name, predictor.drawn)
+    means = means_of(cells_of(predictor.values, predictor.direction, fine), predictor.residual, 2 * (fine.size - 1))
+    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], predictor.values)
     forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
-    return ResidualMap(name, told.share, told.split_share, p_value, centres, forward, backward)
+    return ResidualMap(name, predictor.share, predictor.split_share, p_value, centres, forward, backward)
 
 
 def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -164,7 +158,7 @@ def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator) -> float:
-    """Chance of so good a prediction, by turning the sign of the residual in whole blocks."""
+    """p value of a prediction: sign-flip test over whole blocks of time."""
     inner = np.bincount(block, residual * predicted)
     inner = inner[np.bincount(block) > 0]
     if inner.sum() <= 0.0:
@@ -173,8 +167,8 @@ def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng
     return float((1 + np.sum(signs @ inner >= inner.sum())) / (1 + PERMUTATIONS))
 
 
-def _spectrum(model: Model, records: Sequence[PreparedRecord], channel: str) -> ResidualMap:
-    """Share of the residual in its strongest narrow band (three lines), and the spectrum itself as the map."""
+def _spectrum_map(model: Model, records: Sequence[PreparedRecord], channel: str) -> ResidualMap:
+    """Share of the residual in its strongest narrow band (three spectral lines), with the spectrum as the map."""
     best = ResidualMap("frequency", 0.0, 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
     for record in records:
         if channel not in record.measured or record.size < 2 * (8 + 1):
@@ -188,10 +182,10 @@ def _spectrum(model: Model, records: Sequence[PreparedRecord], channel: str) -> 
         frequency = np.fft.rfftfreq(r.size, record.step)
         total = float(power.sum()) or 1.0
         band = np.convolve(power, np.ones(3), mode="same")
-        # Below eight cycles a record a line is a drift in disguise.
+        # Below eight cycles per record a line is a drift.
         k = 8 + int(np.argmax(band[8:]))
         share = float(band[k] / total)
-        # Under no line, the largest of n exponentials: P(max > x) = 1 - (1 - exp(-x))^n, generous for colour.
+        # Without a line, the largest of n exponentials: P(max > x) = 1 - (1 - exp(-x))^n, conservative for colour.
         local = float(np.median(power[max(8, k // 2) : 2 * k + 9])) / np.log(2.0) + 1e-300
         p = float(min(1.0, power.size * np.exp(-min(power[k] / local, 700.0))))
         if share > best.share:

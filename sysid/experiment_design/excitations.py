@@ -1,7 +1,4 @@
-"""Motions that a rig could be asked to make next: each brings out some effects and leaves others in the dark.
-
-A family is drawn within what the records have shown the rig to do: its travel, its highest speed, its voltages.
-"""
+"""Excitations: motions that are each sensitive to other effects, within travel, speed and voltages of the records."""
 
 from __future__ import annotations
 
@@ -97,7 +94,7 @@ def axis_motions(envelope: Envelope, step: float, longest: float = 40.0, most: i
         legs = [(middle + 0.3 * side * span, 0.2 * e.speed, 0.0) for side in 6 * sides]
         add("strokes under a varied load", "what depends on the normal load", legs, load=True)
     made.append(_multisine(e, step, most))
-    reason = "whatever nobody thought of: places, speeds and rests spread evenly"
+    reason = "any effect: places, speeds and rests of a low-discrepancy sequence"
     add("space-filling", reason, _space_filling(e), load=e.load is not None)
     return made
 
@@ -216,7 +213,9 @@ def tip_motions(low: Sequence[float], high: Sequence[float], step: float, most: 
         levels = np.array([2.0 * _halton(i + 1, (2, 3, 5)[k % 3]) - 1.0 for i in range(30)])
         tone = np.sin(2.0 * np.pi * np.array([0.0, 3.0, 0.0, 11.0, 40.0])[index % 5] * t)
         waves.append(np.clip(0.8 * levels[index] + 0.2 * tone, -1.0, 1.0))
-    motions.append(made("space-filling", "whatever nobody thought of: levels, frequencies and rests", waves, own))
+    motions.append(
+        made("space-filling", "any effect: levels, frequencies and rests of a low-discrepancy sequence", waves, own)
+    )
     return motions
 
 

@@ -1,13 +1,12 @@
-"""The next measurement: of a family of motions, the one that separates the rivals left most per second of machine time.
+"""T-optimal design of the next experiment: the motion that best discriminates the competing models per second.
 
-For two rivals j and k a motion is worth what remains of their difference after either has been refitted to the other
-(T-optimality, Atkinson and Fedorov, Biometrika 62 (1975) 57, in prediction space):
+The discrimination distance of two models j and k is what remains of their difference after either has been refitted to
+the other (Atkinson and Fedorov, Biometrika 62 (1975) 57, in prediction space):
 
-    deviations^2 = min over j, k of min over theta_k of sum_i (y_j(t_i) - y_k(t_i; theta_k))^2 / sigma_i^2
+    distance^2 = min over j, k of min over theta_k of sum_i (y_j(t_i) - y_k(t_i; theta_k))^2 / sigma_i^2
 
-with all of the rival's parameters free, those of the base model included. Samples that are closer than the noise is
-independent count for less: the sum is scaled to independent samples. Evidence adds up in deviations squared, so motions
-are ordered by the least deviations squared, over the pairs, per second.
+with all parameters of model k free. The sum is scaled to the number of independent samples. Squared distances add over
+experiments, so motions are ordered by their smallest squared distance per second.
 """
 
 from __future__ import annotations
@@ -33,22 +32,22 @@ from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import dilated
 
-MOST_RIVALS = 4
-NEAR = 2.0
-"""Error over the best one's up to which an effect is still a rival."""
+MOST_MODELS = 4
+COMPETING_ERROR = 2.0
+"""Held-out error over that of the best candidate up to which another is a competing model."""
 
 SCORED = 4000
-"""Samples of a record that its own separation is found from; more say the same."""
+"""Samples from which the distance on the present records is computed, at the most."""
 
 
 @dataclass(frozen=True)
 class Discrimination:
-    """Two rivals, and how far apart a motion or the records at hand would set them.
+    """Discrimination distance of two competing models.
 
     Args:
         effects: their names.
-        deviations: apart, in standard deviations, on the motion.
-        records: apart on the records of the fit.
+        deviations: distance on the motion, in standard deviations.
+        records: distance on the records of the fit.
     """
 
     effects: tuple[str, str]
@@ -58,12 +57,12 @@ class Discrimination:
 
 @dataclass(frozen=True)
 class DesignValue:
-    """A motion with what it would separate.
+    """Design value of a motion.
 
     Args:
         motion: to run.
-        pairs: the closest first.
-        least: deviations between the closest of the rivals that some motion separates.
+        pairs: distances of the competing models, smallest first.
+        least: smallest distance of those models that some motion separates.
     """
 
     motion: Motion
@@ -72,7 +71,7 @@ class DesignValue:
 
     @property
     def rate(self) -> float:
-        """Deviations squared per second between the closest rivals: what is gained for machine time."""
+        """Smallest squared distance per second of machine time."""
         return self.least**2 / self.motion.seconds if self.motion.seconds > 0 else 0.0
 
 
@@ -83,15 +82,15 @@ class Suggestion:
     Args:
         problem: what was diagnosed.
         diagnosis: of the model as it stands, or of the model before its last effect where nothing is missing now.
-        rivals: names of the effects compared, best first.
+        competing: names of the effects compared, best first.
         motions: best first, the space-filling one last.
-        inseparable: rivals that no motion of the family sets apart from the first.
-        revisited: the last effect of the ladder is weighed against its rivals.
+        inseparable: models that no motion of the family discriminates from the first.
+        revisited: the effect added last, where it is compared with its alternatives.
     """
 
     problem: Problem
     diagnosis: Diagnosis
-    rivals: tuple[str, ...]
+    competing: tuple[str, ...]
     motions: tuple[DesignValue, ...]
     inseparable: tuple[str, ...] = ()
     revisited: str | None = None
@@ -105,7 +104,7 @@ def suggest(
     """Diagnose an experiment, and find the motion that would best settle what its records leave open.
 
     Where nothing is missing (any more), the effect added last is weighed against what could stand in its place. With
-    no rivals at all there is nothing to separate, and only the space-filling motion remains.
+    a single model there is nothing to discriminate, and only the space-filling motion remains.
 
     Raises:
         InputError: a fault in a file, in one line.
@@ -124,14 +123,14 @@ def suggest(
 def rank_motions(
     found: Diagnosis, motions: Sequence[Motion], revisited: str | None = None, progress: Progress | None = None
 ) -> Suggestion:
-    """Order motions by what they would separate of a diagnosis's rivals."""
-    rivals = competing_models(found)
+    """Order motions by their design value for the competing models of a diagnosis."""
+    competing = competing_models(found)
     filling, problem = motions[-1], found.problem
-    names = [t.public_name for t in rivals]
-    if len(rivals) < 2:
+    names = [t.public_name for t in competing]
+    if len(competing) < 2:
         return Suggestion(problem, found, tuple(names), (DesignValue(filling, ()),), (), revisited)
-    models = [t.fitted.model for t in rivals]
-    now = [_apart_on_records(problem, models[0], other) for other in models[1:]]
+    models = [t.fitted.model for t in competing]
+    now = [_distance_on_records(problem, models[0], other) for other in models[1:]]
     found_pairs: list[list[Discrimination]] = []
     for k, motion in enumerate(motions):
         if progress is not None:
@@ -142,38 +141,40 @@ def rank_motions(
         found_pairs.append([Discrimination((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
     if progress is not None:
         progress("", len(motions), len(motions))
-    # Two names for one thing on this rig: no motion is to blame.
+    # Models that no motion discriminates do not count in the value of a motion.
     same = [n for k, n in enumerate(names[1:]) if max(pairs[k].deviations for pairs in found_pairs) < 1.0]
-    worths = []
+    values = []
     for motion, pairs in zip(motions, found_pairs, strict=True):
         least = min((p.deviations for p in pairs if p.effects[1] not in same), default=0.0)
-        worths.append(DesignValue(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
-    ordered = sorted(worths[:-1], key=lambda w: -w.rate)
-    return Suggestion(problem, found, tuple(names), (*ordered, worths[-1]), tuple(same), revisited)
+        values.append(DesignValue(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
+    ordered = sorted(values[:-1], key=lambda w: -w.rate)
+    return Suggestion(problem, found, tuple(names), (*ordered, values[-1]), tuple(same), revisited)
 
 
 def competing_models(found: Diagnosis) -> list[CandidateFit]:
-    """The best trial, those tied with it, and the others that come near it; none where nothing is missing."""
+    """The best candidate, those tied with it, and others of similar error; none where nothing is missing."""
     best = found.best
     if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
-        # A grid is read off the values themselves: no motion is needed to tell it from anything.
+        # Quantisation is found from the values themselves: no motion is needed.
         return []
     usable = [t for t in found.trials if t is not best and t.fitted.fit.keys and t.fit_gain > 0.0]
     tied = [t for t in usable if t.public_name in found.indistinguishable]
     others = [t for t in usable if t not in tied and t.gain > 0.3 * best.gain]
-    near = [t for t in others if t.error <= NEAR * max(best.error, 1.0)]
-    # Where the records have settled it, the runner-up alone is kept, to show by how much.
-    return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_RIVALS]
+    near = [t for t in others if t.error <= COMPETING_ERROR * max(best.error, 1.0)]
+    # Without a similar one the runner-up alone is kept.
+    return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_MODELS]
 
 
 def discrimination_distance(
     one: Model, other: Model, records: Sequence[PreparedRecord], weights: ResidualWeights
 ) -> float:
-    """Deviations by which records tell two models apart, each refitted to the other, the lesser of the two."""
-    return min(_unlike(one, other, records, weights), _unlike(other, one, records, weights))
+    """Discrimination distance of two models, each refitted to the other; the smaller of the two."""
+    return min(_distance_after_refit(one, other, records, weights), _distance_after_refit(other, one, records, weights))
 
 
-def _unlike(truth: Model, rival: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> float:
+def _distance_after_refit(
+    truth: Model, rival: Model, records: Sequence[PreparedRecord], weights: ResidualWeights
+) -> float:
     posed = [replace(r, measured=predict(r, truth.effects, truth.values)) for r in records]
     keys = [u.key for u in rival.unknowns]
 
@@ -187,7 +188,7 @@ def _unlike(truth: Model, rival: Model, records: Sequence[PreparedRecord], weigh
 
 
 def _independent(problem: Problem, record: PreparedRecord, step: float) -> float:
-    """Root of the independent samples that one sample `step` (s) apart stands for."""
+    """Root of the number of independent samples per sample, `step` (s) apart."""
     own = record.step
     colour = max((n.correlation for n in problem.noise.values()), default=0.0)
     apart = own * (1.0 + colour) / max(1.0 - colour, 1e-3)
@@ -196,15 +197,15 @@ def _independent(problem: Problem, record: PreparedRecord, step: float) -> float
     return float(np.sqrt(step / apart))
 
 
-def _apart_on_records(problem: Problem, one: Model, other: Model) -> float:
-    """Deviations by which the records of the fit tell two models apart."""
+def _distance_on_records(problem: Problem, one: Model, other: Model) -> float:
+    """Discrimination distance of two models on the records of the fit."""
     total = 0
     full = residual_weights(one, problem.fit_records)
     for pick in full.samples:
         total += max((p.size for p in pick.values()), default=0)
     every = max(1, total // SCORED)
     samples = tuple(
-        {c: _away_from_turns(record, p)[::every] for c, p in pick.items()}
+        {c: _away_from_reversals(record, p)[::every] for c, p in pick.items()}
         for record, pick in zip(problem.fit_records, full.samples, strict=True)
     )
     thinned = replace(full, samples=samples)
@@ -215,22 +216,22 @@ def _apart_on_records(problem: Problem, one: Model, other: Model) -> float:
     return _independent(problem, record, gap) * discrimination_distance(one, other, problem.fit_records, thinned)
 
 
-def _turning(record: ForceBalanceRecord, reach: int) -> np.ndarray:
-    """Samples (n,) at which an axis turns, `reach` on either side with them: nobody's evidence."""
+def _near_reversals(record: ForceBalanceRecord, reach: int) -> np.ndarray:
+    """Samples (n,) at which an axis turns, `reach` on either side included; they are not scored."""
     direction = record.axis.direction if record.direction is None else record.direction
     turns = np.concatenate([[False], direction[1:] != direction[:-1]])
     turning = dilated(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
     if record.kind != "velocity-drive":
-        # A mass at rest is held by whatever the drive asks for: friction shows nothing of itself.
+        # At rest friction balances the drive force, whatever its law.
         turning |= dilated(record.axis.contact_age > 0.0, reach)
     return turning
 
 
-def _away_from_turns(record: PreparedRecord, pick: np.ndarray) -> np.ndarray:
+def _away_from_reversals(record: PreparedRecord, pick: np.ndarray) -> np.ndarray:
     if not isinstance(record, ForceBalanceRecord):
         return pick
     width = record.full_filter.width if record.full_filter is not None else 0.0
-    return pick[~_turning(record, 2 + int(np.ceil(5.0 * width / record.step)))[pick]]
+    return pick[~_near_reversals(record, 2 + int(np.ceil(5.0 * width / record.step)))[pick]]
 
 
 def motions_for(problem: Problem) -> list[Motion]:
@@ -260,15 +261,19 @@ def envelope_of(problem: Problem) -> Envelope:
     varied = float(np.ptp(load)) > 0.05 * abs(float(np.mean(load)))
     low_load, high_load = (float(q) for q in np.quantile(load, (0.02, 0.98)))
     return Envelope(
-        float(position.min()), float(position.max()), speed, max(acceleration, speed / 0.1), fine,
-        (low_load, high_load) if varied else None,
-    )  # fmt: skip
+        low=float(position.min()),
+        high=float(position.max()),
+        speed=speed,
+        acceleration=max(acceleration, speed / 0.1),
+        fine=fine,
+        load=(low_load, high_load) if varied else None,
+    )
 
 
 def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, float]:
     """A prepared record of a motion, as if the rig had followed it, and the weight of its samples.
 
-    On a rig that drives a mass the motion is the reference the axis follows, and rivals are compared in the force.
+    On a rig that drives a mass the motion is the reference the axis follows, and models are compared in the force.
     """
     first = problem.fit_records[0]
     n = next(iter(motion.signals.values())).size
@@ -280,9 +285,14 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
         if isinstance(first, FrictionDriveRecord):
             return with_voltages(first, motion.name, motion.step, drives), _independent(problem, first, motion.step)
         record: PreparedRecord = replace(
-            first, name=motion.name, step=motion.step, time=time, drives=drives,
-            measured={c: np.zeros(n) for c in first.measured}, valid=dict.fromkeys(first.measured, scored),
-        )  # fmt: skip
+            first,
+            name=motion.name,
+            step=motion.step,
+            time=time,
+            drives=drives,
+            measured={c: np.zeros(n) for c in first.measured},
+            valid=dict.fromkeys(first.measured, scored),
+        )
         return record, _independent(problem, first, motion.step)
     position = motion.signals["position"]
     velocity = np.gradient(position, motion.step)
@@ -296,13 +306,25 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
     margin = int(np.ceil(4.0 * width / motion.step)) + 1
     inside = (np.arange(n) >= margin) & (np.arange(n) < n - margin)
     record = replace(
-        first, name=motion.name, step=motion.step, axis=axis, measured={channel: np.zeros(n)}, valid={channel: inside},
-        noise={channel: first.noise[channel]}, acceleration=None if first.acceleration is None else acceleration,
-        stick_fraction=None, complementary_filter=GaussianFilter(width, motion.step, n), full_filter=None,
-        direction=None, velocity_sign=None, half_width_variant=None, inputs={"pull_position": position, "spring_force":
-        np.zeros(n)}, applied=None, stick_phases=None,
-    )  # fmt: skip
-    record.valid[channel] = inside & ~_turning(record, 2 + int(np.ceil(5.0 * width / motion.step)))
+        first,
+        name=motion.name,
+        step=motion.step,
+        axis=axis,
+        measured={channel: np.zeros(n)},
+        valid={channel: inside},
+        noise={channel: first.noise[channel]},
+        acceleration=None if first.acceleration is None else acceleration,
+        stick_fraction=None,
+        complementary_filter=GaussianFilter(width, motion.step, n),
+        full_filter=None,
+        direction=None,
+        velocity_sign=None,
+        half_width_variant=None,
+        inputs={"pull_position": position, "spring_force": np.zeros(n)},
+        applied=None,
+        stick_phases=None,
+    )
+    record.valid[channel] = inside & ~_near_reversals(record, 2 + int(np.ceil(5.0 * width / motion.step)))
     return record, _independent(problem, first, motion.step)
 
 

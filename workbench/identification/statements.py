@@ -184,7 +184,7 @@ def suggestion_statements(found: Suggestion) -> list[str]:
         lines.append(
             f"Nothing is missing now; {found.revisited}, added last, is compared with effects that could replace it."
         )
-    if len(found.rivals) < 2:
+    if len(found.competing) < 2:
         state = {
             "adequate": "the residual is at the noise level, and no effects compete",
             "unexplained": "no effect of the library explains the residual, so none compete",
@@ -192,8 +192,8 @@ def suggestion_statements(found: Suggestion) -> list[str]:
         return [*lines, f"{state}: the space-filling motion covers what these records do not contain."]
     for name in found.inseparable:
         lines.append(
-            f"no motion of this family separates {found.rivals[0]} from {name}: on this rig, with these channels, they "
-            "are equivalent."
+            f"no motion of this family separates {found.competing[0]} from {name}: on this rig, with these channels, "
+            "they are equivalent."
         )
     best = found.motions[0]
     for pair in best.pairs:

@@ -130,7 +130,7 @@ def suggestion_section(found: Suggestion, motions: Sequence[Mapping[str, Any]]) 
     """What `suggest` found; `motions` is its document."""
     best = found.motions[0]
     title = "What to measure next"
-    if len(found.rivals) > 1:
+    if len(found.competing) > 1:
         open_pairs = [p for p in best.pairs if p.effects[1] not in found.inseparable and p.records < SEPARATED]
         title += f": {best.motion.name if open_pairs else 'nothing is left to separate'}"
     return {
