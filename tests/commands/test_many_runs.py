@@ -7,10 +7,10 @@ from functools import partial
 
 import pytest
 
+from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design
 from workbench.cli import run
-from workbench.cluster import run_all
 
 # One cluster for all of them: they go to one test process.
 pytestmark = pytest.mark.xdist_group("cluster")
@@ -52,16 +52,10 @@ def test_tolerances_come_out_the_same_on_a_cluster(capsys, tmp_path, cluster):
     assert len(here["matter_most"]) == len(here["could_be_loosened"]) == 3
 
 
-def test_a_mistake_on_a_worker_is_said_in_one_line(cluster):
+def test_a_mistake_on_a_worker_is_reported_in_one_line(cluster):
     job = partial(load_design, None, rules=False)
     with pytest.raises(InputError, match=r"stage\.lenght"):
-        run_all(job, [("stage.length=240 mm",), ("stage.lenght=240 mm",)], cluster)
-
-
-def test_local_processes_keep_the_order_and_count_what_is_done():
-    ticks = []
-    assert run_all(abs, [-3, 2, -1], advance=lambda: ticks.append(1), workers=2) == [3, 2, 1]
-    assert len(ticks) == 3
+        parallel_map(job, [("stage.length=240 mm",), ("stage.lenght=240 mm",)], scheduler=cluster)
 
 
 def test_a_cluster_that_is_not_there_is_said(capsys, tmp_path):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -200,15 +201,21 @@ def _experiment(
 
 def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output, progress: Any) -> dict[str, Any]:
     """Run the studies of the stage, write their tables and figures; their features."""
-    from sim.experiments.stage import stage_drive
+    from sim.experiments.stage import STUDIES, stage_drive
+    from stagecad.parallel import parallel_map
     from stagecad.solids.assembly.machine import body_masses
-    from workbench.simulation.stage import run_studies
 
     drive = stage_drive(run.design, body_masses(run.design))
-    task = progress.add_task("stage: cases", total=None)
-    found = run_studies(
-        drive, selection.studies, scheduler, lambda done, total: progress.update(task, completed=done, total=total)
-    )
+    found = {}
+    for study in selection.studies:
+        task = progress.add_task(f"stage: {study.replace('_', ' ')}", total=None)
+
+        def run_cases(function: Callable[[Any], Any], cases: Sequence[Any], task: Any = task) -> list[Any]:
+            progress.update(task, total=len(cases))
+            advance = partial(progress.update, task, advance=1)
+            return parallel_map(function, cases, progress=lambda case: advance(), scheduler=scheduler)
+
+        found[study] = STUDIES[study](drive, run_cases)
     if output.formats:
         from workbench.simulation.tables import stage_tables
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
+from stagecad.parallel import parallel_map
 from sysid.estimation.bootstrap import Bootstrap, bootstrap_of, refit_of, refitted
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.identifiability import public_key
 from sysid.prediction.problem import Problem
 from sysid.report import parameter_unit
-from workbench.cluster import run_all
 from workbench.options import Run
 
 
@@ -25,7 +26,12 @@ def bootstrap_case(
     with run.progress() as progress:
         task = progress.add_task("refits", total=draws)
         seeds = [(seed, k) for k in range(draws)]
-        found = run_all(refitted, seeds, scheduler, lambda: progress.update(task, advance=1), common=refit)
+        found = parallel_map(
+            partial(refitted, refit),
+            seeds,
+            progress=lambda seed: progress.update(task, advance=1),
+            scheduler=scheduler,
+        )
     return bootstrap_of(refit, found)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from workbench.cluster import run_all
+from stagecad.parallel import parallel_map
 from workbench.machine.design_source import DesignSource, source_of
 from workbench.options import Run
 
@@ -36,8 +36,12 @@ def sweep(run: Run, swept: Range, solids: bool, scheduler: str | None) -> list[P
     job = partial(swept_point, source_of(run), swept, run.design, solids)
     with run.progress() as progress:
         task = progress.add_task("sweep", total=len(swept.values))
-        return run_all(
-            job, swept.values, scheduler, lambda: progress.update(task, advance=1), workers=None if solids else 1
+        return parallel_map(
+            job,
+            swept.values,
+            progress=lambda value: progress.update(task, advance=1),
+            workers=None if solids else 1,
+            scheduler=scheduler,
         )
 
 
@@ -53,6 +57,6 @@ def tolerance(
 
         def in_parallel(job, keys):
             progress.update(task, total=len(keys))
-            return run_all(job, keys, scheduler, lambda: progress.update(task, advance=1))
+            return parallel_map(job, keys, progress=lambda key: progress.update(task, advance=1), scheduler=scheduler)
 
         return tolerance_study(run.design, load, masses, samples, seed, run_all=in_parallel)

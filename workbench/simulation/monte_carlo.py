@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,9 +15,9 @@ from designcalc.errors.monte_carlo import (
     strongest_correlation,
     uncertain_parameters,
 )
+from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
-from workbench.cluster import run_all
 from workbench.machine.design_source import DesignSource, source_of
 from workbench.options import Run
 from workbench.simulation.experiments import (
@@ -133,7 +134,12 @@ def run_monte_carlo(run: Run, selection: Selection, count: int, seed: int, sched
         # A few samples at a time: each is short beside the sending.
         size = max(1, min(8, count // 16))
         rows = [values[k : k + size] for k in range(0, count, size)]
-        found = run_all(simulate_samples, rows, scheduler, lambda: progress.update(task, advance=size), common=common)
+        found = parallel_map(
+            partial(simulate_samples, common),
+            rows,
+            progress=lambda some: progress.update(task, advance=len(some)),
+            scheduler=scheduler,
+        )
     samples = tuple(sample for some in found for sample in some)
     if all(sample.refused for sample in samples):
         raise InputError(f"--draws: every sample is an invalid design: {samples[0].refused}")

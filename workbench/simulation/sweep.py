@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parallel import parallel_map
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import to_si
-from workbench.cluster import run_all
 from workbench.machine.design_source import DesignSource, source_of
 from workbench.options import Run
 from workbench.simulation.experiments import Selection, features_of, flat_features, simulate_selection
@@ -39,7 +39,9 @@ def sweep(run: Run, swept: Range, selection: Selection, scheduler: str | None) -
     with run.progress() as progress:
         task = progress.add_task("sweep", total=len(overrides))
         job = partial(simulate_point, source_of(run), selection)
-        return run_all(job, overrides, scheduler, lambda: progress.update(task, advance=1))
+        return parallel_map(
+            job, overrides, progress=lambda override: progress.update(task, advance=1), scheduler=scheduler
+        )
 
 
 def sweep_document(swept: Range, points: Sequence[Point]) -> dict[str, Any]:
