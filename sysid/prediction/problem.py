@@ -13,8 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior, Unknown
-from sysid.noise.channel_noise import noise_by_channel, with_quantisation
-from sysid.noise.estimate import Noise
+from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
 from sysid.prediction.actuator_tip import TipRecord, tip_record
 from sysid.prediction.force_balance.prepare import driven_mass, velocity_drive
 from sysid.prediction.force_balance.record import ForceBalanceRecord
