@@ -1,18 +1,18 @@
-"""A mode of the structure that rings above the filter of a force balance.
+"""Detection of a structural mode above the filter band of a force balance by a matched filter.
 
-That filter is as wide as the position's noise asks for. A mode above it leaves nothing there, though it rings long
-after every fast change; what rings long is narrow, and in the few hertz around it even the noise of mass times
-acceleration is little. So here each frequency counts by its own noise instead,
+The filter of the force balance is as wide as the noise of the position requires. A mode above it leaves nothing in the
+balance, though it rings after every fast change. Its response is narrow, so each frequency is weighted by its own
+noise,
 
     S(f) = S_F(f) + (m (2 pi f)^2)^2 S_x(f),
 
-and what a mode would leave is looked for away from the turns: a part r of the mass m that rides on it leaves
+and the response of a mode is looked for away from events: with the part r of the mass m on the mode,
 
     m r (R - 1) / (1 + r (R - 1)) T,    R(f) = f0^2 / (f0^2 - f^2 + 2i d f0 f),
 
-T being the acceleration that the applied force and the friction give the whole mass. An error in the mass, and in the
-time of the force, leaves m T and its derivatives: a mode has to show beside those, and on the held-out records as on
-those of the fit.
+T being the acceleration of the whole mass under the applied force and friction. Errors in the mass and in the time of
+the force give m T and its derivatives, which are projected out. A mode must be significant on the records of the fit
+and on the held-out ones.
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ from sysid.prediction.problem import Problem
 from sysid.signals.gaussian_filter import BAND
 from sysid.signals.masks import dilated, longer_than
 
-AWAY = 3.0
-"""Widths of the balance's filter around each turn that are left out: when it was counts for more than any mode."""
+EVENT_WIDTHS = 3.0
+"""Filter widths around each event that are left out, since its uncertain time outweighs any mode."""
 
 FROM, TO = 0.8, 8.0
-"""Frequencies looked at, in terms of the highest that the balance's filter lets through."""
+"""Range of frequencies, over the upper limit of the filter band."""
 
 HIGHEST = 0.35
-"""The same in terms of the sampling frequency."""
+"""Highest frequency, over the sampling frequency."""
 
-APART = 1.035
+FREQUENCY_RATIO = 1.035
 DAMPINGS = (0.01, 0.02, 0.04)
 """Ratio of neighbouring frequencies that are tried, and the damping ratios."""
 
-LEAST_ERRORS = 6.0
+LEAST_STATISTIC = 6.0
 """Standard errors that a mode has to show on the records of the fit and on the held-out ones: with none it is the best
 of some hundred on the former, and 3.3 at the most on the latter (20 generated cases with nothing hidden)."""
 
@@ -59,26 +59,26 @@ LEAST_PEAK = 1.3
 LEAST_PART = 0.02
 """Part of the mass below which what rides on the mode is no more than an error of the model may be."""
 
-DAMPED = 0.15
+MOST_DAMPING = 0.15
 """Damping ratio from which it hardly rings: an error of the model looks like that."""
 
-OF_THE_LAW = {"frequency": 0.03, "damping": 0.3, "mass_ratio": 0.3}
+MODEL_ERROR = {"frequency": 0.03, "damping": 0.3, "mass_ratio": 0.3}
 """Parts by which the values may be off beside their noise: a mass also rings while friction holds it, at another
 frequency, and starts from rest already ringing."""
 
-ALIKE = 1.6
+SIZE_RATIO = 1.6
 """Ratio up to which its size on both kinds of records is the same."""
 
 
 @dataclass(frozen=True)
 class StructuralMode:
-    """A mode that shows above the filter.
+    """A mode detected above the filter band.
 
     Args:
         values: frequency (Hz), damping ratio, and part of the mass that rides on it.
         stds: their standard deviations.
-        fit, held_out: standard errors by which it shows.
-        band: highest frequency that the balance's filter lets through, Hz.
+        fit, held_out: detection statistic, in standard errors.
+        band: upper limit of the filter band, Hz.
     """
 
     values: Mapping[str, float]
@@ -89,7 +89,7 @@ class StructuralMode:
 
     @property
     def words(self) -> str:
-        """How it is known."""
+        """How it was detected, in words."""
         return (
             f"rings at {self.values['frequency']:.3g} Hz, above the {self.band:.3g} Hz that the filter lets through: "
             f"{self.fit:.0f} standard errors where each frequency counts by its own noise, "
@@ -98,8 +98,8 @@ class StructuralMode:
 
 
 @dataclass(frozen=True)
-class _Whitened:
-    """A record with each frequency over its noise.
+class _WhitenedRecord:
+    """A whitened record: each frequency over its noise.
 
     Args:
         residual: what the rigid model leaves, in deviations, at the samples `seen`, (k,).
@@ -108,28 +108,28 @@ class _Whitened:
         seen: samples that count, (k,).
         beside: orthonormal columns that no mode is to be found in, (k, 3).
         length, start: of the transformed signals, and where the record begins in them.
-        band: highest frequency that the balance's filter lets through, Hz.
+        band: upper limit of the filter band, Hz.
     """
 
     residual: np.ndarray
     drive: np.ndarray
     frequencies: np.ndarray
-    seen: np.ndarray
-    beside: np.ndarray
+    samples: np.ndarray
+    nuisance: np.ndarray
     length: int
     start: int
     band: float
 
-    def left_by(self, frequency: float, damping: float, part: float = 0.0) -> np.ndarray:
-        """What a mode leaves for each part of the mass that rides on it, (k,), beside mass and time."""
+    def signature(self, frequency: float, damping: float, part: float = 0.0) -> np.ndarray:
+        """Response (k,) of a mode per part of the mass on it, errors of mass and time projected out."""
         f = self.frequencies
         moved = frequency**2 / (frequency**2 - f**2 + 2j * damping * frequency * f) - 1.0
-        signal = np.fft.irfft(self.drive * moved / (1.0 + part * moved), self.length)[self.start :][self.seen]
-        return signal - self.beside @ (self.beside.T @ signal)
+        signal = np.fft.irfft(self.drive * moved / (1.0 + part * moved), self.length)[self.start :][self.samples]
+        return signal - self.nuisance @ (self.nuisance.T @ signal)
 
 
 def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralMode | None:
-    """The mode that rings above the filter of a driven mass; none where none is clear.
+    """The structural mode above the filter band of a driven mass; none where none is significant.
 
     Args:
         problem: the records.
@@ -137,8 +137,8 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
     """
     if any(public_name(e.name) == "flexible_mode" for e in fitted.model.effects):
         return None
-    fits = _whitened(problem, fitted.model, problem.fit_records)
-    held_out = _whitened(problem, fitted.model, problem.validate_records)
+    fits = _whitened_records(problem, fitted.model, problem.fit_records)
+    held_out = _whitened_records(problem, fitted.model, problem.validate_records)
     if not fits or not held_out:
         return None
     band = min(record.band for record in fits)
@@ -146,24 +146,26 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
     if highest <= FROM * band:
         return None
     tried = [
-        (*_shown(fits, frequency, damping), frequency, damping)
-        for frequency in np.geomspace(FROM * band, highest, 2 + int(np.log(highest / (FROM * band)) / np.log(APART)))
+        (*_detection_statistic(fits, frequency, damping), frequency, damping)
+        for frequency in np.geomspace(
+            FROM * band, highest, 2 + int(np.log(highest / (FROM * band)) / np.log(FREQUENCY_RATIO))
+        )
         for damping in DAMPINGS
     ]
     errors, part, frequency, damping = max((t for t in tried if LEAST_PART <= t[1] <= 1.0), default=tried[0])
     elsewhere = max((abs(t[0]) for t in tried if not 1 / 1.5 < t[2] / frequency < 1.5), default=0.0)
-    errors_held_out, part_held_out = _shown(held_out, frequency, damping)
-    clear = min(errors, errors_held_out) >= LEAST_ERRORS and errors >= LEAST_PEAK * elsewhere
-    if not clear or not 1.0 / ALIKE < part / part_held_out < ALIKE:
+    errors_held_out, part_held_out = _detection_statistic(held_out, frequency, damping)
+    clear = min(errors, errors_held_out) >= LEAST_STATISTIC and errors >= LEAST_PEAK * elsewhere
+    if not clear or not 1.0 / SIZE_RATIO < part / part_held_out < SIZE_RATIO:
         return None
-    values, stds = _estimated(fits, frequency, damping, part)
-    if values["damping"] >= DAMPED:
+    values, stds = _estimate(fits, frequency, damping, part)
+    if values["damping"] >= MOST_DAMPING:
         return None
     return StructuralMode(values, stds, errors, errors_held_out, band)
 
 
 def with_structural_mode(problem: Problem, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
-    """The mode, and the model with it: what its ringing tells is known before the balance is fitted."""
+    """The mode, and the fit of the model with it; its detected values enter as priors."""
     effect = find("flexible_mode", problem.custom)
     start = {f"{effect.name}.{name}": value for name, value in found.values.items()}
     model = with_effect(fitted.model, effect, problem.scales, start)
@@ -177,13 +179,13 @@ SAME_MODE = 0.1
 
 
 def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
-    """Whether a fit of a mode to the balance alone is to be preferred to the one that its ringing tells."""
+    """Whether the fit of a mode to the force balance alone is preferred to that with the detected values."""
     frequencies = [fitted.model.values["flexible_mode.frequency"] for fitted in (other, rings)]
     same = abs(frequencies[0] / frequencies[1] - 1.0) < SAME_MODE
     return fits_clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 
 
-def _whitened(problem: Problem, model: Model, records: Sequence[PreparedRecord]) -> list[_Whitened]:
+def _whitened_records(problem: Problem, model: Model, records: Sequence[PreparedRecord]) -> list[_WhitenedRecord]:
     found = []
     for record in records:
         if (
@@ -191,19 +193,19 @@ def _whitened(problem: Problem, model: Model, records: Sequence[PreparedRecord])
             and record.raw_position is not None
             and record.full_filter is not None
         ):
-            one = _record(problem, model, record)
+            one = _whitened_record(problem, model, record)
             if one is not None:
                 found.append(one)
     return found
 
 
-def _record(problem: Problem, model: Model, balance: ForceBalanceRecord) -> _Whitened | None:
+def _whitened_record(problem: Problem, model: Model, balance: ForceBalanceRecord) -> _WhitenedRecord | None:
     """A record over its noise; none where too little of it is away from the turns."""
     assert balance.raw_position is not None and balance.full_filter is not None and balance.applied is not None
     mass = model.values.get("rig.mass", 0.0)
     width = balance.full_filter.width / balance.step
-    seen = np.flatnonzero(_away(balance, width))
-    if mass <= 0.0 or seen.size < 100:
+    samples = np.flatnonzero(_away_from_events(balance, width))
+    if mass <= 0.0 or samples.size < 100:
         return None
     force = balance.applied - unfiltered_force(balance, model.effects, model.values)
     reach = min(balance.size - 1, int(np.ceil(8.0 * width)))
@@ -219,24 +221,24 @@ def _record(problem: Problem, model: Model, balance: ForceBalanceRecord) -> _Whi
         ends = 2.0 * signal[0] - signal[reach:0:-1], 2.0 * signal[-1] - signal[-2 : -reach - 2 : -1]
         return np.fft.rfft(np.concatenate([ends[0], signal, ends[1]]), length)
 
-    def at_seen(of: np.ndarray) -> np.ndarray:
-        return np.fft.irfft(of, length)[reach:][seen]
+    def at_samples(of: np.ndarray) -> np.ndarray:
+        return np.fft.irfft(of, length)[reach:][samples]
 
     drive = spectrum(force)
-    residual = at_seen(weight * (drive + mass * turn**2 * spectrum(balance.raw_position)))
-    beside, _ = np.linalg.qr(np.column_stack([at_seen(weight * drive * (1j * f / band) ** k) for k in range(3)]))
+    residual = at_samples(weight * (drive + mass * turn**2 * spectrum(balance.raw_position)))
+    nuisance, _ = np.linalg.qr(np.column_stack([at_samples(weight * drive * (1j * f / band) ** k) for k in range(3)]))
     # A model that leaves more than noise is no better known than what it leaves.
     scale = robust_scale(residual)
     residual = np.clip(residual / scale, -6.0, 6.0)
-    residual -= beside @ (beside.T @ residual)
-    return _Whitened(residual, weight * drive / scale, f, seen, beside, length, reach, band)
+    residual -= nuisance @ (nuisance.T @ residual)
+    return _WhitenedRecord(residual, weight * drive / scale, f, samples, nuisance, length, reach, band)
 
 
-def _away(balance: ForceBalanceRecord, width: float) -> np.ndarray:
+def _away_from_events(balance: ForceBalanceRecord, width: float) -> np.ndarray:
     """Samples (n,) in motion, away from turns, gaps and ends; widths in samples."""
     out = np.ones(balance.size, dtype=bool)
     assert balance.slip_phases is not None and balance.reversals is not None and balance.stick_fraction is not None
-    reach = int(np.ceil(AWAY * width))
+    reach = int(np.ceil(EVENT_WIDTHS * width))
     for time in (*balance.slip_phases.end, *balance.slip_phases.break_away, *np.abs(balance.reversals)):
         if np.isfinite(time):
             out[max(0, int(time) - reach) : int(time) + reach + 2] = False
@@ -273,18 +275,18 @@ def _power(noise: Noise, f: np.ndarray, step: float) -> np.ndarray:
     return noise.value**2 * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(2.0 * np.pi * f * step) + c**2)
 
 
-def _shown(records: Sequence[_Whitened], frequency: float, damping: float) -> tuple[float, float]:
-    """Standard errors by which a small mode shows, and the part of the mass that rides on it."""
+def _detection_statistic(records: Sequence[_WhitenedRecord], frequency: float, damping: float) -> tuple[float, float]:
+    """Detection statistic of a small mode, in standard errors, and the part of the mass on it."""
     along = whole = 0.0
     for record in records:
-        signal = record.left_by(frequency, damping)
+        signal = record.signature(frequency, damping)
         along += float(signal @ record.residual)
         whole += float(signal @ signal)
     return (float(along / np.sqrt(whole)), along / whole) if whole > 0.0 else (0.0, 0.0)
 
 
-def _estimated(
-    records: Sequence[_Whitened], frequency: float, damping: float, part: float
+def _estimate(
+    records: Sequence[_WhitenedRecord], frequency: float, damping: float, part: float
 ) -> tuple[dict[str, float], dict[str, float]]:
     """The mode's values and their deviations, by least squares from where a small one of it shows best."""
     # Few records ring, and it takes half a second.
@@ -296,7 +298,7 @@ def _estimated(
 
     def left(point: np.ndarray) -> np.ndarray:
         f, d = np.exp(point[:2])
-        return np.concatenate([r.residual - point[2] * r.left_by(f, d, point[2]) for r in records])
+        return np.concatenate([r.residual - point[2] * r.signature(f, d, point[2]) for r in records])
 
     bounds = ([start[0] - 0.7, np.log(1e-3), 0.0], [start[0] + 0.7, np.log(0.35), 1.0])
     found = least_squares(left, start, bounds=bounds, x_scale=(0.01, 0.1, 0.01))
@@ -304,4 +306,4 @@ def _estimated(
     f, d = np.exp(found.x[:2])
     values = {"frequency": float(f), "damping": float(d), "mass_ratio": float(found.x[2])}
     noise = {"frequency": f * spread_of[0], "damping": d * spread_of[1], "mass_ratio": spread_of[2]}
-    return values, {name: float(np.hypot(std, OF_THE_LAW[name] * values[name])) for name, std in noise.items()}
+    return values, {name: float(np.hypot(std, MODEL_ERROR[name] * values[name])) for name, std in noise.items()}
