@@ -85,9 +85,16 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
     run: Callable[[list[str]], dict[str, Any]] = _as_program if fresh else _in_process
     kind = kind_of(entry)
     out = Outcome(
-        folder.name, kind, entry["rig"], entry["effect"], size_of(entry), bool(entry.get("hard")), right=False, said="",
+        case=folder.name,
+        kind=kind,
+        rig=entry["rig"],
+        effect=entry["effect"],
+        size=size_of(entry),
+        hard=bool(entry.get("hard")),
+        right=False,
+        said="",
         accept=tuple(entry["accept"]),
-    )  # fmt: skip
+    )
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch) / folder.name
         shutil.copytree(folder, work)
