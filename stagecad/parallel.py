@@ -27,6 +27,7 @@ import warnings
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, TypeVar
@@ -280,7 +281,7 @@ class _Worker:
         self.pipe, other_end = context.Pipe()
         self._limit = pool.limit
         self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)
-        with _interrupts_blocked(), warnings.catch_warnings():
+        with _interrupts_blocked(pool.method), warnings.catch_warnings():
             # Python 3.12 warns of forks beside threads; those that `fork_map` meets hold no lock that a worker needs.
             warnings.simplefilter("ignore", DeprecationWarning)
             self._process.start()
@@ -317,11 +318,14 @@ class _Worker:
 
 
 @contextlib.contextmanager
-def _interrupts_blocked() -> Iterator[None]:
+def _interrupts_blocked(method: str) -> Iterator[None]:
     """Ctrl-C waits for the end of the block; processes started in it never receive it (the mask is inherited)."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
+    if method == "spawn":
+        # A helper of `multiprocessing`, which would be started with the first process and unblock the signal again.
+        resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -46,7 +46,7 @@ def test_an_interrupt_while_python_imports_prints_no_traceback(tmp_path, name, w
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="needs process groups")
-def test_an_interrupt_of_side_by_side_runs_ends_their_processes(tmp_path):
+def test_an_interrupt_of_parallel_runs_ends_their_processes(tmp_path):
     """As a terminal sends it: to the program and to every process it has started."""
     words = [*PROGRAM, "simulate", "stick-slip", "--draws", "100000", "--set", "friction.breakaway=1.5 +- 0.01 N"]
     started = subprocess.Popen(
