@@ -8,13 +8,17 @@ from pathlib import Path
 from typing import Any
 
 from drawings.artefacts.sheets import PICTURES, PROCEDURE, BuiltSheet, CalculateValues, build_sheets, find_sheets
-from drawings.artefacts.workers import run_tasks
+from stagecad.parallel import TimeLimit, parallel_map
 from stagecad.solids.artefacts.part import build_part, find_part
 from stagecad.solids.artefacts.store import ArtefactStore
 from stagecad.solids.modelling.registry import ASSEMBLY, part_names
 
 BUILD = "build "
 """Begins the name of a task that builds a part; the other tasks draw the sheets of their name."""
+
+TIME_LIMIT = 120.0
+"""Processor time after which a task is repeated without exact hidden-line removal, which can hang, s; the longest takes
+some ten."""
 
 SLOWEST_FIRST = ("base", "spring", ASSEMBLY, PROCEDURE, "stage", "holder", "tip", "tooth_bar", "bearing_way")
 """Order in which parts are built and sheets drawn, so that no long task is left for the end."""
@@ -55,13 +59,15 @@ def build_all_sheets(
             if task in missing:
                 advance(task)
 
-        needs = {
+        requires = {
             subject: [task for task in before if subject in PICTURES or task == f"{BUILD}{subject}"]
             for subject in missing
         }
-        work = partial(_run, store.folder, design, calculate)
-        built = run_tasks((*before, *missing), work, report, workers=workers, needs=needs)
-        found |= {subject: built[subject] for subject in missing}
+        tasks = (*before, *missing)
+        run = partial(_run, store.folder, design, calculate)
+        limit = TimeLimit(TIME_LIMIT, fallback=partial(run, exact=False))
+        built = parallel_map(run, tasks, progress=report, workers=workers, limit=limit, requires=requires)
+        found |= dict(zip(missing, built[len(before) :]))
     return {subject: found[subject] for subject in wanted}
 
 
@@ -69,10 +75,12 @@ def _slowest_first(names: Iterable[str]) -> Sequence[str]:
     return sorted(names, key=lambda name: SLOWEST_FIRST.index(name) if name in SLOWEST_FIRST else len(SLOWEST_FIRST))
 
 
-def _run(folder: Path, design: Any, calculate: CalculateValues | None, task: str, late: bool) -> tuple[BuiltSheet, ...]:
-    """Run a task in a worker process; a late one, which exceeded the time limit, without exact hidden-line removal."""
+def _run(
+    folder: Path, design: Any, calculate: CalculateValues | None, task: str, exact: bool = True
+) -> tuple[BuiltSheet, ...]:
+    """Run a task in a worker process, with or without exact hidden-line removal."""
     store = ArtefactStore(folder)
     if task.startswith(BUILD):
         build_part(store, task.removeprefix(BUILD), design)
         return ()
-    return build_sheets(store, task, design, calculate, exact=not late)
+    return build_sheets(store, task, design, calculate, exact=exact)

@@ -98,7 +98,7 @@ def test_nothing_is_drawn_twice(
 ) -> None:
     folder, cache, _ = drawn
     monkeypatch.setenv("STAGECAD_CACHE", str(cache))
-    monkeypatch.setattr("drawings.artefacts.tasks.run_tasks", None)
+    monkeypatch.setattr("drawings.artefacts.tasks.parallel_map", None)
     assert run(["drawings", "magnet", "--out", str(folder), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["changed"] == []
     # A parameter that the magnet does not read changes nothing either.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -202,10 +203,13 @@ def _experiment(
 def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output, progress: Any) -> dict[str, Any]:
     """Run the studies of the stage, write their tables and figures; their features."""
     from sim.experiments.stage import STUDIES, stage_drive
-    from stagecad.parallel import parallel_map
+    from stagecad.parallel import fork_map, parallel_map
     from stagecad.solids.assembly.machine import body_masses
 
     drive = stage_drive(run.design, body_masses(run.design))
+    # A forked process has the compiled kernels; a new one would load them, for each study.
+    forking = scheduler is None and sys.platform == "linux"
+    map_cases: Callable[..., list[Any]] = fork_map if forking else partial(parallel_map, scheduler=scheduler)
     found = {}
     for study in selection.studies:
         task = progress.add_task(f"stage: {study.replace('_', ' ')}", total=None)
@@ -213,7 +217,7 @@ def _stage(run: Run, selection: Selection, scheduler: str | None, output: Output
         def run_cases(function: Callable[[Any], Any], cases: Sequence[Any], task: Any = task) -> list[Any]:
             progress.update(task, total=len(cases))
             advance = partial(progress.update, task, advance=1)
-            return parallel_map(function, cases, progress=lambda case: advance(), scheduler=scheduler)
+            return map_cases(function, cases, progress=lambda case: advance())
 
         found[study] = STUDIES[study](drive, run_cases)
     if output.formats:
