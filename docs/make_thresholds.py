@@ -1,4 +1,4 @@
-"""Put the values of the constants that decide into theory.md: python docs/make_thresholds.py."""
+"""Write the table of decision thresholds in theory.md from the constants: python docs/make_thresholds.py."""
 
 from __future__ import annotations
 
@@ -11,57 +11,89 @@ from sysid.estimation import covariance, misfit, variant_selection
 
 PAGE = Path(__file__).parent / "theory.md"
 TABLE = re.compile(r"(<!-- thresholds: .*? -->\n).*?(<!-- end of thresholds -->)", re.DOTALL)
-# In the order in which a verdict meets them.
+# In the order in which a verdict uses them.
 CONSTANTS = (
-    (misfit, "KEPT", "part of the samples in the robust error"),
-    (misfit, "LOSS_CORNER", "deviations from which the ranking's loss is linear"),
-    (verdict_limits, "LEAST_SIGNIFICANCE", "standard errors of the held-out gain from which it is more than chance"),
-    (verdict_limits, "LEAST_STEADINESS", "or: mean gain of a block of time over its standard error"),
-    (verdict_limits, "ALIKE", "there, part of its held-out gain that an effect must take of the fit's loss too"),
-    (verdict_limits, "LEAST_GAIN", "part of the loss that must go, on the records of the fit and on the held-out ones"),
+    (misfit, "KEPT", "share of the samples in the robust error"),
+    (misfit, "LOSS_CORNER", "corner of the Huber loss of the ranking, in deviations"),
+    (verdict_limits, "LEAST_SIGNIFICANCE", "standard errors of the held-out gain from which it is significant"),
+    (verdict_limits, "LEAST_STEADINESS", "or: mean gain per block of time over its standard error"),
+    (verdict_limits, "ALIKE", "then: least relative gain on the records of the fit, over that on the held-out records"),
+    (
+        verdict_limits,
+        "LEAST_GAIN",
+        "least share of the loss removed, on the records of the fit and on the held-out ones",
+    ),
     (verdict_limits, "ADEQUATE_OVER_NOISE", "error over noise up to which a model is adequate"),
-    (verdict_limits, "NOTHING_ABOVE", "error over noise of a force balance up to which a gain is of noise"),
-    (verdict_limits, "NOISE_ALONE", "ranking error, in deviations, from which an effect leaves nothing but noise"),
-    (verdict_limits, "SPELLS", "ranking error of a residual that persists from which a model is not adequate"),
-    (verdict_limits, "CLEARLY_ABOVE", "error over noise of a force balance from which that is believed"),
-    (verdict_limits, "MUCH_OF_IT", "or: part of the loss that the effect takes"),
+    (verdict_limits, "NOTHING_ABOVE", "error over noise of a force balance up to which a gain is attributed to noise"),
+    (
+        verdict_limits,
+        "NOISE_ALONE",
+        "ranking error, in deviations, up to which the residual with an effect is only noise",
+    ),
+    (verdict_limits, "SPELLS", "ranking error from which a model with an autocorrelated residual is not adequate"),
+    (verdict_limits, "CLEARLY_ABOVE", "error over noise of a force balance from which `NOISE_ALONE` applies"),
+    (verdict_limits, "MUCH_OF_IT", "or: share of the loss that the effect removes"),
     (verdict_limits, "MOST_OF_IT", "the same where more than noise is left"),
-    (verdict_limits, "SURE_PART", "or: part of the loss that it takes steadily"),
-    (verdict_limits, "SURE_SIGNIFICANCE", "or: standard errors of its gain, where it is steady"),
-    (verdict_limits, "SURE_STEADINESS", "that is, with such a mean gain of a block over its standard error"),
+    (verdict_limits, "SURE_PART", "or: share of the loss that it removes steadily"),
+    (verdict_limits, "SURE_SIGNIFICANCE", "or: standard errors of its gain, where the gain is steady"),
+    (verdict_limits, "SURE_STEADINESS", "least mean gain per block over its standard error of a steady gain"),
     (verdict_limits, "LEAST_PATTERN", "share that some coordinate must explain before a misfit is `unexplained`"),
-    (verdict_limits, "LEAST_TEXTURE", "or: share that the position must foretell"),
-    (verdict_limits, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is the explanation"),
+    (verdict_limits, "LEAST_TEXTURE", "or: least share predicted from the position by cross-validation"),
+    (verdict_limits, "SHARE_ENOUGH", "share of the loss above the noise from which one effect is sufficient"),
     (verdict_limits, "VARIANCE_ENOUGH", "or: share of the robust variance above the noise"),
-    (verdict_limits, "SHARE_AWAY", "or: share of the loss away from the turns of a driven mass"),
-    (verdict_limits, "LEAST_AWAY", "part of the samples that must be away from turns for that"),
-    (verdict_limits, "CLEARLY_AWAY", "mean squared loss there, in deviations squared, that it takes"),
-    (verdict_limits, "BENT", "share of what is left, over the effect's own coordinate, that tells of another law"),
-    (verdict_limits, "BENT_TOGETHER", "the same of what two effects leave"),
-    (verdict_limits, "LEANS", "part of the loss left beside the best effect below which a pair without it is taken"),
+    (verdict_limits, "SHARE_AWAY", "or: share of the loss away from the reversals of a driven mass"),
+    (verdict_limits, "LEAST_AWAY", "least share of the samples away from reversals for that"),
+    (verdict_limits, "CLEARLY_AWAY", "least mean squared loss there, in deviations squared"),
+    (
+        verdict_limits,
+        "BENT",
+        "share of the residual explained by the effect's own coordinate from which the true law is a different one",
+    ),
+    (verdict_limits, "BENT_TOGETHER", "the same for the residual with two effects"),
+    (
+        verdict_limits,
+        "LEANS",
+        "loss of a pair without the best effect, over that with it, below which the former is taken",
+    ),
     (
         verdict_limits,
         "SHARE_OF_A_PART",
-        "share from which an effect is missing beside others, if it leaves little pattern",
+        "share from which an effect is missing beside others, if its residual depends little on coordinates",
     ),
-    (verdict_limits, "LEAST_PATTERN_LEFT", "that little: share of what is left that some coordinate explains"),
-    (verdict_limits, "SHARE_WITH_THE_PATTERN", "the same for an effect that leaves no pattern at all"),
-    (verdict_limits, "UNDERRATED", "error over noise up to which what follows nothing is noise thought too small"),
-    (verdict_limits, "SHARE_OF_NOISE", "share that no effect may take then"),
-    (verdict_limits, "HARDLY_MORE", "ranking error over the best's up to which another may be the first of two"),
+    (verdict_limits, "LEAST_PATTERN_LEFT", "then: largest share of the residual explained by a coordinate"),
+    (
+        verdict_limits,
+        "SHARE_WITH_THE_PATTERN",
+        "the same as `SHARE_OF_A_PART` if the residual depends on no coordinate",
+    ),
+    (
+        verdict_limits,
+        "UNDERRATED",
+        "error over noise up to which a residual without dependence on a coordinate is underestimated noise",
+    ),
+    (verdict_limits, "SHARE_OF_NOISE", "share that no effect may remove then"),
+    (
+        verdict_limits,
+        "HARDLY_MORE",
+        "ranking error over that of the best effect up to which another may be the first of a pair",
+    ),
     (
         verdict_limits,
         "LEAST_OF_MOST",
-        "standard errors that are enough for an effect that takes `MOST_OF_IT` of all",
+        "standard errors sufficient for an effect that removes `MOST_OF_IT` of the loss of all records",
     ),
-    (verdict_limits, "MORE_IS_MISSING", "ranking error beside which effects that gain the same to 1 % are a tie"),
-    (variant_selection, "BETTER_HELD_OUT", "part of the held-out loss below which another law of an effect is added"),
-    (verdict_limits, "SHARE_OF_TWO", "the first of these, for two effects together"),
-    (verdict_limits, "VARIANCE_OF_TWO", "the second, for two together"),
-    (verdict_limits, "NEARLY_ALL_OF_TWO", "share of two from which what they leave may follow the position"),
-    (verdict_limits, "AT_STARTS", "effects that an error in the time of a start looks like"),
-    (verdict_limits, "AT_REVERSALS", "effects that an error in the time of a reversal looks like"),
-    (covariance, "BLOCKS_PER_RECORD", "blocks of time per record behind an interval"),
+    (verdict_limits, "MORE_IS_MISSING", "ranking error from which effects with equal gains within 1 % are a tie"),
+    (
+        variant_selection,
+        "BETTER_HELD_OUT",
+        "ratio of held-out losses below which another variant of an effect is selected",
+    ),
+    (verdict_limits, "SHARE_OF_TWO", "the same as `SHARE_ENOUGH` for two effects together"),
+    (verdict_limits, "VARIANCE_OF_TWO", "the same as `VARIANCE_ENOUGH` for two effects together"),
+    (verdict_limits, "NEARLY_ALL_OF_TWO", "share of two effects from which their residual may depend on the position"),
+    (verdict_limits, "AT_STARTS", "effects that resemble an error in the time of a break-away"),
+    (verdict_limits, "AT_REVERSALS", "effects that resemble an error in the time of a reversal"),
+    (covariance, "BLOCKS_PER_RECORD", "blocks of time per record for the covariance"),
 )
 
 
