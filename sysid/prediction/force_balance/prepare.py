@@ -156,10 +156,7 @@ def driven_mass(
     motion = _Motion(time, position, missing, load, temperature)
     axis, resolved, slip_phases = _resolved(motion, force.values / mass if mass > 0 else np.zeros(n), width)
 
-    # A line through fewer rows than the filter is wide is as good as what the filter would have made of them.
-    bad = missing | dilated(longer_than(missing, width / step), reach)
-    bad[: reach + 1] = True
-    bad[n - reach :] = True
+    valid = _valid_rows(missing, width / step, reach)
     full = GaussianFilter(width, step, n)
     acceleration_noise = position.std * full.noise_gain(2, position.correlation)
     measured, noises, inputs = _filtered_channels(channel, channels, (position, force), full, pull_stiffness)
@@ -173,7 +170,7 @@ def driven_mass(
         step=step,
         axis=axis,
         measured=measured,
-        valid={name: np.logical_not(bad) for name in measured},
+        valid={name: valid.copy() for name in measured},
         noise=noises,
         acceleration=full(position.values, 2),
         stick_fraction=resolved.stick_fraction,
@@ -197,7 +194,19 @@ def driven_mass(
         interpolated=missing,
     )
     edge = max(6, int(np.ceil(1.5 * width / step)))
-    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, ~bad, edge))
+    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, valid, edge))
+
+
+def _valid_rows(missing: np.ndarray, width: float, reach: int) -> np.ndarray:
+    """Mask (n,) of the rows whose filtered values are not affected by a gap or by an end of the record.
+
+    `missing` (n,) marks rows without a measured value. The filter has `width` and uses `reach` rows on each side, both
+    in rows; a gap shorter than the filter is interpolated, which changes the filtered values little.
+    """
+    invalid = missing | dilated(longer_than(missing, width), reach)
+    invalid[: reach + 1] = True
+    invalid[missing.size - reach :] = True
+    return ~invalid
 
 
 def _filtered_channels(
