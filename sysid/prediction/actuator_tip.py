@@ -18,11 +18,11 @@ import numpy as np
 
 from sim.library.effect import Effect
 from sysid.experiment.record import Record
-from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
 from sysid.prediction.effect_terms import TERMS, Values, values_of
 from sysid.prediction.sensors import sensed
 from sysid.signals.masks import filled
+from sysid.signals.resampling import uniform
 
 
 class DrivenPiezos(Protocol):

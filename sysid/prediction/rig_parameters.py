@@ -9,13 +9,13 @@ import numpy as np
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
-from sysid.experiment.resampling import uniform
 from sysid.experiment.unknowns import Prior, Unknown
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.prepare import driven_mass
 from sysid.prediction.friction_drive.parameters import friction_drive_parameters
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
+from sysid.signals.resampling import uniform
 
 LEAST_ROWS = 200
 """Scored rows below which a mass is not read off a record."""

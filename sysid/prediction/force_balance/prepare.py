@@ -12,7 +12,6 @@ import numpy as np
 from sim.library.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
-from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
 from sysid.noise.quantisation import find_quantisation_step
 from sysid.prediction.force_balance.record import (
@@ -28,6 +27,7 @@ from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_
 from sysid.prediction.force_balance.sticking import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import dilated, filled, longer_than
+from sysid.signals.resampling import uniform
 
 REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is zero."""

@@ -29,7 +29,6 @@ import numpy as np
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
-from sysid.experiment.resampling import uniform
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import piezo_stretch
 from sysid.prediction.effect_terms import Values, axis_force, friction_level, values_of
@@ -52,6 +51,7 @@ from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, Nudgi
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
+from sysid.signals.resampling import uniform
 
 TRANSVERSE = "position_y"
 """The channel across the travel: where it is measured, the motion is simulated in the plane."""
