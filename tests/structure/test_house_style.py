@@ -1,4 +1,4 @@
-"""Limits of size that keep the packages readable: parameters and lines of functions, lines of files, files of folders."""
+"""Limits of size for readable packages: parameters and lines of functions, lines of files, files of folders."""
 
 from __future__ import annotations
 
