@@ -117,7 +117,7 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
         SimulationError: the step became too small, a law gave a number that is not finite, or too many steps.
     """
     from sim.integration.integrator import DONE, REPORT_HEAD, integrate
-    from sim.integration.layout import plan_of
+    from sim.integration.plan import plan_of
     from sim.integration.problem import WORKS, Output
 
     chosen = Settings(**settings)

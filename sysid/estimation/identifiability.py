@@ -91,7 +91,7 @@ def principal_angles(one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return np.where(angles < 0.1, np.arcsin(np.clip(sines[: angles.size], 0.0, 1.0)), angles)
 
 
-def own_directions(fitted: FittedModel, base: FittedModel) -> np.ndarray:
+def orthogonal_sensitivities(fitted: FittedModel, base: FittedModel) -> np.ndarray:
     """Orthonormal basis (n, p) of the sensitivities to the added values, orthogonal to those of the base model.
 
     Both fits score the same samples with the same standard deviations.
@@ -120,7 +120,7 @@ def substitution_angle(effect: FittedModel, other: FittedModel, base: FittedMode
         return None if size <= LEAST_OWN * float(np.linalg.norm(whole)) else free / size
 
     wanted, made = change(effect), change(other)
-    span = own_directions(other, base)
+    span = orthogonal_sensitivities(other, base)
     if made is not None:
         span = orthonormal(np.column_stack([span, made]))
     if wanted is None or span.shape[1] == 0:

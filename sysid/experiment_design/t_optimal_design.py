@@ -56,7 +56,7 @@ class Discrimination:
 
 
 @dataclass(frozen=True)
-class DesignValue:
+class RankedMotion:
     """Design value of a motion.
 
     Args:
@@ -91,7 +91,7 @@ class Suggestion:
     problem: Problem
     diagnosis: Diagnosis
     competing: tuple[str, ...]
-    motions: tuple[DesignValue, ...]
+    motions: tuple[RankedMotion, ...]
     inseparable: tuple[str, ...] = ()
     revisited: str | None = None
 
@@ -128,7 +128,7 @@ def rank_motions(
     filling, problem = motions[-1], found.problem
     names = [t.public_name for t in competing]
     if len(competing) < 2:
-        return Suggestion(problem, found, tuple(names), (DesignValue(filling, ()),), (), revisited)
+        return Suggestion(problem, found, tuple(names), (RankedMotion(filling, ()),), (), revisited)
     models = [t.fitted.model for t in competing]
     now = [_distance_on_records(problem, models[0], other) for other in models[1:]]
     found_pairs: list[list[Discrimination]] = []
@@ -146,7 +146,7 @@ def rank_motions(
     values = []
     for motion, pairs in zip(motions, found_pairs, strict=True):
         least = min((p.deviations for p in pairs if p.effects[1] not in same), default=0.0)
-        values.append(DesignValue(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
+        values.append(RankedMotion(motion, tuple(sorted(pairs, key=lambda p: p.deviations)), least))
     ordered = sorted(values[:-1], key=lambda w: -w.rate)
     return Suggestion(problem, found, tuple(names), (*ordered, values[-1]), tuple(same), revisited)
 

@@ -23,7 +23,7 @@ STILL = 5e-9
 
 
 @dataclass(frozen=True)
-class Hold:
+class HoldingLoop:
     """A loop that holds the stage at a target, by the interferometer.
 
     Args:
@@ -48,16 +48,16 @@ class Hold:
 
 
 HOLDS = {
-    "ellipse_no_integral": Hold("whole ellipse, no integral action", "ellipse", 2e4, 0.0),
-    "ellipse_slow": Hold("whole ellipse, slow integral", "ellipse", 2e4, 2e6),
-    "ellipse_fast": Hold("whole ellipse, fast integral", "ellipse", 2e4, 3e6),
-    "travel_slow": Hold("travel only, slow integral", "travel", 2e4, 1e6),
-    "lean_fast": Hold("pressed tip, integral of 300 /s", "lean", 0.0, 300.0, target=1e-6),
+    "ellipse_no_integral": HoldingLoop("whole ellipse, no integral action", "ellipse", 2e4, 0.0),
+    "ellipse_slow": HoldingLoop("whole ellipse, slow integral", "ellipse", 2e4, 2e6),
+    "ellipse_fast": HoldingLoop("whole ellipse, fast integral", "ellipse", 2e4, 3e6),
+    "travel_slow": HoldingLoop("travel only, slow integral", "travel", 2e4, 1e6),
+    "lean_fast": HoldingLoop("pressed tip, integral of 300 /s", "lean", 0.0, 300.0, target=1e-6),
 }
 
 
 @dataclass(frozen=True)
-class Held:
+class HoldingRun:
     """A run of a hold.
 
     Args:
@@ -92,7 +92,7 @@ class Held:
 class HuntingStudy:
     """Holds by name."""
 
-    holds: dict[str, Held] = field(repr=False)
+    holds: dict[str, HoldingRun] = field(repr=False)
 
     def features(self) -> dict[str, tuple[float, str] | None]:
         found: dict[str, tuple[float, str] | None] = {}
@@ -105,7 +105,7 @@ class HuntingStudy:
         return found
 
 
-def held(case: tuple[StageMachine, float, float, float, Hold]) -> Held:
+def held(case: tuple[StageMachine, float, float, float, HoldingLoop]) -> HoldingRun:
     """A hold from rest; the case is machine, amplitude (m), phase (rad), frequency (Hz), hold."""
     machine, amplitude, phase, frequency, hold = case
     actuation = Actuation(machine, amplitude, phase, frequency, STEP)
@@ -127,7 +127,7 @@ def held(case: tuple[StageMachine, float, float, float, Hold]) -> Held:
         else:
             asked = (output, abs(output) if hold.moves == "ellipse" else 1.0, 0.0, 0.0)
         simulation.advance(actuation.commands(*asked), actuation.steps)
-    return Held(simulation.record(), hold.target, np.array(outputs))
+    return HoldingRun(simulation.record(), hold.target, np.array(outputs))
 
 
 def hunting_study(

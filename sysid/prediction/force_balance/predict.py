@@ -12,14 +12,7 @@ from sim.library.effect import Axis, Effect
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.reversals import ResolvedMotion, event_resolved_friction, shifted_events
-from sysid.prediction.force_balance.stick_phases import (
-    FULLY_AT_REST,
-    STICK_DISPLACEMENT,
-    bristles_of,
-    presliding_displacement,
-    usual_level,
-)
-from sysid.prediction.force_balance.sticking import (
+from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     Onsets,
     Slip,
@@ -28,6 +21,13 @@ from sysid.prediction.force_balance.sticking import (
     sticking_onsets,
     substeps_of,
     write_presliding_friction,
+)
+from sysid.prediction.force_balance.stick_phases import (
+    FULLY_AT_REST,
+    STICK_DISPLACEMENT,
+    bristles_of,
+    median_level,
+    presliding_displacement,
 )
 from sysid.prediction.sensors import delayed_like_motion, delays_motion, sensed, sensor_input
 
@@ -132,7 +132,7 @@ def _friction(
 
 def _usual(core: Effect, level: np.ndarray) -> float:
     """Usual friction level of a core with bristles, N; one without asks for none."""
-    return 0.0 if core.friction_state is not None and core.friction_state.name == "coulomb" else usual_level(level)
+    return 0.0 if core.friction_state is not None and core.friction_state.name == "coulomb" else median_level(level)
 
 
 LEAST_UNOBSERVABLE = 0.02

@@ -23,8 +23,8 @@ from sysid.prediction.force_balance.record import (
     optional_channel,
 )
 from sysid.prediction.force_balance.reversals import EventSearch, ResolvedMotion, resolve_events
+from sysid.prediction.force_balance.stick_event_times import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
-from sysid.prediction.force_balance.sticking import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import dilated, filled, longer_than
 from sysid.signals.resampling import uniform

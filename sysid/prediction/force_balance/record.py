@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sim.library.effect import Axis
+from sysid.prediction.force_balance.stick_event_times import SlipPhases
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
-from sysid.prediction.force_balance.sticking import SlipPhases
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
 

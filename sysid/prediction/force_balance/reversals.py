@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.numerics.compilation import compiled
-from sysid.prediction.force_balance.sticking import Forces, SlipPhases
+from sysid.prediction.force_balance.stick_event_times import Forces, SlipPhases
 from sysid.signals.masks import runs
 
 

@@ -231,7 +231,7 @@ def presliding_displacement(
         core: friction state model.
         p: its parameter values.
     """
-    stretches, weights = bristles_of(core, p, max(usual_level(level), 1e-12))
+    stretches, weights = bristles_of(core, p, max(median_level(level), 1e-12))
     starts, stops = np.array(stick_phases.spans).T
     moved = _spring_displacement(
         starts,
@@ -249,6 +249,6 @@ LEVELS = 2000
 """Samples of which the median level of a record is computed, if there are so many."""
 
 
-def usual_level(level: np.ndarray) -> float:
+def median_level(level: np.ndarray) -> float:
     """Median of a friction level (n,), N, at samples all along it."""
     return float(np.median(level[:: max(1, level.size // LEVELS)]))

@@ -71,7 +71,7 @@ def test_the_force_shown_is_that_of_the_record():
 
 
 def test_a_drive_with_a_play_is_left_as_it_is():
-    from sim.integration.layout import plan_of
+    from sim.integration.plan import plan_of
 
     given = logged_pull(1e-8)
     with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, float("nan"), float("nan"))

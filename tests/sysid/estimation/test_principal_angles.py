@@ -10,7 +10,7 @@ from scipy.linalg import subspace_angles
 
 from sim.effects.catalogue import find
 from sysid.estimation.fit import FittedModel, fit_model
-from sysid.estimation.identifiability import own_directions, principal_angles, substitution_angle
+from sysid.estimation.identifiability import orthogonal_sensitivities, principal_angles, substitution_angle
 from sysid.prediction.model import with_effect
 from sysid.prediction.problem import Problem
 from tests.sysid.slide import SIGN, VELOCITY, slide
@@ -76,7 +76,7 @@ def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> Non
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     base = fit_model(problem.start, problem.fit_records)
     load = added(problem, base, "load_dependent_friction")
-    assert own_directions(load, base).shape[1] == 0
+    assert orthogonal_sensitivities(load, base).shape[1] == 0
     assert substitution_angle(load, added(problem, base, "viscous"), base) is None
 
 

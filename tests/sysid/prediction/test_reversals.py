@@ -12,7 +12,7 @@ from sysid.prediction.force_balance.reversals import (
     event_times,
     resolve_events,
 )
-from sysid.prediction.force_balance.sticking import Forces
+from sysid.prediction.force_balance.stick_event_times import Forces
 
 
 def _turning_block(turn: float, push: float, friction: float, n: int = 401) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.force_balance.sticking import (
+from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     SlipPhases,
     SmoothedMotion,
