@@ -37,13 +37,13 @@ RANK = """
 import json, sys
 from time import perf_counter, process_time
 from sysid.prediction.problem import load_problem
-from sysid.estimation.reference_fit import fit_case
-from sysid.diagnosis.trials import looks_on
-case = load_problem(sys.argv[1])
-base = fit_case(case)
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.diagnosis.candidate_screening import screen_all
+problem = load_problem(sys.argv[1])
+base = fit_stated_model(problem)
 clock, processor = perf_counter(), process_time()
-looks = looks_on(case, base, [e.name for e in case.start.effects])
-print("used", process_time() - processor, perf_counter() - clock, len(looks.fits))
+screening = screen_all(problem, base, [e.name for e in problem.start.effects])
+print("used", process_time() - processor, perf_counter() - clock, len(screening.fits))
 """
 DIAGNOSE = """
 import resource, sys

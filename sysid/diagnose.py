@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
+from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.evidence import Evidence, is_worthwhile
 from sysid.diagnosis.pairs import ReducedModels, forward_after_deletion
 from sysid.diagnosis.quantised_channel import coarse_steps
@@ -15,7 +16,6 @@ from sysid.diagnosis.swaps import Swap, find_swaps
 from sysid.diagnosis.trials import (
     CandidateFit,
     CandidateSearch,
-    Progress,
     evaluate_all,
     evaluate_candidate,
     explained_share,

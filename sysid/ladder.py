@@ -1,4 +1,5 @@
-"""Adding effects one rung at a time: each rung is a fitted model with its errors, and can be gone back to."""
+"""Model history (`stagecad add`, `stagecad ladder`): each revision is a fitted model with its errors, and can be
+restored."""
 
 from __future__ import annotations
 
@@ -36,18 +37,19 @@ from sysid.report import both_json, noise_json, parameter_unit, parameters_json
 
 
 @dataclass(frozen=True)
-class Step:
-    """A rung just added.
+class Addition:
+    """Result of adding effects to the model of an experiment.
 
     Args:
-        rung: as written.
-        before_fit, before_validate: misfit of the model as it stood.
-        after_fit, after_validate: misfit of the model with the effects added.
-        changed: old parameters that moved by more than their interval, with value before and after, SI.
-        seconds: taken.
+        revision: as written.
+        problem, base: with the extended model.
+        before_fit, before_validate: misfit by channel of the model before.
+        after_fit, after_validate: misfit by channel of the extended model.
+        changed: parameters of the model before whose values left their intervals, with value before and after, SI.
+        seconds: run time.
     """
 
-    rung: Revision
+    revision: Revision
     problem: Problem
     base: ReferenceFit
     before_fit: dict[str, ChannelMisfit]
@@ -60,16 +62,22 @@ class Step:
 
 def add_effects(
     source: str | Path, effects: Sequence[str], design: DesignValues | None = None, drop: Sequence[str] = ()
-) -> Step:
-    """Add effects to the model of an experiment, fit, and write the next rung and `experiment.toml`.
+) -> Addition:
+    """Add effects to the model of an experiment, fit it, and write the next revision and `experiment.toml`.
 
-    An effect named without variant or channel takes the law and the channel that fit best, the law of its own name
-    unless another is clearly better, or fits as well and predicts the held-out records clearly better; so do the
-    effects that the experiment names without a variant, once more. A core takes the place of the core before it.
-    Effects to `drop` leave the model first, on the same rung.
+    An effect named without variant or channel gets the variant and the channel that fit best. The variant of its own
+    name is preferred unless another fits clearly better, or fits as well and predicts the held-out records clearly
+    better. Variants of effects that the experiment names without one are selected again. A friction state model
+    replaces the previous one.
+
+    Args:
+        source: folder of the experiment, or its `experiment.toml`.
+        effects: names of the effects to add.
+        design: values of the design for known quantities stated as `"design"`.
+        drop: names of effects that are removed first, in the same revision.
 
     Raises:
-        InputError: an effect that is unknown, there already (to drop: not there), or that this rig cannot show; a fault
+        InputError: an effect that is unknown, already present (to drop: absent), or not observable on this rig; a fault
             in a file.
     """
     began = perf_counter()
@@ -78,66 +86,66 @@ def add_effects(
     experiment = problem.experiment
     before_fit = misfit(base.fitted.model, problem.fit_records)
     before_validate = misfit(base.fitted.model, problem.validate_records)
-    base_document = _rung_document(problem, base.fitted, before_fit, before_validate)
-    grown_case, fitted = problem, base.fitted
+    base_document = _revision_document(problem, base.fitted, before_fit, before_validate)
+    extended, fitted = problem, base.fitted
     for name in drop:
-        grown_case, fitted = _shrunk(grown_case, fitted, name)
+        extended, fitted = _without_effect(extended, fitted, name)
     for name in effects:
-        grown_case, fitted = _grow(grown_case, fitted, name)
-    # A law that made up for what was missing may be the wrong one now.
-    free = _free_laws(problem, effects)
-    fitted, _ = select_variants(grown_case, fitted, free, partial(predicts_clearly_better, grown_case))
-    after_fit = misfit(fitted.model, grown_case.fit_records)
-    after_validate = misfit(fitted.model, grown_case.validate_records)
-    document = {**_rung_document(grown_case, fitted, after_fit, after_validate), "open_laws": list(free)}
-    names = [e.name for e in fitted.model.effects] + _quantised(grown_case, fitted)
+        extended, fitted = _with_effect(extended, fitted, name)
+    # A variant selected while an effect was missing may be the wrong one now.
+    free = _reselected_effects(problem, effects)
+    fitted, _ = select_variants(extended, fitted, free, partial(predicts_clearly_better, extended))
+    after_fit = misfit(fitted.model, extended.fit_records)
+    after_validate = misfit(fitted.model, extended.validate_records)
+    document = {**_revision_document(extended, fitted, after_fit, after_validate), "open_laws": list(free)}
+    names = [e.name for e in fitted.model.effects] + _quantised(extended, fitted)
     names = [name for name in names if name in effects or not {name, public_name(name)} & set(drop)]
     starts = {
-        u.key: (fitted.model.values[u.key], parameter_unit(grown_case, u.key))
+        u.key: (fitted.model.values[u.key], parameter_unit(extended, u.key))
         for u in fitted.model.unknowns
         if not u.key.startswith("rig.")
     }
     hashes = {record.name: record.sha256 for record in problem.records}
     known = {u.key: u.prior for u in fitted.model.unknowns if u.prior is not None}
-    rung = append_revision(experiment, names, starts, document, base_document, hashes, known=known)
-    weights = residual_weights(fitted.model, grown_case.validate_records)
-    residual = weighted_residual(fitted.model, grown_case.validate_records, weights)
-    changed = _moved(base, problem, fitted.model)
-    return Step(
-        rung=rung,
-        problem=grown_case,
+    revision = append_revision(experiment, names, starts, document, base_document, hashes, known=known)
+    weights = residual_weights(fitted.model, extended.validate_records)
+    residual = weighted_residual(fitted.model, extended.validate_records, weights)
+    return Addition(
+        revision=revision,
+        problem=extended,
         base=ReferenceFit(fitted, weights, residual),
         before_fit=before_fit,
         before_validate=before_validate,
         after_fit=after_fit,
         after_validate=after_validate,
-        changed=changed,
+        changed=_changed_parameters(base, problem, fitted.model),
         seconds=perf_counter() - began,
     )
 
 
 def _quantised(problem: Problem, fitted: FittedModel) -> list[str]:
-    """Quantisation effects of the problem that act on the floor alone, and so stand in no prediction."""
+    """Quantisation effects of the problem, which add to the noise floor only and are not part of the fitted model."""
     present = {e.name for e in fitted.model.effects}
     return [n for n in problem.experiment.effects if n.partition("@")[0] == "sensor_quantisation" and n not in present]
 
 
-def _shrunk(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, FittedModel]:
-    """The problem and its fit without one effect."""
+def _without_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, FittedModel]:
+    """The problem and the fitted model without one effect."""
     experiment = problem.experiment
     names = [e.name for e in fitted.model.effects] + _quantised(problem, fitted)
-    gone = [n for n in names if n == name] or [n for n in names if public_name(n) == name]
-    if not gone:
+    dropped = [n for n in names if n == name] or [n for n in names if public_name(n) == name]
+    if not dropped:
         raise InputError(f"{experiment.path}: model.effects has no '{name}' to drop{nearest(name, names)}")
-    if any(e.name in gone and e.friction_state is not None for e in fitted.model.effects):
-        raise InputError(f"{experiment.path}: '{name}' is the core of the friction; add another core in its place")
+    if any(e.name in dropped and e.friction_state is not None for e in fitted.model.effects):
+        raise InputError(f"{experiment.path}: '{name}' is the friction state model; add another one in its place")
     if public_name(name) == "sensor_quantisation":
-        other = build_problem(experiment, problem.records, [n for n in experiment.effects if n not in gone])
+        other = build_problem(experiment, problem.records, [n for n in experiment.effects if n not in dropped])
         return other, fit_stated_model(other).fitted
-    return problem, fit_model(without_effect(fitted.model, gone[0]), problem.fit_records, iterations=40)
+    return problem, fit_model(without_effect(fitted.model, dropped[0]), problem.fit_records, iterations=40)
 
 
-def _grow(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, FittedModel]:
+def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, FittedModel]:
+    """The problem and the fitted model with one more effect, in the variant and channel that fit best."""
     experiment = problem.experiment
     effect = find(name, problem.custom)
     present = [e.name for e in fitted.model.effects]
@@ -147,62 +155,64 @@ def _grow(problem: Problem, fitted: FittedModel, name: str) -> tuple[Problem, Fi
         raise InputError(f"{experiment.path}: model.effects has '{name}' already")
     if public_name(name) == "sensor_quantisation":
         return _with_quantisation(problem, name)
-    options = [c for c in candidate_effects(problem, present, all_effects=True) if c.name == name]
+    candidates = candidate_effects(problem, present, all_effects=True)
+    options = [c for c in candidates if c.name == name]
     if not options:
-        options = [c for c in candidate_effects(problem, present, all_effects=True) if public_name(c.name) == name]
+        options = [c for c in candidates if public_name(c.name) == name]
     if ":" not in name and "@" not in name:
-        family = [
-            c for c in candidate_effects(problem, present, all_effects=True) if public_name(c.name) == effect.name
-        ]
-        options = family or options
+        options = [c for c in candidates if public_name(c.name) == effect.name] or options
     if not options and ":" in name and is_observable(problem, effect):
-        # Laws that a diagnosis does not try, since another of the family holds them, can be asked for.
+        # A variant that a diagnosis does not try, since another one contains it, can be added by name.
         options = [effect]
     if not options:
-        can = sorted({public_name(c.name) for c in candidate_effects(problem, present, all_effects=True)})
+        observable = sorted({public_name(c.name) for c in candidates})
         raise InputError(
-            f"{experiment.path}: effect '{name}' cannot show on a {problem.kind} rig with these records"
-            f"{nearest(name, can)}"
+            f"{experiment.path}: effect '{name}' is not observable on a {problem.kind} rig with these records"
+            f"{nearest(name, observable)}"
         )
     profiled = profiled_residual(fitted)
-    tried = [
+    refitted = [
         screen_and_refit(fitted, option, problem.fit_records, problem.scales, profiled, starts=3, iterations=40)
         for option in options
     ]
-    good = [c for c in tried if c is not None]
-    if not good:
-        raise InputError(f"{experiment.path}: effect '{name}' changes nothing in what these records measured")
-    good.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
-    plain = next((c for c in good if c.effect.name == name), None)
-    best = good[0]
-    rings = detect_structural_mode(problem, fitted) if public_name(name) == "flexible_mode" else None
-    if rings is not None:
-        told = with_structural_mode(problem, fitted, rings)[1]
-        if not prefers_balance_fit(best.fitted, told):
-            return problem, told
-    if plain is not None:
-        best = next(
-            (c for c in good if c is not plain and predicts_clearly_better(problem, c.fitted, plain.fitted)), plain
+    found = [c for c in refitted if c is not None]
+    if not found:
+        raise InputError(
+            f"{experiment.path}: effect '{name}' has no influence on the channels measured in these records"
         )
-    grown = lowest_minimum(best.fitted, problem.fit_records)
+    found.sort(key=lambda c: c.fitted.fit.cost * (1.0 + 0.002 * len(c.fitted.model.unknowns)))
+    best = found[0]
+    mode = detect_structural_mode(problem, fitted) if public_name(name) == "flexible_mode" else None
+    if mode is not None:
+        with_mode = with_structural_mode(problem, fitted, mode)[1]
+        if not prefers_balance_fit(best.fitted, with_mode):
+            return problem, with_mode
+    named = next((c for c in found if c.effect.name == name), None)
+    if named is not None:
+        best = next(
+            (c for c in found if c is not named and predicts_clearly_better(problem, c.fitted, named.fitted)), named
+        )
+    extended = lowest_minimum(best.fitted, problem.fit_records)
     weights = residual_weights(fitted.model, problem.validate_records)
     base = ReferenceFit(fitted, weights, weighted_residual(fitted.model, problem.validate_records, weights))
     for other in add_after_deletion(problem, base, [best.effect]):
-        # What the model had may have been fitted to the wrong place while this effect was missing.
-        if fits_clearly_better(other, grown):
-            grown = other
-    return problem, fit_model(grown.model, problem.fit_records, iterations=40)
+        # Without this effect, an effect of the model may have been fitted to a wrong local minimum.
+        if fits_clearly_better(other, extended):
+            extended = other
+    return problem, fit_model(extended.model, problem.fit_records, iterations=40)
 
 
-def _free_laws(problem: Problem, added: Sequence[str]) -> tuple[str, ...]:
-    """Families whose law is the program's choice: open in the file, named without a law now, or on the last rung."""
-    rungs = read_history(problem.experiment)
-    before = [] if not rungs or edited_by_hand(problem.experiment, rungs) else rungs[-1].document.get("open_laws", [])
+def _reselected_effects(problem: Problem, added: Sequence[str]) -> tuple[str, ...]:
+    """Public names of the effects whose variant the program selects: those named without a variant in the file, in this
+    addition, or in the last revision."""
+    history = read_history(problem.experiment)
+    edited = not history or edited_by_hand(problem.experiment, history)
+    before = [] if edited else history[-1].document.get("open_laws", [])
     named = [name for name in added if ":" not in name and "@" not in name]
-    families = dict.fromkeys([*selectable_effects(problem), *before, *named])
+    effects = dict.fromkeys([*selectable_effects(problem), *before, *named])
     return tuple(
         name
-        for name in families
+        for name in effects
         if find(name, problem.custom).variants and find(name, problem.custom).friction_state is None
     )
 
@@ -210,11 +220,12 @@ def _free_laws(problem: Problem, added: Sequence[str]) -> tuple[str, ...]:
 def _with_quantisation(problem: Problem, name: str) -> tuple[Problem, FittedModel]:
     other = build_problem(problem.experiment, problem.records, [*problem.experiment.effects, name])
     if all(n.quantisation_step is None for n in other.noise.values()):
-        raise InputError(f"{problem.experiment.path}: effect '{name}': the measured values lie on no grid")
+        raise InputError(f"{problem.experiment.path}: effect '{name}': the measured values are not quantised")
     return other, fit_stated_model(other).fitted
 
 
-def _moved(base: ReferenceFit, problem: Problem, model: Model) -> dict[str, tuple[float, float]]:
+def _changed_parameters(base: ReferenceFit, problem: Problem, model: Model) -> dict[str, tuple[float, float]]:
+    """Parameters of the base model whose value in `model` is outside their interval: both values by key."""
     found = intervals(base.fitted, problem.fit_records).by_key
     out = {}
     for key, interval in found.items():
@@ -224,7 +235,7 @@ def _moved(base: ReferenceFit, problem: Problem, model: Model) -> dict[str, tupl
     return out
 
 
-def _rung_document(
+def _revision_document(
     problem: Problem, fitted: FittedModel, fit: Mapping[str, ChannelMisfit], validate: Mapping[str, ChannelMisfit]
 ) -> dict[str, Any]:
     return {
@@ -237,22 +248,24 @@ def _rung_document(
 
 
 def ladder_json(experiment: Experiment) -> list[dict[str, Any]]:
-    """Rungs of an experiment, 000 the model before anything was added, each with its own error under `before`."""
-    rungs = read_history(experiment)
+    """Revisions of the model of an experiment as JSON; 000 is the model before the first addition.
+
+    `before` holds the errors of the revision itself.
+    """
     return [
         {
-            "rung": rung.number,
-            "effects": list(rung.effects),
-            "added": list(rung.document.get("added", ())),
-            "removed": list(rung.document.get("removed", ())),
-            "before": rung.document.get("before", {}),
-            "parameters": rung.document.get("parameters", {}),
-            "noise": rung.document.get("noise", {}),
+            "rung": revision.number,
+            "effects": list(revision.effects),
+            "added": list(revision.document.get("added", ())),
+            "removed": list(revision.document.get("removed", ())),
+            "before": revision.document.get("before", {}),
+            "parameters": revision.document.get("parameters", {}),
+            "noise": revision.document.get("noise", {}),
         }
-        for rung in rungs
+        for revision in read_history(experiment)
     ]
 
 
 def current_ladder(experiment: Experiment) -> tuple[list[dict[str, Any]], bool]:
-    """The rungs, and whether `[model]` was edited by hand since the last of them."""
+    """The revisions, and whether `[model]` was edited by hand since the last of them."""
     return ladder_json(experiment), edited_by_hand(experiment, read_history(experiment))

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from difflib import SequenceMatcher
 from fractions import Fraction
 from functools import cache
@@ -131,26 +130,8 @@ _FACTOR = re.compile(r"(?P<symbol>[A-Za-z%]+|1)(?:\^(?P<power>-?\d+(?:\.\d+)?))?
 _TYPOGRAPHIC = str.maketrans({"µ": "u", "μ": "u", "·": "*", "⋅": "*", "−": "-", "²": "^2", "³": "^3"})
 
 
-@dataclass(frozen=True)
-class Quantity:
-    """A number in SI with its dimension.
-
-    Args:
-        value: in SI (an absolute temperature in degC).
-        dimension: exponents of `BASES`.
-    """
-
-    value: float
-    dimension: Dimension
-
-    @property
-    def unit(self) -> str:
-        """The SI unit, spelt in base units (`kg*m/s^2`)."""
-        return si_unit(self.dimension)
-
-
 def si_unit(dimension: Dimension) -> str:
-    """The SI unit of a dimension, spelt in base units; empty for a dimensionless one."""
+    """The SI unit of a dimension, in base units (`kg*m/s^2`); empty for a dimensionless one."""
 
     def power_text(base: str, power: Fraction) -> str:
         exponent = str(power) if power.denominator == 1 else f"{float(power):g}"
@@ -346,7 +327,7 @@ def _number(digits: str, shown: str, place: str) -> float:
     return value
 
 
-_LADDERS: dict[str, tuple[str, ...]] = {
+_SCALED_UNITS: dict[str, tuple[str, ...]] = {
     "m": ("nm", "um", "mm", "m", "km"),
     "s": ("ns", "us", "ms", "s"),
     "kg": ("mg", "g", "kg"),
@@ -384,11 +365,11 @@ def format_quantity(value_si: float, unit: str = "", digits: int = 4) -> str:
     if math.isinf(value_si):
         return "inf" if value_si > 0 else "-inf"
     shown = unit
-    ladder = _LADDERS.get(unit, ())
-    if ladder and value_si != 0.0:
+    scaled = _SCALED_UNITS.get(unit, ())
+    if scaled and value_si != 0.0:
         # A value that rounds up to the next step is shown in the next step: 999.96 mm with four digits is 1 m.
         rounded = abs(float(f"{value_si:.{digits}g}"))
-        shown = next((step for step in reversed(ladder) if rounded / _unit(step)[0] >= 1.0), ladder[0])
+        shown = next((step for step in reversed(scaled) if rounded / _unit(step)[0] >= 1.0), scaled[0])
     number = f"{from_si(value_si, shown):.{digits}g}"
     return f"{number} {shown}" if shown else number
 

@@ -16,7 +16,8 @@ import numpy as np
 
 from sim.library.effect import Effect
 from stagecad.parallel import fork_map
-from sysid.diagnosis.trials import CandidateFit, CandidateJacobians, ScreeningResult, evaluate_candidate, screen_all
+from sysid.diagnosis.candidate_screening import CandidateJacobians, ScreeningResult, screen_all
+from sysid.diagnosis.trials import CandidateFit, evaluate_candidate
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
 from sysid.estimation.misfit import weighted_residual
 from sysid.estimation.reference_fit import ReferenceFit, has_shape, reference_fit

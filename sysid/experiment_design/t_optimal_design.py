@@ -18,7 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from sysid.diagnose import Diagnosis, diagnose
-from sysid.diagnosis.trials import CandidateFit, Progress
+from sysid.diagnosis.candidate_screening import Progress
+from sysid.diagnosis.trials import CandidateFit
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.experiment.experiment import DesignValues

@@ -55,7 +55,7 @@ def test_own_effect_is_found_and_takes_the_error_down_to_the_noise(tmp_path: Pat
     assert (found.verdict, found.effect) == ("missing-effect", "bellows")
     step = add_effects(rig, ["bellows"])
     assert step.after_validate["friction_force"].over_noise < 1.1
-    strength = step.rung.document["parameters"]["bellows.strength"]
+    strength = step.revision.document["parameters"]["bellows.strength"]
     # The script's own number.
     assert strength["low"] < 3.5e4 < strength["high"]
 
@@ -94,8 +94,8 @@ def test_emps_is_asymmetric_as_published(tmp_path: Path) -> None:
     held_out = asymmetric.after_validate["drive_force"].rms / symmetric.after_validate["drive_force"].rms
     # A quick fit with another filter gave 2.52 and 2.05 N.
     assert held_out == pytest.approx(2.05 / 2.52, abs=0.05)
-    assert symmetric.rung.document["parameters"]["rig.mass"]["value"] == pytest.approx(95.1, rel=0.01)
-    p = {key: q["value"] for key, q in asymmetric.rung.document["parameters"].items()}
+    assert symmetric.revision.document["parameters"]["rig.mass"]["value"] == pytest.approx(95.1, rel=0.01)
+    p = {key: q["value"] for key, q in asymmetric.revision.document["parameters"].items()}
     forward = p["viscous.coefficient"] + p["direction_asymmetry.viscous"]
     backward = p["viscous.coefficient"] - p["direction_asymmetry.viscous"]
     # Published, with other filters: 166.7 and 240.4 N s/m.

@@ -43,9 +43,9 @@ def test_the_law_asked_for_takes_the_place_of_the_core_before_it(rig: Path) -> N
         after = load_experiment(rig)
         assert sorted(after.effects) == [law, "viscous"]
         assert {key.rpartition(".")[0] for key in after.parameters} == {law, "viscous"}
-        assert step.rung.document["added"] == [law]
-        assert step.rung.document["removed"] == [name for name in before.effects if name != "viscous"]
-        parameters = step.rung.document["parameters"]
+        assert step.revision.document["added"] == [law]
+        assert step.revision.document["removed"] == [name for name in before.effects if name != "viscous"]
+        parameters = step.revision.document["parameters"]
         assert parameters["presliding.force"]["value"] == pytest.approx(LEVEL, rel=0.1)
         assert parameters["viscous.coefficient"]["value"] == pytest.approx(VISCOUS, rel=0.2)
         before = after

@@ -74,20 +74,20 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
         step = add_effects(experiment, effects, design_values(run), drop)
     document = {
         "schema": 1,
-        "rung": step.rung.number,
-        "file": str(step.rung.path),
+        "rung": step.revision.number,
+        "file": str(step.revision.path),
         "form": step.problem.form,
-        "effects": list(step.rung.effects),
-        "added": list(step.rung.document["added"]),
-        "removed": list(step.rung.document["removed"]),
+        "effects": list(step.revision.effects),
+        "added": list(step.revision.document["added"]),
+        "removed": list(step.revision.document["removed"]),
         "before": both_json(step.problem, step.before_fit, step.before_validate),
         "after": both_json(step.problem, step.after_fit, step.after_validate),
-        "parameters": dict(step.rung.document["parameters"]),
+        "parameters": dict(step.revision.document["parameters"]),
         "seconds": step.seconds,
     }
     print_revision(run, step, document)
     if keys:
-        document.update(_written(run, step.problem, step.base.fitted, keys, step.rung.number))
+        document.update(_written(run, step.problem, step.base.fitted, keys, step.revision.number))
     run.emit(document)
 
 

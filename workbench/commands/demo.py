@@ -106,12 +106,12 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
     run.say(f"$ stagecad add {folder} {effect}")
     with run.busy(f"fitting the model with {effect}"):
         step = add_effects(folder, [effect])
-    parameters = dict(step.rung.document["parameters"])
-    run.console.print(rich_table(parameter_table(parameters, f"Rung {step.rung.number:03d}, fitted again")))
+    parameters = dict(step.revision.document["parameters"])
+    run.console.print(rich_table(parameter_table(parameters, f"Rung {step.revision.number:03d}, fitted again")))
     run.say("")
     return {
-        "rung": step.rung.number,
-        "effects": list(step.rung.effects),
+        "rung": step.revision.number,
+        "effects": list(step.revision.effects),
         "after": both_json(step.problem, step.after_fit, step.after_validate),
         "parameters": parameters,
     }

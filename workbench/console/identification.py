@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.estimation.identifiability import public_key
-from sysid.ladder import Step
+from sysid.ladder import Addition
 from workbench.console.tables import rich_table
 from workbench.identification.statements import (
     comparison_statement,
@@ -71,17 +71,17 @@ def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:
     run.say(f"noise: {noise_text(found.problem)}")
 
 
-def print_revision(run: Run, step: Step, document: Mapping[str, Any]) -> None:
+def print_revision(run: Run, step: Addition, document: Mapping[str, Any]) -> None:
     """Print the errors before and after a revision of the model, and its parameters; `document` is that of `add`."""
     parts = [f"{sign} {', '.join(document[key])}" for sign, key in (("+", "added"), ("-", "removed")) if document[key]]
-    title = f"Rung {step.rung.number:03d}: {' '.join(parts)}"
+    title = f"Rung {step.revision.number:03d}: {' '.join(parts)}"
     run.console.print(rich_table(error_table(title, document["before"], document["after"])))
     parameters = document["parameters"]
     run.console.print(rich_table(parameter_table(parameters)))
     for key, (old, new) in step.changed.items():
         unit = parameters.get(public_key(key), {}).get("unit", "")
         run.say(f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}")
-    run.say(f"wrote {step.rung.path} and {step.problem.experiment.path}")
+    run.say(f"wrote {step.revision.path} and {step.problem.experiment.path}")
 
 
 def search_progress(

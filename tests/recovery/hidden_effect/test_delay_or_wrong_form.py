@@ -22,7 +22,7 @@ def test_with_the_lag_or_delay_added_what_is_left_is_noise(
 
     assert step.before_validate["drive_force"].over_noise > 5.0
     assert step.after_validate["drive_force"].over_noise < 1.2
-    found = step.rung.document["parameters"][f"{effect}.{parameter}"]["value"]
+    found = step.revision.document["parameters"][f"{effect}.{parameter}"]["value"]
     # The simulator that made the record moves in steps of 0.05 ms.
     assert found == pytest.approx(case.key["truth"][effect], abs=1e-4)
 

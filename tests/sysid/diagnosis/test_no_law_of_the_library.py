@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from sysid.diagnose import diagnose
+from sysid.diagnosis.candidate_screening import ScreeningResult
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.trials import CandidateSearch, ScreeningResult, evaluate_all, explained_share
+from sysid.diagnosis.trials import CandidateSearch, evaluate_all, explained_share
 from sysid.diagnosis.verdict_limits import SPELLS
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem

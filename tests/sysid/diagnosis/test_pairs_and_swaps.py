@@ -9,10 +9,11 @@ import pytest
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
+from sysid.diagnosis.candidate_screening import screen_all
 from sysid.diagnosis.pairs import Pair, ReducedModels, add_after_deletion, best_pairs, pairs_on_top
 from sysid.diagnosis.swaps import find_swaps
 from sysid.diagnosis.ties import tied_beside
-from sysid.diagnosis.trials import evaluate_all, screen_all
+from sysid.diagnosis.trials import evaluate_all
 from sysid.estimation.fit import root_mean_huber
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.history import read_history
@@ -99,7 +100,7 @@ def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
     assert found.best is not None
     assert found.best.after_validate["friction_force"].over_noise > 2.0
     step = add_effects(rig, [found.effect])
-    assert step.rung.effects[-1] == "position_dependent_friction:overtone"
+    assert step.revision.effects[-1] == "position_dependent_friction:overtone"
     assert step.after_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
     # sin^2 is half of 1 - cos: the crests are a tenth of the wave broader.
     values = step.base.fitted.model.values
@@ -166,7 +167,7 @@ def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
     assert [(swap.old, swap.new) for swap in swaps] == [("quadratic_drag", "viscous")]
     assert swaps[0].after < swaps[0].before
     step = add_effects(rig, ["viscous"], drop=["quadratic_drag"])
-    assert list(step.rung.effects) == ["coulomb", "viscous"]
+    assert list(step.revision.effects) == ["coulomb", "viscous"]
     assert [list(rung.effects) for rung in read_history(step.problem.experiment)] == [
         ["coulomb"],
         ["coulomb", "quadratic_drag"],

@@ -9,7 +9,7 @@ import pytest
 
 from sim.effects.catalogue import find
 from sysid.estimation.misfit import misfit
-from sysid.prediction.force_balance.predict import initial_stick_rows
+from sysid.prediction.force_balance.initial_state import initial_stick_rows
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict, with_effect
 from sysid.prediction.problem import Problem, load_problem

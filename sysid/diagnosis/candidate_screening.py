@@ -1,0 +1,152 @@
+"""Screening of all candidate effects on top of a fitted model: score tests, then short fits of the best-scored ones.
+
+The score test predicts the share of the squared residual that each candidate would remove. Candidates whose prediction
+is too small are not fitted; the others are fitted for a few steps from their best grid points. The sensitivities of the
+residual to the candidates are returned too, for screenings on top of a similar model.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.library.effect import Effect
+from stagecad.parallel import fork_map
+from sysid.estimation.driven_stage_search import truncated
+from sysid.estimation.reference_fit import ReferenceFit
+from sysid.estimation.score_test import EVERY_ROW, GridPoint, candidate_directions, profiled_residual, score_test
+from sysid.estimation.screening import ScoredCandidate, ScreeningFit, screen_scored
+from sysid.prediction.friction_drive.record import FrictionDriveRecord
+from sysid.prediction.observable import candidate_effects
+from sysid.prediction.problem import Problem
+
+Progress = Callable[[str, int, int], None]
+"""Called with the name of the next step, the number of steps done, and their total; once more when all are done."""
+
+
+LEAST_PROMISE = 0.02
+OF_THE_BEST = 0.1
+"""Predicted share of the squared residual, and its ratio to the best one, below which no short fit is made. A true
+second effect had at least 0.05, and 0.4 of the best (generated records)."""
+
+OF_THE_NEEDED = 0.25
+"""The same as a part of the share needed: a fit may remove several times the share that the linear score predicts."""
+
+ROWS_SEEN = 5000
+"""Least number of rows of the residual, if it has so many, at which the sensitivities are kept."""
+
+
+@dataclass(frozen=True)
+class CandidateJacobians:
+    """Changes of the residual by candidate effects; nearly unchanged if the model has one effect more or less.
+
+    Args:
+        size: of the residual.
+        rows: of the residual at which the changes are kept.
+        grids: points of the shape grid, by name of the effect.
+    """
+
+    size: int
+    rows: slice
+    grids: Mapping[str, list[GridPoint]]
+
+
+@dataclass(frozen=True)
+class ScreeningResult:
+    """Screening of every candidate on top of a fitted model.
+
+    Args:
+        fits: screening fits, best first.
+        unfitted: scores of the effects that were not fitted, since their predicted share was too small.
+        target: residual of the model in the score tests, (n,).
+        jacobians: sensitivities of the residual to each candidate, for screenings on top of this model.
+    """
+
+    fits: list[ScreeningFit]
+    unfitted: list[ScoredCandidate]
+    target: np.ndarray
+    jacobians: CandidateJacobians | None = None
+
+
+def screen_all(
+    problem: Problem,
+    base: ReferenceFit,
+    present: Sequence[str],
+    all_effects: bool = False,
+    progress: Progress | None = None,
+    promising: int | None = None,
+    jacobians: CandidateJacobians | None = None,
+    needed: float = 0.0,
+) -> ScreeningResult:
+    """Screen every candidate on top of a fitted model.
+
+    Args:
+        problem, base: records, and the fitted model.
+        present: names of its effects.
+        all_effects: include the effects of the library without public names.
+        progress: called after each step with the name of the effect, the number of steps before, and their total.
+        promising: largest number of short fits, made in the order of the scores; no limit where left out.
+        jacobians: sensitivities of a similar model, used for the scores; computed for effects that are not in them.
+        needed: share of the squared residual that an effect has to remove to be useful.
+    """
+    fitted, records = truncated(base.fitted, problem.fit_records)
+    size = fitted.fit.residual.size
+    if jacobians is not None and (jacobians.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
+        # With one effect more or less a driven stage slips at other times.
+        jacobians = None
+    rows = EVERY_ROW if jacobians is None else jacobians.rows
+    kept = slice(None, None, max(1, size // ROWS_SEEN))
+    basis, target = profiled_residual(fitted, rows)
+    effects = candidate_effects(problem, present, all_effects)
+    shared = (*effects, *fitted.model.effects, fitted.weights)
+    _preload(problem, effects)
+
+    steps = itertools.count()
+
+    def report(done: Effect | ScoredCandidate) -> None:
+        if progress is not None:
+            effect = done if isinstance(done, Effect) else done.effect
+            progress(effect.name, next(steps), 2 * len(effects))
+
+    def score(effect: Effect) -> tuple[ScoredCandidate, list[GridPoint]]:
+        if jacobians is not None and effect.name in jacobians.grids:
+            return ScoredCandidate(effect, score_test(effect, jacobians.grids[effect.name], basis, target)), []
+        grid = candidate_directions(fitted, effect, records, problem.scales, rows)
+        thinned = [replace(point, changes=point.changes[kept].copy()) for point in grid] if jacobians is None else []
+        return ScoredCandidate(effect, score_test(effect, grid, basis, target)), thinned
+
+    def screen(scored: ScoredCandidate) -> ScreeningFit | None:
+        return screen_scored(scored, fitted, records, problem.scales, basis, rows)
+
+    scored = fork_map(score, effects, shared, report)
+    grids = {one.effect.name: grid for one, grid in scored}
+    known = sorted((one for one, _ in scored), key=lambda one: -one.score)
+    # Effects without a linear amplitude are always fitted.
+    best = max((one.score for one in known if one.linear), default=0.0)
+    least = max(LEAST_PROMISE, OF_THE_BEST * best, OF_THE_NEEDED * needed)
+    fits = [
+        promising is None or not one.linear or (k < promising and one.score >= least) for k, one in enumerate(known)
+    ]
+    fitting = [one for one, fit in zip(known, fits, strict=True) if fit]
+    unfitted = [one for one, fit in zip(known, fits, strict=True) if not fit]
+    shared = (*shared, *fitting, *(score for one in fitting for score in one.scores))
+    found = fork_map(screen, fitting, shared, report)
+    screened = [one for one in found if one is not None and np.isfinite(one.error)]
+    screened.sort(key=lambda one: one.error)
+    if jacobians is None:
+        jacobians = CandidateJacobians(size, kept, grids)
+    return ScreeningResult(screened, unfitted, target, jacobians)
+
+
+def _preload(problem: Problem, effects: Sequence[Effect]) -> None:
+    """Import libraries and compile loops of effects on signals before the fork, so that no worker does it again.
+
+    The user's own effects are left out, since they may not accept an arbitrary signal.
+    """
+    signal = np.linspace(0.0, 1.0, 8)
+    for effect in effects:
+        if effect.signal is not None and effect not in problem.custom:
+            effect.signal(signal, 1.0, effect.values())
