@@ -18,10 +18,10 @@ class Comparison:
     """A fitted model compared with its records.
 
     Args:
-        problem, base: what was compared.
+        problem, base: the identification problem and the fitted model.
         fit, validate: misfit by channel on the records of the fit and the held-out ones.
         maps: of the residual over every coordinate, largest explained share first.
-        seconds: taken.
+        seconds: run time.
     """
 
     problem: Problem
@@ -40,7 +40,7 @@ def compare(source: str | Path | Problem, design: DesignValues | None = None) ->
         design: values of the design for known quantities stated as `"design"`.
 
     Raises:
-        InputError: a fault in a file, in one line.
+        InputError: a fault in a file.
     """
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)

@@ -1,4 +1,4 @@
-"""Diagnosis: which physical effect is missing. Candidates are scored, refitted, and compared on held-out records."""
+"""Diagnosis: which physical effect is missing. Candidates are scored, refitted and compared on held-out records."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Diagnosis:
     """Which effect is missing from a model, and how certain that is.
 
     Args:
-        problem, base: what was diagnosed.
+        problem, base: the identification problem and the fitted model.
         trials: every candidate, lowest held-out error first; one variant per effect.
         verdict: `missing-effect`, `adequate` or `unexplained`.
         best: the candidate named, for `missing-effect`.
@@ -56,10 +56,10 @@ class Diagnosis:
         unexplained_share: of the variance above the noise that remains with the best effect.
         reason: of the verdict, in words.
         before_fit, before_validate: misfit of the base model by channel, on the records of the fit and held out.
-        seconds: taken.
+        seconds: run time.
         swaps: effects added earlier that should be removed or replaced.
         detected_by: how the effect was detected, in words, where it was not by a reduction of the error.
-        reported_in_full: how many of the trials are reported with their errors and values.
+        reported_in_full: number of trials reported with their errors and values.
     """
 
     problem: Problem
@@ -99,7 +99,7 @@ def diagnose(
         progress: called with a name, a count and a total.
 
     Raises:
-        InputError: a fault in a file, in one line.
+        InputError: a fault in a file.
     """
     began = perf_counter()
     problem = source if isinstance(source, Problem) else load_problem(source, design)
@@ -109,7 +109,7 @@ def diagnose(
     found = judge(search, coarse_steps(problem, base, ADEQUATE_OVER_NOISE[problem.form]), reduced)
     swaps: list[Swap] = []
     if found.effect is None:
-        # While an effect is missing it is added first; replacements are looked for in a model to which none is added.
+        # A missing effect is added first; replacements are searched only where none is missing.
         swaps = find_swaps(reduced, _added(problem), found.verdict == "unexplained")
     return replace(found, swaps=tuple(swaps), seconds=perf_counter() - began)
 
@@ -155,7 +155,7 @@ def judge(search: CandidateSearch, quantised: CandidateFit | None, reduced: Redu
         maps = compared_with_time(maps, *of_model)
     in_full = IN_FULL
     if found.best is not None and found.best not in ranked:
-        # Another variant than the one with the lowest error alone.
+        # The verdict may name another variant than the one with the lowest error.
         others = [trial for trial in ranked if trial.public_name != found.best.public_name]
         in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
         ranked = [found.best, *others]
@@ -181,7 +181,7 @@ def _structural_mode_verdict(evidence: Evidence, otherwise: Verdict) -> Verdict 
     """A structural mode above the filter band of the force balance as the missing effect; none where none is detected.
 
     Args:
-        evidence: on the model without it.
+        evidence: of the model without the mode.
         otherwise: the verdict from the force balance alone, which names no effect.
     """
     problem, base = evidence.problem, evidence.base

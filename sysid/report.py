@@ -1,4 +1,4 @@
-"""The JSON documents of the loop, as `compare`, `diagnose`, `add` and `ladder` print them."""
+"""JSON documents of `compare`, `diagnose`, `add` and `ladder`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from sysid.prediction.problem import Problem
 SCHEMA = 1
 LEAST_P = 0.001
 WORTH_SAYING = 0.1
-"""Share of the squared residual from which it is said that an effect with an unphysical value would take it."""
+"""Share of the squared residual from which it is reported that an effect with an unphysical value would remove it."""
 
 RIG_UNITS = {
     "mass": ("kg", "kg*m^2"),
@@ -45,7 +45,7 @@ def channel_unit(problem: Problem, channel: str) -> str:
 
 
 def parameter_unit(problem: Problem, key: str) -> str:
-    """SI unit of a parameter by key on this rig's axis; `1` for a plain number."""
+    """SI unit of a parameter by key on this rig's axis; `1` for a dimensionless one."""
     effect, _, name = key.rpartition(".")
     rotary = problem.experiment.rig.rotary
     if effect == "rig":
@@ -62,12 +62,12 @@ def parameter_unit(problem: Problem, key: str) -> str:
 
 
 def p_value_json(p: float) -> Any:
-    """A p value; below what the permutations can show, `{"below": 0.001}`."""
+    """A p value, or `{"below": 0.001}` below the resolution of the permutations."""
     return {"below": LEAST_P} if p <= 1.5 * LEAST_P else float(p)
 
 
 def noise_json(problem: Problem) -> dict[str, Any]:
-    """Noise by measured channel, with where it comes from."""
+    """Noise by measured channel, with the source of its estimate."""
     measured = set(problem.fit_records[0].measured)
     return {c: n.to_json() for c, n in problem.noise.items() if c in measured or c == "position"}
 
@@ -94,14 +94,14 @@ def both_json(
 def parameters_json(
     problem: Problem, fitted: FittedModel, found: Intervals | None = None, only: str | None = None
 ) -> dict[str, Any]:
-    """Fitted values with deviation and 95 % interval, by key; `only` those of one effect."""
+    """Fitted values with standard deviation and 95 % interval, by key; `only` those of one effect."""
     found = intervals(fitted, problem.fit_records) if found is None else found
     out: dict[str, Any] = {}
     for key, interval in found.by_key.items():
         if only is not None and key.rpartition(".")[0] != only:
             continue
         entry = as_json(interval.value, parameter_unit(problem, key), interval.std, interval.low, interval.high)
-        # What the records do not tell is null in every file, never a number that JSON cannot hold.
+        # Values that are not identifiable are null: JSON has no infinite numbers.
         entry.update({name: None for name in ("std", "low", "high") if not np.isfinite(entry[name])})
         if interval.at_bound:
             entry["at_bound"] = True
@@ -110,12 +110,12 @@ def parameters_json(
 
 
 def identifiability_json(fitted: FittedModel, found: Intervals) -> dict[str, Any]:
-    """What the records leave open of the fitted values: in words, and their correlations."""
+    """Values that are not identifiable or strongly correlated, in words, and the correlations."""
     return {"not_identifiable": identifiability_report(fitted, found), "correlation": correlation_json(found)}
 
 
 def detectable_json(problem: Problem, sizes: Sequence[MinimumDetectableEffect]) -> list[dict[str, Any]]:
-    """The smallest size of each effect that the records could have shown; `value` is null where no size would have."""
+    """Minimum detectable size of each effect; `value` is null where no size is detectable."""
     return [
         {
             "effect": one.effect,
@@ -129,7 +129,7 @@ def detectable_json(problem: Problem, sizes: Sequence[MinimumDetectableEffect]) 
 
 
 def where_json(maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
-    """Coordinates the residual depends on, strongest first."""
+    """Coordinates on which the residual depends, largest explained share first."""
     return [
         {"coordinate": m.coordinate, "share": m.share, "p_value": p_value_json(m.p_value)}
         for m in maps
@@ -138,7 +138,7 @@ def where_json(maps: Sequence[ResidualMap]) -> list[dict[str, Any]]:
 
 
 def headline_channel(problem: Problem) -> str:
-    """The channel whose error is quoted where one number is wanted: the force, or the worse tip channel."""
+    """The channel whose error is reported where one number is needed: the force, or the first measured channel."""
     record = problem.fit_records[0]
     return getattr(record, "force_channel", "") or next(iter(record.measured))
 
@@ -149,7 +149,7 @@ def worst_channel(problem: Problem, by_channel: Mapping[str, ChannelMisfit]) -> 
 
 
 def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
-    """Effects tried, best first: held-out error they would leave, its reduction, chance, and values."""
+    """Candidate effects, best first: held-out error, its reduction, p value and fitted values of each."""
     problem = diagnosis.problem
     channel = worst_channel(problem, diagnosis.before_validate)
     before = diagnosis.before_validate[channel].rms if channel in diagnosis.before_validate else float("nan")
@@ -179,13 +179,13 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
 
 
 def angle_to_best(diagnosis: Diagnosis, trial: CandidateFit) -> float | None:
-    """Angle, rad, between what the effect named takes from the residual and what this one could make."""
+    """Angle, rad, between the change of the residual by the named effect and the changes possible with this one."""
     best, base = diagnosis.best, diagnosis.base.fitted
     if best is None or trial is best:
         return None
     one, other = best.fitted, trial.fitted
     if not one.fit.residual.size == other.fit.residual.size == base.fit.residual.size:
-        # The grid of a sensor's values is judged with other deviations: there is nothing to hold it against.
+        # Quantisation is fitted with other weights, so the residuals are not comparable.
         return None
     return substitution_angle(one, other, base)
 

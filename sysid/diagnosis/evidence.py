@@ -1,4 +1,9 @@
-"""What a verdict is made from: a base model's misfit, the effects tried on it, and what can be read off both."""
+"""Statistics that the verdict is based on: misfit of the base model, and gain of each candidate effect.
+
+Computed are the share of the loss above the noise that a candidate removes (in total, away from reversals, and after
+subtracting the patterns of effects added earlier), the dependence of a residual on its coordinates, and its
+autocorrelation. `is_worthwhile` decides whether a gain is significant and large enough.
+"""
 
 from __future__ import annotations
 
@@ -49,17 +54,17 @@ from sysid.prediction.problem import Problem
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a verdict is made from.
+    """Statistics that the verdict is based on.
 
     Args:
         problem, base: records and scales, and the model fitted to them.
-        search: every effect tried on it.
-        ranked: the best law of each effect, best first.
-        over: error over noise of the base model, the worst of its records.
-        pattern: share of its residual that the best coordinate explains.
-        all_effects: second effects too are looked for in the whole library.
-        added: effects of the model that earlier rounds added.
-        textured: whether the position foretells the residual of moments it has not seen, be it little of it.
+        search: every candidate evaluated on it.
+        ranked: the best variant of each effect, best first.
+        over: error over noise of the base model, largest over the records.
+        pattern: largest share of its residual that one coordinate explains.
+        all_effects: second effects too are searched in the whole library.
+        added: effects of the model that were added since the first revision.
+        textured: whether the position predicts part of the residual in cross-validation.
     """
 
     problem: Problem
@@ -88,22 +93,22 @@ class Evidence:
         return root_mean_huber(self.base.residual)
 
     def left_by(self, trial: CandidateFit) -> float:
-        """Share of the variance above the noise that an effect leaves."""
+        """Share of the variance above the noise that remains with an effect."""
         return self.left_at(worst_over_noise(trial.after_fit, trial.after_validate))
 
     def left_at(self, over: float) -> float:
-        """Share of the variance above the noise that is left where a model's error over noise is `over`."""
+        """Share of the variance above the noise that remains if the error over noise is `over`."""
         return float(min(1.0, max(0.0, over**2 - 1.0) / max(self.over**2 - 1.0, 1e-9)))
 
     @property
     def patterned(self) -> bool:
-        """Whether the base model's residual follows some coordinate, known or not."""
+        """Whether the residual of the base model depends on a coordinate or is autocorrelated."""
         return self.pattern >= LEAST_PATTERN or self.textured or self._persistence() >= LEAST_PERSISTENCE
 
     @property
     def in_spells(self) -> bool:
-        """Whether some stretches lie far above the noise, though the robust error, or that of the held-out records,
-        does not say so: what happens once may be in one record alone."""
+        """Whether the residual is far above the noise in some stretches of any record, which the robust error leaves
+        out."""
         fitted = self.base.fitted
         in_fit = root_mean_huber(fitted.fit.residual) >= SPELLS
         return (self.error >= SPELLS and self._persistence() >= LEAST_PERSISTENCE) or (
@@ -128,8 +133,8 @@ class Evidence:
         return max((share for name, share in shares.items() if not coordinates or name in coordinates), default=0.0)
 
     def bent(self, trial: CandidateFit) -> bool:
-        """Whether an effect of the position, or of time, leaves a residual that still follows it, whichever law of its
-        family is taken: the true law is another."""
+        """Whether the residual with an effect of position or time still depends on that coordinate in every variant of
+        the effect: the true law is a different one."""
         own = trial.effect.coordinates
         if len(own) != 1 or own[0] not in BENT:
             return False
@@ -142,23 +147,24 @@ class Evidence:
         return best is fitted or self.pattern_left(best.model, own) >= BENT[own[0]]
 
     def on_top(self, trial: CandidateFit) -> list[Pair]:
-        """An effect with each of the most promising others on top of it, best first."""
+        """Pairs of an effect with each of the best-scored others on top of it, best first."""
         return pairs_on_top(self.problem, self.base, trial.refit, self.all_effects, self.search.screening.jacobians)
 
     def share_away(self, trial: CandidateFit) -> float | None:
-        """Share of the loss above the noise, away from the turns of a driven mass, that an effect takes.
+        """Share of the loss above the noise, away from the reversals of a driven mass, that an effect removes.
 
-        Of the held-out records; of those fitted, where the held-out ones have too little of it there.
+        On the held-out records, or on those of the fit where the held-out ones have too small a loss there.
         """
         held_out, fitted = away_of(self.problem, self.base, trial)
         if held_out is None:
             return None
-        # Where there is little above the noise a share of it says nothing.
+        # Close to the noise the share is not significant.
         clear = next((loss for loss in (held_out, fitted) if loss is not None and loss.clear), None)
         return clear.share if clear is not None else 0.0
 
     def share_apart(self, trial: CandidateFit) -> float:
-        """Share of the held-out loss above the noise that an effect takes, apart from the patterns of added effects."""
+        """Share of the held-out loss above the noise that an effect removes, after subtracting the patterns of added
+        effects."""
         own = own_coordinates(self.added)
         if not own:
             return 0.0
@@ -170,19 +176,19 @@ class Evidence:
         return (before - after) / max(before - min(1.0, after), 1e-9)
 
     def like_turns(self, trial: CandidateFit) -> bool:
-        """Whether a small error in the time of the turns would look like this effect."""
-        # On a driven mass a late sensor of its motion is a late drive.
+        """Whether a small error in the time of reversals would resemble this effect."""
+        # On a driven mass a delay of the motion sensor is equivalent to a delay of the drive.
         late = self.problem.kind == "force-drive" and trial.public_name in LATE
         return (late or trial.public_name in AT_REVERSALS) and trial.share_at_rest < AT_REST
 
 
 @dataclass(frozen=True)
 class LossAway:
-    """Mean squared loss of some records away from the turns of a driven mass, before and after an effect.
+    """Mean Huber loss of some records away from the reversals of a driven mass, without and with an effect.
 
     Args:
         before, after: in noise deviations squared.
-        significance: of the drop, were what the effect leaves all noise, in standard errors.
+        significance: z of the reduction, if the residual with the effect is only noise.
     """
 
     before: float
@@ -191,17 +197,17 @@ class LossAway:
 
     @property
     def clear(self) -> bool:
-        """Whether there is enough above the noise for a share of it to say something."""
+        """Whether the loss is large enough for its share to be significant."""
         return self.before > CLEARLY_AWAY
 
     @property
     def share(self) -> float:
-        """Part of the loss above the noise that is gone."""
+        """Share of the loss above the noise that is removed."""
         return (self.before - self.after) / max(self.before - min(1.0, self.after), 1e-9)
 
 
 def away_of(problem: Problem, base: ReferenceFit, trial: CandidateFit) -> tuple[LossAway | None, LossAway | None]:
-    """What an effect does away from the turns, on the held-out records and on those fitted; none where all is near."""
+    """Loss away from reversals on the held-out records and on those of the fit; none where too few samples are."""
     held_out = _away(problem.validate_records, base.weights, base.residual, trial.residual)
     after = trial.fitted.fit.residual
     whole = after.size == base.fitted.fit.residual.size
@@ -226,8 +232,8 @@ def _away(
 def persistence(
     problem: Problem, records: Sequence[PreparedRecord], weights: ResidualWeights, residual: np.ndarray
 ) -> float:
-    """Correlation of a residual (n,) with itself four scored samples on, less that of the sensors' noise: what is
-    left between 1 (a slow pattern, of whatever coordinate) and 0 (noise)."""
+    """Autocorrelation of a residual (n,) at a lag of four scored samples, less that of the sensor noise: from 0 (noise)
+    to 1 (slow dependence on any coordinate)."""
     lag, best = 4, 0.0
     start = 0
     for record, samples in zip(records, weights.samples, strict=True):
@@ -247,10 +253,10 @@ def persistence(
 
 
 def is_worthwhile(problem: Problem, base: ReferenceFit, trial: CandidateFit) -> bool:
-    """Whether an effect lowers the held-out loss by more than chance, and by enough to matter.
+    """Whether the gain of an effect on the held-out records is significant and large enough.
 
-    On a driven mass what its stops leave may hide that: then it counts away from its turns, where an effect has to take
-    nearly all of a clear loss, on all records.
+    On a driven mass the residuals at stops may hide the gain. It then counts away from reversals, where the effect has
+    to remove nearly all of a clear loss, on all records.
     """
     return _takes_enough(base, trial) or _takes_all_away(problem, base, trial)
 
@@ -270,7 +276,7 @@ def _takes_enough(base: ReferenceFit, trial: CandidateFit) -> bool:
     before_fit = root_mean_huber(base.fitted.fit.residual) ** 2
     alike = trial.fit_gain * before >= ALIKE * trial.gain * before_fit
     certain = trial.significance >= LEAST_SIGNIFICANCE or (trial.steadiness >= LEAST_STEADINESS and alike)
-    # What shows at a few break-aways alone is never steady: there it must take most, on all records.
+    # A gain at a few break-aways only is never steady: there it must be most of the loss, on all records.
     most = trial.gain >= MOST_OF_IT * before and trial.fit_gain >= MOST_OF_IT * before_fit
     certain |= most and trial.significance >= LEAST_OF_MOST
     return certain and trial.gain >= LEAST_GAIN * before and trial.fit_gain >= LEAST_GAIN * before_fit

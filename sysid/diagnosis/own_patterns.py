@@ -1,4 +1,8 @@
-"""What a model leaves apart from the patterns of its own effects: an added law is seldom quite the true one."""
+"""Residual after subtracting its binned means over the coordinates of effects that are in the model (model-form error).
+
+An added law is seldom exactly the true one, so its residual depends on its own coordinate. The means in bins of these
+coordinates are subtracted before another effect is evaluated.
+"""
 
 from __future__ import annotations
 
@@ -14,21 +18,21 @@ from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import PreparedRecord
 
 OWN = ("time", "position", "distance_travelled", "temperature", "normal_load")
-"""Coordinates along which an added law that is not quite the true one leaves a pattern that is clearly its own."""
+"""Coordinates over which the residual of an inexact law is attributed to its own effect."""
 
 BINS = 24
 PASSES = 2
 
 
 def own_coordinates(effects: Sequence[Effect]) -> tuple[str, ...]:
-    """Coordinates of effects, each once, along which what their laws leave is theirs."""
+    """Coordinates of effects, each once, over which the residual is attributed to them."""
     return tuple(dict.fromkeys(name for effect in effects for name in effect.coordinates if name in OWN))
 
 
 def apart_from(
     residual: np.ndarray, records: Sequence[PreparedRecord], weights: ResidualWeights, coordinates: Sequence[str]
 ) -> np.ndarray:
-    """A residual (n,) in deviations, less its mean in bins of each coordinate, apart for the directions of motion."""
+    """A residual (n,) in deviations, less its mean in bins of each coordinate, separately by direction of motion."""
     out = residual.copy()
     start = 0
     for record, samples in zip(records, weights.samples, strict=True):
@@ -45,6 +49,6 @@ def apart_from(
                     if values is None:
                         continue
                     cells = cells_of(values, direction, edges_of(values, name, BINS))
-                    # A few large samples are no pattern.
+                    # Clipped, so that a few large samples do not determine a mean.
                     part -= means_of(cells, np.clip(part, -8.0, 8.0), int(cells.max()) + 1)[cells]
     return out

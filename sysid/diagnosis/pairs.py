@@ -1,9 +1,9 @@
-"""Two effects missing at once: which pair explains what no single one does.
+"""Joint test of two missing effects: pairs of candidates that explain a misfit that no single one explains.
 
-The best single effect need not be one of the two: an effect that leans on both may beat each alone. In the linear score
-a pair costs no more than its parts: the columns of every effect, at its best few grid points, are there already, so the
-drop for each of some thousand pairs is a small solution of normal equations. The best pairs are then refitted in full,
-and judged on the held-out records.
+The best single effect need not be one of the two, since an effect partially confounded with both may remove more than
+each alone. The score test of a pair uses the sensitivities of its two effects at their best grid points: for each of
+some thousand pairs the predicted reduction is the solution of small normal equations. The best pairs are refitted in
+full and compared on the held-out records.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from sysid.prediction.problem import Problem
 PAIRS_REFITTED = 6
 
 BESIDE_IT = 0.05
-"""Part of the squared residual beside an effect searched for anew that another must promise to take."""
+"""Least predicted share of the squared residual of a second effect beside one that is searched again."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,8 @@
-"""Early mistakes: effects added before that another explains better, or that nothing needs any more."""
+"""Replacement of effects added earlier: by another effect that explains more, or by none if the effect is not needed.
+
+Each added effect is removed and the model refitted; then the candidates are evaluated in its place on the held-out
+records.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +21,10 @@ from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem
 
 TRIED = 4
-"""Effects refitted in the place of an old one: those that looked best."""
+"""Candidates refitted in the place of an old effect, in the order of the screening."""
 
 CLEARLY = 0.8
-"""Part of the loss above the noise that another effect must stay below to take an old one's place."""
+"""Largest loss above the noise with a replacement, over that with the old effect."""
 
 NEEDLESS = 1.01
 """Held-out error without an effect, over that with it, up to which the effect is not needed."""
@@ -28,12 +32,12 @@ NEEDLESS = 1.01
 
 @dataclass(frozen=True)
 class Swap:
-    """An effect of the model that should go.
+    """An effect of the model that should be removed or replaced.
 
     Args:
         old: its name.
-        new: the effect to put in its place; none where the model does as well without.
-        before, after: error over noise on the held-out records, as it is and with the swap.
+        new: its replacement; none where it is not needed.
+        before, after: error over noise on the held-out records, without and with the replacement.
     """
 
     old: str
@@ -48,21 +52,21 @@ def find_swaps(reduced: ReducedModels, added: Sequence[str], others_too: bool = 
     Args:
         reduced: the model without one of its effects.
         added: names of the effects that were added to it.
-        others_too: look for replacements, not only for effects that are not needed.
+        others_too: search replacements too, not only effects that are not needed.
     """
     problem, base = reduced.problem, reduced.base
     now = root_mean_huber(base.residual)
     found = []
     for name in added:
         family = public_name(name)
-        # Steps are read off the values themselves, not off a misfit that a model without them could be spared.
+        # Quantisation is found from the measured values, not from the misfit.
         if family == "sensor_quantisation" or not any(
             public_name(e.name) == family and e.friction_state is None for e in base.fitted.model.effects
         ):
             continue
         own = [u for u in base.fitted.model.unknowns if public_name(u.key.rpartition(".")[0]) == family]
         if own and all(u.prior is not None for u in own):
-            # Something else than these residuals told of it, as a mode's ringing does above what they show.
+            # The effect was detected outside these residuals, as a mode above the filter band is.
             continue
         below = reduced.fit(family)
         without = root_mean_huber(below.residual)
@@ -73,8 +77,9 @@ def find_swaps(reduced: ReducedModels, added: Sequence[str], others_too: bool = 
             continue
         first = reduced.screening(family)
         best, least = None, CLEARLY * max(now**2 - 1.0, 0.0)
-        for look in [look for look in first.fits if public_name(look.effect.name) != family][:TRIED]:
-            candidate = refit_candidate(below.fitted, look, problem.fit_records, problem.scales)
+        others = [fit for fit in first.fits if public_name(fit.effect.name) != family]
+        for screening_fit in others[:TRIED]:
+            candidate = refit_candidate(below.fitted, screening_fit, problem.fit_records, problem.scales)
             trial = evaluate_candidate(problem, below, candidate)
             if trial is not None and trial.error**2 - 1.0 < least:
                 best, least = trial, trial.error**2 - 1.0

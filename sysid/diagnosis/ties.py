@@ -1,4 +1,7 @@
-"""Effects that the same records cannot tell apart, and which of them is named."""
+"""Practically equivalent candidate effects: those whose held-out losses differ insignificantly from the best one's.
+
+The simplest of them is named, the others are reported as indistinguishable.
+"""
 
 from __future__ import annotations
 
@@ -15,20 +18,20 @@ from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.problem import Problem
 
 OF_FORM = 1e-3
-"""Part of the gain by which one effect may fall behind another because its law is not nature's to the last digit."""
+"""Part of the gain by which two effects may differ because no law is exact."""
 
 CONTAINED = {"coulomb": ("presliding",)}
-"""Families with a limit that is the effect: bristles of no stretch are rigid. Where both do as well they are no rivals:
-the plainer one is what the records show."""
+"""Effects that contain another as a limit: bristles of zero stretch are rigid friction. With equal gains they are no
+rivals; the simpler one is named."""
 
 COMPARED = 6
-"""Effects in the order of their held-out error among which a simpler one is preferred where it leaves as little."""
+"""Effects, in the order of held-out error, among which a simpler one with an equal error is preferred."""
 
 
 def tied_beside(
     problem: Problem, base: ReferenceFit, pair: Pair, pairs: Sequence[Pair], partner: str
 ) -> tuple[str, ...]:
-    """Families that, beside a partner, do what the other one of a pair does, but for chance."""
+    """Effects that, beside the same partner, are equivalent to the other one of a pair."""
     numbers = blocks(problem.validate_records, base.weights)
     gained = root_mean_huber(base.residual) ** 2 - pair.error**2
     others = [other for other in pairs if other is not pair and partner in other.names]
@@ -38,19 +41,19 @@ def tied_beside(
 def _by_chance(
     first: CandidateFit | Pair, other: CandidateFit | Pair, gained: float, numbers: np.ndarray, alike: bool = False
 ) -> bool:
-    """Whether chance alone may have put the one before the other, in samples of the blocks `numbers` (n,)."""
+    """Whether the losses of two effects differ insignificantly, with samples in the blocks of time `numbers` (n,)."""
     behind = other.error**2 - first.error**2
-    # Where something else is missing too, it decides over the last hundredth of the gain.
+    # Where another effect is missing too, it determines the last hundredth of the gain.
     alike |= first.error > MORE_IS_MISSING and behind <= 0.01 * gained
     alike |= behind <= OF_FORM * gained
     return behind <= 0.03 * gained and (alike or significance_of(other.residual, first.residual, numbers) < 2.5)
 
 
 def tied(problem: Problem, base: ReferenceFit, ranked: Sequence[CandidateFit]) -> tuple[tuple[str, ...], CandidateFit]:
-    """The effect to name, and those that these records cannot tell from it.
+    """The indistinguishable effects, and the effect to name.
 
-    Tied are effects whose held-out loss differs from the best one's by chance only. Named is the simplest of them, or a
-    simpler effect that leaves as little in the robust figure: what it lacks are a few samples beside reversals.
+    Tied are effects whose held-out loss differs insignificantly from the best one's. Named is the simplest of them, or
+    a simpler effect with an equal robust error, which differs in a few samples beside reversals only.
     """
     numbers = blocks(problem.validate_records, base.weights)
     first = ranked[0]
@@ -58,7 +61,7 @@ def tied(problem: Problem, base: ReferenceFit, ranked: Sequence[CandidateFit]) -
     gained = before - first.error**2
     group = [first]
     for other in ranked[1:]:
-        # Along a filtered motion a lag and a delay differ by less than what the filter costs.
+        # Along a filtered motion a lag and a delay differ by less than the error of the filter.
         alike = problem.kind == "force-drive" and {first.public_name, other.public_name} <= LATE and other.error <= 1.0
         if _by_chance(first, other, gained, numbers, alike):
             group.append(other)

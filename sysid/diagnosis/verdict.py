@@ -1,7 +1,7 @@
-"""The verdict on a model and the effects tried on it: one is missing, nothing is, or what is missing has no name here.
+"""Decision of a diagnosis: an effect is missing, the model is adequate, or the misfit is unexplained.
 
-The questions stand in the order in which they are asked (`verdict_on`); docs/theory.md section 9 tells them in words,
-`sysid/diagnosis/verdict_limits.py` holds the limits.
+`verdict_on` applies the rules of docs/theory.md, section 9, in their order to the evaluated candidates; the limits are
+in `sysid/diagnosis/verdict_limits.py`.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ from sysid.estimation.misfit import misfit, worst_over_noise
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is missing.
+    """Decision of a diagnosis.
 
     Args:
         verdict: `missing-effect`, `adequate` or `unexplained`.
-        best: the trial named, for `missing-effect`.
-        ties: families that these records cannot tell from it.
-        left: of the variance above the noise, the share that stays.
-        reason: why, in words.
-        told_by: what tells of the effect, in words, where it is not the error that falls.
+        best: the candidate named, for `missing-effect`.
+        ties: effects that these records cannot distinguish from it.
+        left: remaining share of the variance above the noise.
+        reason: of the decision, in words.
+        detected_by: how the effect was detected, in words, where it was not by a reduction of the error.
     """
 
     verdict: str

@@ -1,4 +1,7 @@
-"""How much is enough: the limits by which a diagnosis judges. docs/theory.md lists them with their reasons."""
+"""Numeric limits and lists of effects of the decision rules in `sysid/diagnosis/verdict.py`.
+
+The limits were chosen on generated records; docs/theory.md lists them with their values.
+"""
 
 from __future__ import annotations
 
