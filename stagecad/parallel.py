@@ -26,13 +26,12 @@ import traceback
 import warnings
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, TypeVar
 
-from stagecad.parameters.errors import InputError
+from stagecad.cluster import map_on_cluster
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -101,7 +100,7 @@ def parallel_map(
         Exception: that of an item, with the traceback in its process as a note.
     """
     if scheduler is not None:
-        return _map_on_cluster(scheduler, function, items, progress)
+        return map_on_cluster(scheduler, function, items, progress)
     needed = {items.index(item): {items.index(other) for other in others} for item, others in (requires or {}).items()}
     count = min(workers or processors(), len(items))
     if _inside_worker or (count <= 1 and limit is None):
@@ -365,49 +364,3 @@ def _end_with_parent(parent: int) -> None:
     process = multiprocessing.parent_process()
     assert process is not None
     threading.Thread(target=lambda: (wait([process.sentinel]), os._exit(1)), daemon=True).start()
-
-
-def _map_on_cluster(
-    address: str, function: Callable[[Item], Result], items: Sequence[Item], progress: Callable[[Item], None]
-) -> list[Result]:
-    """As `parallel_map`, on the workers of a dask cluster, which need the same packages."""
-    try:
-        from distributed import Client, as_completed
-        from distributed.scheduler import KilledWorker
-    except ImportError:
-        raise InputError(
-            f"--scheduler {address}: needs the package 'distributed' (pip install 'stagecad[cluster]'); "
-            "without --scheduler the local cores do the work"
-        ) from None
-    try:
-        client = Client(address, timeout=5)
-    except (OSError, ValueError) as error:
-        raise InputError(f"--scheduler {address}: no cluster answers there ({error})") from None
-    with client:
-        if not client.scheduler_info(n_workers=-1)["workers"]:
-            raise InputError(f"--scheduler {address}: the cluster has no workers; start one: dask worker {address}")
-        tasks: Any = {}
-        try:
-            # The function and its bound arguments are sent to each worker once.
-            sent = client.scatter(pickle.dumps(function), broadcast=True, hash=False)
-            tasks = {client.submit(_apply_pickled, sent, item, pure=False): item for item in items}
-            for task in as_completed(tasks):
-                task.result()
-                progress(tasks[task])
-            return client.gather(list(tasks))  # type: ignore[return-value]
-        except ModuleNotFoundError as error:
-            raise InputError(f"--scheduler {address}: its workers lack a package: {error}") from None
-        except KilledWorker as error:
-            raise InputError(f"--scheduler {address}: a worker died at its work: {error}") from None
-        except BaseException:
-            client.cancel(list(tasks))
-            raise
-
-
-def _apply_pickled(function: bytes, item: Any) -> Any:
-    return _loaded(function)(item)
-
-
-@lru_cache(maxsize=1)
-def _loaded(function: bytes) -> Callable[[Any], Any]:
-    return pickle.loads(function)
