@@ -193,8 +193,7 @@ def driven_mass(
         raw_position=position.values,
         interpolated=missing,
     )
-    edge = max(6, int(np.ceil(1.5 * width / step)))
-    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, valid, edge))
+    return replace(prepared, stick_phases=_stick_phases(prepared, channels, noise, valid, 1.5 * width / step))
 
 
 def _valid_rows(missing: np.ndarray, width: float, reach: int) -> np.ndarray:
@@ -373,11 +372,12 @@ def _stick_phases(
     channels: Mapping[str, np.ndarray],
     noise: Mapping[str, Noise],
     usable: np.ndarray,
-    edge: int,
+    edge: float,
 ) -> StickPhases | None:
     """Stick phases of a driven mass, where its displacement in them was measured, or follows from the spring's force.
 
-    Steps of a coarse sensor are no displacement, and an integrated velocity drifts.
+    `usable` (n,) marks the valid rows; `edge` rows at each end of a phase are left out, six at least. Steps of a coarse
+    sensor are no displacement, and an integrated velocity drifts.
     """
     by_spring = record.kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
     sensor = noise.get("spring_force" if by_spring else "position")
@@ -392,7 +392,7 @@ def _stick_phases(
         record.stick_fraction,
         record.axis.direction,
         usable,
-        edge,
+        max(6, int(np.ceil(edge))),
         record.prefiltered_noise,
         1.0 / record.pull_stiffness if by_spring and record.pull_stiffness else 0.0,
     )
