@@ -1,4 +1,4 @@
-"""Records with nothing in them to fit, or that do not go together, end in one line, not in the middle of a sum."""
+"""Degenerate records: without motion, of a few rows, with gaps in time, of different rates or units."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ def _edit(file: Path, column: int, values: np.ndarray | float, rows: int | None 
 
 
 @pytest.mark.parametrize("column", [1, 2])
-def test_a_record_in_which_nothing_moves_says_so(tmp_path: Path, column: int) -> None:
+def test_record_without_motion_is_refused(tmp_path: Path, column: int) -> None:
     slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
     _edit(tmp_path / "fit.csv", column, 0.01 if column == 1 else 0.0)
     with pytest.raises(InputError, match=r"^fit\.csv: nothing moves"):
         load_problem(tmp_path)
 
 
-def test_an_actuator_at_constant_voltage_says_so(tmp_path: Path) -> None:
+def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
     tip, held = 1e-6 * np.sin(TIME), np.full(TIME.size, 50.0)
     header = "time [s],voltage_1 [V],voltage_2 [V],tip_x [m],tip_y [m]"
     table = np.column_stack([TIME, held, held, tip, tip])
@@ -47,7 +47,7 @@ def test_an_actuator_at_constant_voltage_says_so(tmp_path: Path) -> None:
         load_problem(tmp_path)
 
 
-def test_steps_so_coarse_that_two_values_are_left_are_found_and_kept(tmp_path: Path) -> None:
+def test_quantisation_to_two_values_is_found_and_kept(tmp_path: Path) -> None:
     speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
     rounded = np.round(1.5 * np.sign(speed))
     slide(tmp_path, rounded, '"coulomb"', held_out=True)
@@ -64,7 +64,7 @@ def test_steps_so_coarse_that_two_values_are_left_are_found_and_kept(tmp_path: P
 
 
 @pytest.mark.parametrize("rows", [12, 30, 100])
-def test_a_held_out_record_of_a_few_rows_is_compared_all_the_same(tmp_path: Path, rows: int) -> None:
+def test_held_out_record_of_a_few_rows_is_compared(tmp_path: Path, rows: int) -> None:
     slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
     _edit(tmp_path / "validate.csv", 1, POSITION, rows)
     found = compare(tmp_path)
@@ -72,7 +72,7 @@ def test_a_held_out_record_of_a_few_rows_is_compared_all_the_same(tmp_path: Path
     assert {m.coordinate for m in found.maps} >= {"velocity", "position"}
 
 
-def test_a_hole_in_time_that_no_grid_can_fill_is_named(tmp_path: Path) -> None:
+def test_gap_in_time_that_no_grid_can_fill_is_reported(tmp_path: Path) -> None:
     slide(tmp_path, FORCE, '"coulomb"', held_out=True)
     _edit(tmp_path / "fit.csv", 0, np.where(TIME < 1.0, TIME, TIME + 1e7))
     with pytest.raises(
@@ -104,7 +104,7 @@ def _experiment(folder: Path) -> None:
     )
 
 
-def test_records_of_different_rates_share_a_filter_that_suits_both(tmp_path: Path) -> None:
+def test_records_of_different_rates_share_one_filter(tmp_path: Path) -> None:
     # A filter narrower than the rows of the slow record would pass no acceleration at all.
     _driven(tmp_path, STEP, "fit.csv", 6000)
     _driven(tmp_path, 32 * STEP, "validate.csv", 400)
@@ -122,7 +122,7 @@ def test_records_of_different_rates_share_a_filter_that_suits_both(tmp_path: Pat
 
 
 @pytest.mark.parametrize("wrong", ["fit.csv", "validate.csv"])
-def test_a_record_with_its_time_in_another_unit_is_found_out(tmp_path: Path, wrong: str) -> None:
+def test_record_with_time_in_another_unit_is_detected(tmp_path: Path, wrong: str) -> None:
     for name in ("fit.csv", "validate.csv"):
         _driven(tmp_path, STEP, name, 3000)
     _experiment(tmp_path)

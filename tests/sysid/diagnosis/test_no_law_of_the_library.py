@@ -1,4 +1,4 @@
-"""What no law of the library does is left unexplained, though one of them takes a good part of it."""
+"""Residuals that no law of the library explains stay unexplained, though one law removes a large part."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def _wave(pitch: float) -> np.ndarray:
     return np.sin(2 * np.pi * POSITION / pitch)
 
 
-def test_a_texture_of_several_pitches_is_not_the_wave_that_takes_most_of_it(tmp_path: Path) -> None:
+def test_texture_of_several_pitches_is_not_attributed_to_one_wave(tmp_path: Path) -> None:
     texture = 0.08 * _wave(1.9e-3) + 0.035 * (_wave(1.13e-3) + _wave(0.67e-3))
     problem = slide(tmp_path, (1.5 + texture) * SIGN, '"coulomb"', held_out=True)
     found = diagnose(problem)
@@ -35,7 +35,7 @@ def _evidence(problem: Problem) -> Evidence:
     return Evidence(problem, base, CandidateSearch([], ScreeningResult([], [], np.empty(0))), [], 1.0, 0.0, False)
 
 
-def test_stretches_above_the_noise_are_spells_and_outliers_are_none(tmp_path: Path) -> None:
+def test_stretches_above_the_noise_are_detected_and_outliers_are_not(tmp_path: Path) -> None:
     stuck = sum(((begin < TIME) & (begin + 0.05 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
     wild = np.random.default_rng(4).permutation(stuck)
     in_spells = _evidence(slide(tmp_path / "spells", (1.5 + 12.0 * NOISE * stuck) * SIGN, '"coulomb"', held_out=True))
@@ -45,7 +45,7 @@ def test_stretches_above_the_noise_are_spells_and_outliers_are_none(tmp_path: Pa
     assert not scattered.in_spells
 
 
-def test_what_effects_do_is_kept_for_looks_on_top_of_another(tmp_path: Path) -> None:
+def test_candidate_jacobians_are_kept_for_second_screenings(tmp_path: Path) -> None:
     problem = slide(tmp_path, (1.5 + 0.08 * _wave(1.9e-3)) * SIGN, '"coulomb"', held_out=True)
     base = fit_stated_model(problem)
     seen = evaluate_all(problem, base, ["coulomb"]).screening.jacobians

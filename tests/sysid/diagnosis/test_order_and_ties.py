@@ -1,4 +1,4 @@
-"""In which order a sensor's effects act, and which effects are rivals of one another."""
+"""Order in which effects of a sensor are applied, and equivalent effects."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from sysid.prediction.problem import build_problem
 from tests.sysid.slide import POSITION, SIGN, TIME, VELOCITY, slide
 
 
-def test_what_bends_a_scale_comes_before_the_drift_of_its_zero_unless_listed_behind(tmp_path: Path) -> None:
+def test_nonlinearity_is_applied_before_zero_drift_unless_listed_after(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb", "sensor_drift"')
     grown = with_effect(problem.start, find("sensor_nonlinearity"), problem.scales)
     assert [e.name for e in grown.effects] == ["coulomb", "sensor_nonlinearity", "sensor_drift"]
@@ -24,7 +24,7 @@ def test_what_bends_a_scale_comes_before_the_drift_of_its_zero_unless_listed_beh
     assert [e.name for e in listed.start.effects] == ["coulomb", "sensor_drift", "sensor_nonlinearity"]
 
 
-def test_a_bent_and_drifting_sensor_is_found_whichever_is_found_first(tmp_path: Path) -> None:
+def test_nonlinear_and_drifting_sensor_is_found_in_either_order(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 25.0 * VELOCITY
     bent = force + 0.06 * force**2 + 0.05 * force**3
     slide(tmp_path, bent + 0.4 * TIME / TIME[-1], '"coulomb", "viscous"', held_out=True)
@@ -41,14 +41,14 @@ def test_a_bent_and_drifting_sensor_is_found_whichever_is_found_first(tmp_path: 
     assert max(m.over_noise for m in last.before_validate.values()) < 1.1
 
 
-def test_bristles_of_no_stretch_are_no_rival_of_rigid_friction(tmp_path: Path) -> None:
+def test_bristles_of_zero_stretch_are_no_rival_of_rigid_friction(tmp_path: Path) -> None:
     slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY, '"viscous"', held_out=True)
     found = diagnose(tmp_path)
     assert (found.effect, "presliding" in found.indistinguishable) == ("coulomb", False)
     assert any(trial.public_name == "presliding" for trial in found.trials)
 
 
-def test_a_spring_that_bends_a_little_is_not_a_straight_one_and_something_else(tmp_path: Path) -> None:
+def test_slightly_nonlinear_spring_is_not_a_linear_one_plus_another_effect(tmp_path: Path) -> None:
     middle = POSITION - POSITION.mean()
     cubic = 0.08 * (middle / np.max(np.abs(middle))) ** 3
     slide(tmp_path, 1.5 * SIGN + 25.0 * VELOCITY + cubic, '"coulomb", "viscous"', held_out=True)

@@ -1,4 +1,4 @@
-"""A residual apart from the patterns of effects that are in the model already."""
+"""Residual after subtracting the patterns of effects that are in the model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def left(folder: Path, missing: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return residual, apart_from(residual, problem.validate_records, weights, own_coordinates([find("run_in")]))
 
 
-def test_the_pattern_goes_whatever_its_law_and_what_is_not_its_stays(tmp_path: Path) -> None:
+def test_pattern_of_a_coordinate_is_removed_and_the_rest_stays(tmp_path: Path) -> None:
     residual, apart = left(tmp_path, SETTLING + RINGING)
     _, ringing = left(tmp_path, RINGING)
     assert np.std(np.clip(residual, -8.0, 8.0)) > 1.5 * np.std(np.clip(ringing, -8.0, 8.0))
@@ -34,11 +34,11 @@ def test_the_pattern_goes_whatever_its_law_and_what_is_not_its_stays(tmp_path: P
     assert np.corrcoef(np.clip(apart, -8.0, 8.0), np.clip(ringing, -8.0, 8.0))[0, 1] > 0.8
 
 
-def test_noise_loses_no_more_than_its_bins(tmp_path: Path) -> None:
+def test_noise_is_nearly_unchanged(tmp_path: Path) -> None:
     residual, apart = left(tmp_path, np.zeros(TIME.size))
     assert 0.9 < np.std(apart) / np.std(residual) <= 1.0
 
 
-def test_an_effect_of_the_speed_claims_no_coordinate() -> None:
+def test_effect_of_velocity_has_no_own_coordinate() -> None:
     assert own_coordinates([find("stribeck")]) == ()
     assert own_coordinates([find("run_in"), find("sensor_drift")]) == ("distance_travelled", "time")

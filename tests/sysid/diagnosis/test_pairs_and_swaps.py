@@ -1,4 +1,4 @@
-"""Two effects at once, effects searched for anew, and swaps, on records written here with laws of their own."""
+"""Pairs of missing effects, repeated searches and replacements, on generated records."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ def _dragged(x: np.ndarray, v: np.ndarray) -> np.ndarray:
     return 1.5 * np.sign(v) + 9.0 * v + 0.3 * np.sin(2 * np.pi * x / 6e-3 + 0.3)
 
 
-def test_no_pair_needs_an_amplitude_that_its_bounds_forbid(tmp_path: Path) -> None:
-    """A Stribeck curve turned over does what a drag does; it once took the places of the pairs that could be."""
+def test_pair_with_an_amplitude_out_of_bounds_is_left_out(tmp_path: Path) -> None:
+    """A negative Stribeck force resembles a drag, but is out of bounds; such pairs must not displace valid ones."""
     problem = load_problem(_write(tmp_path, _dragged, '"coulomb"'))
     base = fit_stated_model(problem)
     looks = screen_all(problem, base, ["coulomb"])
@@ -73,7 +73,7 @@ def test_no_pair_needs_an_amplitude_that_its_bounds_forbid(tmp_path: Path) -> No
     assert all(values[f"{effect.name}.force"] > 0.0 for values, effect in amplitudes)
 
 
-def test_two_effects_are_found_one_after_the_other_and_nothing_after_them(tmp_path: Path) -> None:
+def test_two_effects_are_found_in_sequence_and_no_third(tmp_path: Path) -> None:
     rig = _write(tmp_path, _uneven)
     added = []
     for _ in range(2):
@@ -93,7 +93,7 @@ def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
     return 1.5 * (1.0 + 0.4 * (wave + 0.2 * wave**2)) * np.sign(v) + 4.0 * v
 
 
-def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
+def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> None:
     rig = _write(tmp_path, _skewed)
     found = diagnose(rig)
     assert found.effect == "position_dependent_friction"
@@ -107,7 +107,7 @@ def test_a_wave_that_is_no_sine_is_given_its_overtone(tmp_path: Path) -> None:
     assert abs(values["position_dependent_friction:overtone.second_cosine"]) == pytest.approx(0.1, abs=0.02)
 
 
-def test_second_looks_find_the_same_from_what_the_first_ones_saw(tmp_path: Path) -> None:
+def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
     problem = load_problem(_write(tmp_path, _uneven))
     base = fit_stated_model(problem)
     search = evaluate_all(problem, base, ["coulomb", "viscous"])
@@ -120,7 +120,7 @@ def test_second_looks_find_the_same_from_what_the_first_ones_saw(tmp_path: Path)
     assert kept.error == pytest.approx(1.0, abs=0.1)
 
 
-def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tmp_path: Path) -> None:
+def test_equivalent_effect_beside_the_same_partner_is_reported(tmp_path: Path) -> None:
     problem = load_problem(_write(tmp_path, _uneven))
     base = fit_stated_model(problem)
     looks = screen_all(problem, base, ["coulomb", "viscous"])
@@ -137,7 +137,7 @@ def test_an_effect_that_does_as_well_beside_the_same_partner_is_named_with_it(tm
     assert tied_beside(problem, base, pair, [pair, alike, worse], wave.name) == ("gravity_torque",)
 
 
-def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
+def test_shape_without_a_stated_start_is_searched(tmp_path: Path) -> None:
     effects = '"coulomb", "viscous", "position_dependent_friction", "cable_spring"'
     found = diagnose(_write(tmp_path, _uneven, effects))
     assert found.verdict == "adequate"
@@ -145,7 +145,7 @@ def test_a_shape_without_a_start_is_searched_for(tmp_path: Path) -> None:
     assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
 
 
-def test_bounds_that_the_user_set_stay_when_an_effect_is_searched_for_anew(tmp_path: Path) -> None:
+def test_bounds_stated_by_the_user_are_kept_in_a_new_search(tmp_path: Path) -> None:
     rig = _write(tmp_path, _uneven, '"coulomb", "viscous", "position_dependent_friction"')
     toml = rig / "experiment.toml"
     held = '[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n[[record]]'
@@ -159,7 +159,7 @@ def test_bounds_that_the_user_set_stay_when_an_effect_is_searched_for_anew(tmp_p
         assert fitted.model.values["position_dependent_friction.amplitude"] <= 0.2
 
 
-def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
+def test_wrong_effect_is_replaced_by_the_true_one(tmp_path: Path) -> None:
     rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v, '"coulomb"')
     add_effects(rig, ["quadratic_drag"])
     problem = load_problem(rig)
@@ -176,14 +176,14 @@ def test_a_wrong_effect_makes_place_for_the_right_one(tmp_path: Path) -> None:
     assert diagnose(rig).swaps == ()
 
 
-def test_an_effect_that_nothing_needs_is_said_to_be_so(tmp_path: Path) -> None:
+def test_unneeded_effect_is_reported(tmp_path: Path) -> None:
     rig = _write(tmp_path, lambda x, v: 1.5 * np.sign(v) + 12.0 * v)
     add_effects(rig, ["quadratic_drag"])
     assert [(swap.old, swap.new) for swap in diagnose(rig).swaps] == [("quadratic_drag", None)]
 
 
 @pytest.mark.parametrize("width", [2e-3, 7e-3])
-def test_smoothing_at_some_samples_is_smoothing(width: float) -> None:
+def test_smoothing_at_some_samples_agrees_with_full_smoothing(width: float) -> None:
     signal = np.cumsum(np.random.default_rng(1).normal(size=3000))
     smooth = GaussianFilter(width, 1e-3, signal.size)
     index = np.concatenate([np.arange(0, 40), np.arange(40, 2960, 7), np.arange(2960, 3000)])

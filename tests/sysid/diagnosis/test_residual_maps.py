@@ -1,4 +1,4 @@
-"""Where a model fails: the coordinate that a residual was made from comes first, and noise has no coordinate."""
+"""Residual maps: the generating coordinate comes first, and noise depends on no coordinate."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def made(tmp_path: Path, missing: np.ndarray, channels: dict[str, np.ndarray] | 
         ("frequency", 0.05 * np.sin(2 * np.pi * 140.0 * TIME)),
     ],
 )
-def test_the_coordinate_it_was_made_from_comes_first(tmp_path: Path, coordinate: str, extra: np.ndarray) -> None:
+def test_generating_coordinate_comes_first(tmp_path: Path, coordinate: str, extra: np.ndarray) -> None:
     found = made(tmp_path, extra)
     first = next(iter(found.values()))
     assert first.coordinate == coordinate
@@ -47,24 +47,24 @@ def test_the_coordinate_it_was_made_from_comes_first(tmp_path: Path, coordinate:
     assert first.p_value < 0.01
 
 
-def test_what_hangs_on_the_direction_alone_is_no_less_told_by_it_than_by_any_other(tmp_path: Path) -> None:
+def test_direction_explains_a_dependence_on_direction_best(tmp_path: Path) -> None:
     found = made(tmp_path, 0.05 * np.ones(TIME.size))
     assert found["direction"].share > 0.97 * max(m.share for m in found.values()) > 0.4
     assert found["direction"].forward[1] * found["direction"].backward[0] > 0.0
 
 
-def test_a_temperature_is_told_from_time(tmp_path: Path) -> None:
+def test_temperature_is_distinguished_from_time(tmp_path: Path) -> None:
     found = made(tmp_path, 0.03 * (WARMTH - 21.0), {"temperature [degC]": WARMTH})
     assert next(iter(found)) == "temperature"
 
 
-def test_a_warming_up_says_no_more_than_time(tmp_path: Path) -> None:
+def test_monotone_temperature_explains_no_more_than_time(tmp_path: Path) -> None:
     drift = 21.0 + 5.0 * (1.0 - np.exp(-TIME))
     found = made(tmp_path, 0.05 * (drift - 21.0), {"temperature [degC]": drift})
     assert found["temperature"].share < 0.6 * found["time"].share
 
 
-def test_a_texture_finer_than_the_bins_is_told_by_the_position(tmp_path: Path) -> None:
+def test_texture_finer_than_the_bins_is_explained_by_position(tmp_path: Path) -> None:
     waves = np.sin(2 * np.pi * POSITION / 3.1e-4) + np.sin(2 * np.pi * POSITION / 4.7e-4)
     found = made(tmp_path, 0.05 * SIGN * waves)
     position = next(iter(found.values()))
@@ -74,7 +74,7 @@ def test_a_texture_finer_than_the_bins_is_told_by_the_position(tmp_path: Path) -
     assert position.p_value < 0.01
 
 
-def test_what_happened_at_some_moments_follows_no_place_or_speed(tmp_path: Path) -> None:
+def test_events_in_time_depend_on_no_position_or_velocity(tmp_path: Path) -> None:
     stuck = sum(((begin < TIME) & (begin + 0.12 > TIME)).astype(float) for begin in (0.31, 0.78, 1.07, 1.62, 2.05))
     found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, '"coulomb"'))
     first = next(iter(found.values()))
@@ -85,12 +85,12 @@ def test_what_happened_at_some_moments_follows_no_place_or_speed(tmp_path: Path)
     assert max(m.share for m in others) < 0.1
 
 
-def test_noise_follows_nothing(tmp_path: Path) -> None:
+def test_noise_depends_on_no_coordinate(tmp_path: Path) -> None:
     found = made(tmp_path, np.zeros(TIME.size))
     assert max(m.share for m in found.values()) < 0.05
 
 
-def test_coloured_noise_is_no_pattern_of_position(tmp_path: Path) -> None:
+def test_autocorrelated_noise_does_not_depend_on_position(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     coloured = NOISE * np.asarray(lfilter([1.0], [1.0, -0.95], rng.standard_normal(TIME.size)))
     # One record: what is written into both alike is no noise.
@@ -99,7 +99,7 @@ def test_coloured_noise_is_no_pattern_of_position(tmp_path: Path) -> None:
     assert min(chance) > 0.01
 
 
-def test_the_curve_drawn_is_the_mean_of_what_was_put_in(tmp_path: Path) -> None:
+def test_map_is_the_mean_of_the_added_force(tmp_path: Path) -> None:
     drawn = made(tmp_path, 0.05 * np.sin(2 * np.pi * POSITION / 4e-3))["position"]
     wanted = 5.0 * np.sin(2 * np.pi * drawn.centres / 4e-3)
     both = 0.5 * (drawn.forward + drawn.backward)
@@ -107,14 +107,14 @@ def test_the_curve_drawn_is_the_mean_of_what_was_put_in(tmp_path: Path) -> None:
     assert np.corrcoef(both, wanted)[0, 1] > 0.97
 
 
-def test_one_wild_sample_makes_no_map(tmp_path: Path) -> None:
+def test_single_outlier_does_not_change_the_map(tmp_path: Path) -> None:
     extra = np.zeros(TIME.size)
     extra[900] = 1e3
     found = made(tmp_path, extra)
     assert max(m.share for m in found.values()) < 0.1
 
 
-def test_time_gives_way_where_a_coordinate_explains_nearly_as_much() -> None:
+def test_coordinate_is_ordered_before_time_if_it_explains_nearly_as_much() -> None:
     empty = np.empty(0)
     time, place = (ResidualMap(n, s, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
     assert [m.coordinate for m in order_maps([time, place])] == ["position", "time"]
@@ -122,7 +122,7 @@ def test_time_gives_way_where_a_coordinate_explains_nearly_as_much() -> None:
     assert [m.coordinate for m in order_maps([place, much])] == ["time", "position"]
 
 
-def test_without_a_name_a_coordinate_of_the_motion_yields_to_time_that_explains_more_beside_it() -> None:
+def test_time_is_ordered_first_if_it_explains_more_beside_a_motion_coordinate() -> None:
     empty = np.empty(0)
 
     def one(name: str, share: float, beside_time: float = 0.0) -> ResidualMap:
@@ -138,7 +138,7 @@ def test_without_a_name_a_coordinate_of_the_motion_yields_to_time_that_explains_
     assert [m.coordinate for m in order_maps([short, far])] == ["distance_travelled", "time"]
 
 
-def test_what_time_and_velocity_explain_beside_each_other(tmp_path: Path) -> None:
+def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
     once = 0.05 * ((TIME > 1.2) & (TIME < 1.7)) * np.sign(VELOCITY)
     for name, missing, first in (("once", once, "time"), ("curve", 0.05 * np.cos(120.0 * VELOCITY), "velocity")):
         problem = slide(tmp_path / name, 1.5 * SIGN + missing, '"coulomb"', held_out=True)
@@ -148,6 +148,6 @@ def test_what_time_and_velocity_explain_beside_each_other(tmp_path: Path) -> Non
         assert (found["velocity"].beside_time < 0.0) == (first == "time")
 
 
-def test_a_channel_that_does_not_vary_is_no_coordinate(tmp_path: Path) -> None:
+def test_constant_channel_is_no_coordinate(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
     assert "normal_load" not in coordinates_of(problem.fit_records[0])

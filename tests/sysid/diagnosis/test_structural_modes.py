@@ -1,4 +1,4 @@
-"""A mode of the structure that rings above the balance's filter: found, measured, kept; none is seen where none is."""
+"""Structural mode above the filter band of the balance: detection, estimation, and no false detection."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _fitted(folder: Path) -> tuple[Problem, ReferenceFit]:
     return problem, fit_stated_model(problem)
 
 
-def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
+def test_modal_parameters_are_estimated(tmp_path: Path) -> None:
     problem, base = _fitted(_write(tmp_path / "rig", 0.15))
     record = problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord) and record.full_filter is not None
@@ -77,12 +77,12 @@ def test_what_rides_on_the_mode_is_measured(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("vibration", [0.0, 0.05])
-def test_without_a_mode_none_is_seen_though_the_floor_vibrates(tmp_path: Path, vibration: float) -> None:
+def test_no_mode_is_detected_without_one_on_a_vibrating_floor(tmp_path: Path, vibration: float) -> None:
     problem, base = _fitted(_write(tmp_path / "rig", 0.0, vibration))
     assert detect_structural_mode(problem, base.fitted) is None
 
 
-def test_it_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
     assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())

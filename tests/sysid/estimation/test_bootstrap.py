@@ -1,4 +1,4 @@
-"""Intervals by refitting: against covariances known exactly, and at a bound, where a linear one says nothing."""
+"""Wild bootstrap: known covariances, and a value at its bound."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_white_errors_give_the_textbook_deviation(tmp_path: Path) -> None:
     assert high - low == pytest.approx(2 * 1.96 * found.std, rel=0.25)
 
 
-def test_errors_with_a_memory_give_their_own_wider_deviation(tmp_path: Path) -> None:
+def test_autocorrelated_errors_give_a_wider_deviation(tmp_path: Path) -> None:
     rng = np.random.default_rng(8)
     shocks = rng.standard_normal(TIME.size + 100)
     coloured = 0.03 * np.asarray(lfilter([1.0], [1.0, -MEMORY], shocks))[100:]
@@ -62,8 +62,8 @@ def test_errors_with_a_memory_give_their_own_wider_deviation(tmp_path: Path) -> 
     assert found == pytest.approx(wanted, rel=0.4)
 
 
-def test_a_value_at_its_bound_has_a_band_on_one_side(tmp_path: Path) -> None:
-    """Less than no drag: the fit ends at zero, so do half the refits, and the others reach as chance does."""
+def test_value_at_its_bound_has_a_one_sided_band(tmp_path: Path) -> None:
+    """The true drag is negative: the fit ends at zero, as do half the refits; the others scatter with the noise."""
     deviation = exact(NOISE**2 * np.eye(TIME.size), TIME.size)[1]
     found = drawn(slide(tmp_path, 1.3 * SIGN - 4.0 * deviation * VELOCITY, '"coulomb", "viscous"'))
     at = found.keys.index("viscous.coefficient")
@@ -73,8 +73,8 @@ def test_a_value_at_its_bound_has_a_band_on_one_side(tmp_path: Path) -> None:
     assert 0.5 * deviation < found.band[1][at] < 4.0 * deviation
 
 
-def test_what_was_known_of_a_value_is_drawn_anew(tmp_path: Path) -> None:
-    """A prior far tighter than the record: the refits scatter as the prior does."""
+def test_prior_is_drawn_in_each_replicate(tmp_path: Path) -> None:
+    """With a prior far tighter than the record the refits scatter as the prior does."""
     tight = 1e-4
     parameters = f'[model.parameters]\n"coulomb.force" = {{start = "1.3 +- {tight:g} N"}}'
     problem = slide(tmp_path, FORCE, '"coulomb", "viscous"', parameters)

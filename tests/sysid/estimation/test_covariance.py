@@ -1,4 +1,4 @@
-"""Intervals of fitted values, against textbook covariances and by how often they hold a truth that is known."""
+"""Intervals of fitted values: textbook covariances, and coverage of a known true value."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_white_noise_gives_the_textbook_deviation_and_its_coverage() -> None:
     assert scatter == pytest.approx(textbook, rel=0.15)
 
 
-def test_noise_with_a_memory_widens_the_interval_until_it_holds_the_truth() -> None:
+def test_autocorrelated_noise_widens_the_interval() -> None:
     def coloured(rng: np.random.Generator) -> np.ndarray:
         return np.asarray(lfilter([1.0], [1.0, -0.8], rng.standard_normal(SAMPLES + 100)))[100:]
 
@@ -68,7 +68,7 @@ def test_noise_with_a_memory_widens_the_interval_until_it_holds_the_truth() -> N
     assert deviation == pytest.approx(scatter, rel=0.15)
 
 
-def test_uneven_noise_is_weighed_where_it_is() -> None:
+def test_heteroscedastic_noise_is_weighted_locally() -> None:
     def uneven(rng: np.random.Generator) -> np.ndarray:
         # Loud where the sine is large: its amplitude is known less well than an even noise of that size would tell.
         return rng.standard_normal(SAMPLES) * (0.2 + 2.0 * np.abs(COLUMNS[:, 1]))
@@ -80,7 +80,7 @@ def test_uneven_noise_is_weighed_where_it_is() -> None:
     assert deviation[1] / deviation[0] > 1.1 * even[1] / even[0]
 
 
-def test_what_only_a_sum_tells_has_no_interval_and_is_named() -> None:
+def test_values_of_which_only_the_sum_is_identifiable_have_no_interval() -> None:
     rng = np.random.default_rng(1)
     columns = np.column_stack([COLUMNS, COLUMNS[:, 1]])
     found = told(

@@ -1,4 +1,4 @@
-"""What records leave open, in words a person can act on."""
+"""Identifiability report: correlations, inactive values, bounds and combinations."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ def intervals(*pairs: tuple[int, int, float], unidentified: tuple[str, ...] = ()
     return Intervals({}, KEYS, matrix, unidentified)
 
 
-def test_nothing_is_said_where_every_value_stands_on_its_own() -> None:
+def test_report_is_empty_where_every_value_is_identifiable() -> None:
     assert identifiability_report(fitted(), intervals((0, 1, 0.85))) == []
 
 
-def test_two_that_hang_together_are_named_with_their_correlation() -> None:
+def test_strongly_correlated_pair_is_reported_with_its_correlation() -> None:
     assert identifiability_report(fitted(), intervals((0, 1, -0.97))) == [
         "coulomb.force and viscous.coefficient are strongly correlated (-0.97)."
     ]
 
 
-def test_a_chain_of_correlations_is_one_sentence_under_public_names() -> None:
+def test_chain_of_correlations_is_one_sentence_with_public_names() -> None:
     words = identifiability_report(fitted(), intervals((0, 1, -0.97), (1, 2, 0.95)))
     assert len(words) == 1
     assert words[0].startswith("coulomb.force, viscous.coefficient and stribeck.force are strongly correlated")
     assert "constant_bias" not in words[0]
 
 
-def test_dead_values_bounds_and_combinations_are_said() -> None:
+def test_inactive_values_bounds_and_combinations_are_reported() -> None:
     words = identifiability_report(
         fitted(inactive=("viscous.coefficient",), at_bound=("coulomb.force",), converged=False),
         intervals(unidentified=("stribeck:rational.force against constant_bias.force",)),
@@ -60,7 +60,7 @@ def test_dead_values_bounds_and_combinations_are_said() -> None:
     ]
 
 
-def test_a_value_the_records_do_not_tell_has_no_correlation() -> None:
+def test_value_that_is_not_identifiable_has_no_correlation() -> None:
     known = intervals((0, 1, 0.5))
     known.correlation[3, :] = known.correlation[:, 3] = np.nan
     document = correlation_json(known)
@@ -69,6 +69,6 @@ def test_a_value_the_records_do_not_tell_has_no_correlation() -> None:
     assert document["matrix"][3] == [None] * 4
 
 
-def test_public_keys_keep_channels_and_drop_laws() -> None:
+def test_public_keys_keep_channels_and_drop_variants() -> None:
     assert public_key("sensor_lag@position.time_constant") == "sensor_lag@position.time_constant"
     assert public_key("presliding:lugre.stiffness") == "presliding.stiffness"

@@ -1,4 +1,4 @@
-"""The fit: against certified nonlinear regressions, bounds, dead columns and outliers."""
+"""Bounded robust least squares: certified regressions, bounds, zero columns, outliers, priors and Jacobian updates."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def test_bound_is_kept_and_reported() -> None:
     assert found.values["a"] == pytest.approx(0.5)
 
 
-def test_a_dead_column_does_not_stall_the_others() -> None:
+def test_zero_column_does_not_stall_the_other_parameters() -> None:
     x = np.linspace(0, 1, 50)
     found = least_squares(
         lambda p: 2.0 * x - p[0] * x, [Unknown("a", 0.0, -9, 9, 1.0), Unknown("nothing", 1.0, -9, 9, 1.0)], robust=False
@@ -48,7 +48,7 @@ def test_a_dead_column_does_not_stall_the_others() -> None:
     assert found.inactive == ("nothing",)
 
 
-def test_outliers_do_not_pull() -> None:
+def test_outliers_do_not_shift_the_fit() -> None:
     rng = np.random.default_rng(0)
     x = np.linspace(-1, 1, 400)
     y = 3.0 * x + rng.normal(scale=0.01, size=400)
@@ -60,7 +60,7 @@ def test_outliers_do_not_pull() -> None:
     assert found.values["b"] == pytest.approx(0.0, abs=0.005)
 
 
-def test_a_prior_pulls_as_one_more_measurement_would() -> None:
+def test_prior_acts_as_one_more_measurement() -> None:
     x = np.linspace(-1, 1, 50)
     y = 3.0 * x + 0.5 + np.random.default_rng(1).normal(size=50)
     known = Prior(2.0, 0.2)
@@ -76,7 +76,7 @@ def test_a_prior_pulls_as_one_more_measurement_would() -> None:
     assert list(found.values.values()) == pytest.approx(wanted, rel=1e-6)
 
 
-def test_a_prior_is_held_to_where_the_model_is_wrong() -> None:
+def test_prior_weighs_more_where_the_model_is_wrong() -> None:
     x = np.linspace(-1, 1, 401)
     pattern = 30.0 * x**3
 
@@ -89,7 +89,7 @@ def test_a_prior_is_held_to_where_the_model_is_wrong() -> None:
     assert slope(Prior(3.0, 0.1)) == pytest.approx(3.0, abs=0.7)
 
 
-def test_a_scale_whose_square_is_no_number_stops_no_fit() -> None:
+def test_scale_whose_square_overflows_does_not_stop_the_fit() -> None:
     # A noise given as 1e-300 N makes deviations of such a size.
     x = np.linspace(0, 1, 50)
     unknowns = [Unknown("a", 0.5, -9.0, 9.0, 1.0), Unknown("b", 1.0, 0.0, 9.0, 1.0, Prior(1.0, 1e-200))]
@@ -113,7 +113,7 @@ def _misra(asked: list[np.ndarray]) -> tuple[Callable[[np.ndarray], np.ndarray],
     return residual, unknowns, {"b0": np.exp(-second * x) - 1.0, "b1": -first * x * np.exp(-second * x)}
 
 
-def test_columns_are_amended_and_the_last_ones_measured() -> None:
+def test_jacobian_is_updated_and_recomputed_at_the_end() -> None:
     x = np.array(REFERENCE["misra1a"]["x"])
     residual, unknowns, _ = _misra(asked := [])
     found = least_squares(residual, unknowns, robust=False, tolerance=1e-12)
@@ -126,7 +126,7 @@ def test_columns_are_amended_and_the_last_ones_measured() -> None:
 
 
 @pytest.mark.parametrize("wrong_by", [1.0, 0.5, -1.0])
-def test_columns_known_beforehand_only_shorten_the_way(wrong_by: float) -> None:
+def test_initial_jacobian_only_saves_evaluations(wrong_by: float) -> None:
     certified = REFERENCE["misra1a"]["certified"]
     residual, unknowns, columns = _misra(asked := [])
     known = {key: wrong_by * column for key, column in columns.items()}
@@ -139,7 +139,7 @@ def test_columns_known_beforehand_only_shorten_the_way(wrong_by: float) -> None:
         assert len(asked) == len(without) - len(unknowns)
 
 
-def test_without_a_last_word_the_columns_are_those_of_the_steps() -> None:
+def test_without_a_final_jacobian_the_updated_one_is_returned() -> None:
     residual, unknowns, columns = _misra([])
     short = least_squares(residual, unknowns, robust=False, iterations=2, known=columns, final_jacobian=False)
     anew = least_squares(residual, unknowns, robust=False, iterations=2, known=columns)

@@ -1,4 +1,4 @@
-"""How large a residual is: figures that noise alone makes one, whatever its size, its outliers and its steep places."""
+"""Misfit: robust error of noise, loss, scored samples, weights and blocks of time."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ def test_noise_alone_gives_one() -> None:
     assert trimmed_rms(3.0 * residual) == pytest.approx(3.0, abs=0.03)
 
 
-def test_the_factor_of_the_trimmed_rms_is_the_normal_distributions() -> None:
+def test_trim_factor_is_that_of_the_normal_distribution() -> None:
     corner = norm.ppf(0.5 + 0.5 * KEPT)
     inner, _ = quad(lambda x: x**2 * norm.pdf(x), -corner, corner)
     assert pytest.approx(np.sqrt(inner / KEPT), rel=1e-6) == TRIM_FACTOR
 
 
-def test_three_samples_of_a_hundred_are_nobodys_fault_and_a_fourth_is() -> None:
+def test_trimmed_rms_leaves_out_three_samples_of_a_hundred() -> None:
     residual = np.random.default_rng(0).standard_normal(10_000)
     clean = trimmed_rms(residual)
     residual[:250] = 1e6
@@ -49,11 +49,11 @@ def test_three_samples_of_a_hundred_are_nobodys_fault_and_a_fourth_is() -> None:
     assert trimmed_rms(residual) > 1e3
 
 
-def test_no_sample_gives_no_number() -> None:
+def test_trimmed_rms_of_no_sample_is_nan() -> None:
     assert np.isnan(trimmed_rms(np.empty(0)))
 
 
-def test_the_loss_is_a_square_up_to_the_corner_and_straight_beyond() -> None:
+def test_huber_loss_is_quadratic_up_to_the_corner_and_linear_beyond() -> None:
     x = np.array([0.0, 1.0, -LOSS_CORNER, LOSS_CORNER + 1.0, -LOSS_CORNER - 2.0, 1e200])
     loss = huber_square(x)
     assert loss[:3] == pytest.approx([0.0, 1.0, LOSS_CORNER**2])
@@ -75,7 +75,7 @@ def right(problem: Problem) -> dict[str, float]:
     return {**problem.start.values, "coulomb.force": 1.5, "viscous.coefficient": 20.0}
 
 
-def test_the_right_model_leaves_the_noise_and_a_wrong_one_what_it_is_wrong_by(problem: Problem) -> None:
+def test_true_model_leaves_the_noise_and_a_wrong_one_its_error(problem: Problem) -> None:
     found = misfit(problem.start.at(right(problem)), problem.fit_records)["friction_force"]
     assert found.over_noise == pytest.approx(1.0, abs=0.05)
     # A constant of 5 deviations on top.
@@ -99,7 +99,7 @@ def test_the_first_sample_and_gaps_are_not_scored(problem: Problem) -> None:
     )
 
 
-def test_a_sample_is_less_certain_where_the_prediction_is_steep(problem: Problem) -> None:
+def test_deviation_of_a_sample_grows_where_the_prediction_is_steep(problem: Problem) -> None:
     record = problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     predicted = predict(record, problem.start.effects, right(problem))
@@ -110,7 +110,7 @@ def test_a_sample_is_less_certain_where_the_prediction_is_steep(problem: Problem
     assert sample_std(replace(record, timing_uncertainty=0.0), predicted, "friction_force") == pytest.approx(NOISE)
 
 
-def test_weighted_residuals_are_in_deviations_and_follow_values_given(problem: Problem) -> None:
+def test_weighted_residuals_are_in_deviations_at_the_given_values(problem: Problem) -> None:
     model = problem.start.at(right(problem))
     weights = residual_weights(model, problem.fit_records)
     residual = weighted_residual(model, problem.fit_records, weights)
@@ -121,7 +121,7 @@ def test_weighted_residuals_are_in_deviations_and_follow_values_given(problem: P
     assert np.median(np.abs(change)) == pytest.approx(0.1)
 
 
-def test_blocks_are_stretches_of_time_and_never_shared_between_records(problem: Problem) -> None:
+def test_blocks_are_contiguous_in_time_and_within_one_record(problem: Problem) -> None:
     record = problem.fit_records[0]
     weights = residual_weights(problem.start, [record, record])
     numbers = blocks([record, record], weights, 10)

@@ -1,4 +1,4 @@
-"""Scores of missing effects: what projection algebra says of them, and starts from which a refit reaches the truth."""
+"""Score test and screening of candidate effects: projection algebra, grid points and starts of refits."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def scores(problem: Problem, effect: str) -> list:
     return score_test(find(effect), grid, *profiled_residual(base))
 
 
-def test_a_basis_spans_its_columns_and_leaves_out_the_dead_and_the_dependent() -> None:
+def test_basis_leaves_out_zero_and_dependent_columns() -> None:
     columns = RNG.standard_normal((200, 3)) * [1.0, 1e-9, 1e9]
     basis = orthonormal(np.column_stack([columns, np.zeros(200), columns[:, 0] + 1e9 * columns[:, 1]]))
     assert basis.shape == (200, 3)
@@ -38,11 +38,11 @@ def test_a_basis_spans_its_columns_and_leaves_out_the_dead_and_the_dependent() -
     assert basis @ (basis.T @ scaled) == pytest.approx(scaled, abs=1e-9)
 
 
-def test_no_column_at_all_is_an_empty_basis() -> None:
+def test_basis_of_no_column_is_empty() -> None:
     assert orthonormal(np.zeros((5, 2))).shape == (5, 0)
 
 
-def test_the_target_is_what_the_base_model_cannot_take_and_no_outlier_rules_it(tmp_path: Path) -> None:
+def test_profiled_residual_is_orthogonal_to_the_base_model_and_robust(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 20.0 * VELOCITY
     force[700] += 1e4
     base = fitted(slide(tmp_path, force, '"coulomb"'))
@@ -51,7 +51,7 @@ def test_the_target_is_what_the_base_model_cannot_take_and_no_outlier_rules_it(t
     assert np.max(np.abs(target)) < 0.01 * np.max(np.abs(base.fit.residual))
 
 
-def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) -> None:
+def test_score_is_the_share_removed_by_least_squares(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN + 3.0 * VELOCITY + 0.01 * np.sin(90 * POSITION / 1e-3), '"coulomb"')
     base = fitted(problem)
     found = scores(problem, "viscous")[0]
@@ -66,7 +66,7 @@ def test_the_score_is_the_share_that_least_squares_would_take(tmp_path: Path) ->
     assert found.start["viscous.coefficient"] == pytest.approx(wanted, rel=1e-4)
 
 
-def test_a_pitch_and_its_phase_are_read_off_the_grid(tmp_path: Path) -> None:
+def test_pitch_and_phase_are_found_on_the_grid(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN + 0.1 * np.sin(2 * np.pi * POSITION / PITCH + 0.7), '"coulomb"')
     listed = scores(problem, "magnetic_cogging")
     assert [s.predicted_reduction for s in listed] == sorted((s.predicted_reduction for s in listed), reverse=True)
@@ -86,7 +86,7 @@ def test_a_pitch_and_its_phase_are_read_off_the_grid(tmp_path: Path) -> None:
     assert np.sin(values["magnetic_cogging.phase"]) == pytest.approx(np.sin(0.7), abs=0.05)
 
 
-def test_a_drag_that_would_drive_starts_at_its_bound_not_beyond(tmp_path: Path) -> None:
+def test_start_with_a_negative_drag_is_at_the_bound(tmp_path: Path) -> None:
     # Friction that falls with the speed asks for a negative drag; physics does not have it.
     problem = slide(tmp_path, 1.5 * SIGN - 300.0 * VELOCITY * np.abs(VELOCITY), '"coulomb"')
     found = scores(problem, "quadratic_drag")[0]
@@ -96,7 +96,7 @@ def test_a_drag_that_would_drive_starts_at_its_bound_not_beyond(tmp_path: Path) 
     assert found.start["quadratic_drag.coefficient"] == 0.0
 
 
-def test_an_effect_without_amplitude_is_put_in_as_it_is(tmp_path: Path) -> None:
+def test_effect_without_amplitude_is_scored_at_finite_size(tmp_path: Path) -> None:
     tau = 8e-3
     force = 1.5 * SIGN + 20.0 * VELOCITY
     lagged = np.copy(force)
@@ -110,13 +110,13 @@ def test_an_effect_without_amplitude_is_put_in_as_it_is(tmp_path: Path) -> None:
     assert found.fitted.model.values["sensor_lag.time_constant"] == pytest.approx(tau, abs=0.5 * STEP)
 
 
-def test_what_the_base_model_makes_itself_scores_nothing(tmp_path: Path) -> None:
+def test_score_of_a_direction_of_the_base_model_is_zero(tmp_path: Path) -> None:
     # Under plain Coulomb friction a friction level that follows a constant load is the level itself.
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     assert scores(problem, "load_dependent_friction") == []
 
 
-def test_a_fit_begun_with_the_columns_of_another_ends_where_it_would_without(tmp_path: Path) -> None:
+def test_fit_with_an_initial_jacobian_ends_at_the_same_values(tmp_path: Path) -> None:
     force = 1.5 * SIGN + 3.0 * VELOCITY + 0.8 * SIGN * np.exp(-((VELOCITY / 2e-3) ** 2))
     problem = slide(tmp_path, force, '"coulomb", "viscous"')
     base = fitted(problem)

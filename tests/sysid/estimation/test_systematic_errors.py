@@ -1,4 +1,4 @@
-"""What a comparison may be wrong by throughout: it widens the intervals that hang on it, and no others."""
+"""Systematic errors of filtering and channel skew: they widen the intervals of the values that depend on them only."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def driven(folder: Path, amplitude: float, effects: str, noise: float = 1e-6) ->
     return load_problem(folder)
 
 
-def test_a_motion_filtered_half_as_much_is_closer_to_the_motion_and_noisier(tmp_path: Path) -> None:
+def test_motion_filtered_half_as_much_is_closer_to_the_truth_and_noisier(tmp_path: Path) -> None:
     record = driven(tmp_path, 0.5, '"viscous"').fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     assert record.half_width_variant is not None
@@ -54,7 +54,7 @@ def test_a_motion_filtered_half_as_much_is_closer_to_the_motion_and_noisier(tmp_
     assert twice == pytest.approx(0.75 * (0.4 * record.full_filter.width) ** 2, rel=1e-6)
 
 
-def test_a_short_pitch_is_blunted_by_the_filter_and_its_interval_says_so(tmp_path: Path) -> None:
+def test_interval_of_a_short_pitch_includes_the_error_of_the_filter(tmp_path: Path) -> None:
     # The position is noisy enough for a filter that the teeth, at fifty a second and more, begin to feel.
     problem = driven(tmp_path, 0.5, '"viscous", "magnetic_cogging"')
     found = fit_stated_model(problem).fitted
@@ -67,7 +67,7 @@ def test_a_short_pitch_is_blunted_by_the_filter_and_its_interval_says_so(tmp_pat
     assert told["magnetic_cogging.pitch"].low < PITCH < told["magnetic_cogging.pitch"].high
 
 
-def test_a_lag_is_told_no_better_than_the_rows_are_simultaneous(tmp_path: Path) -> None:
+def test_interval_of_a_lag_includes_the_channel_skew(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     friction = 1.5 * np.sign(VELOCITY) + 20.0 * VELOCITY
     lagged = np.empty(TIME.size)

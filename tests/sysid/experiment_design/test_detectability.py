@@ -1,4 +1,4 @@
-"""The smallest size that records could have shown: against algebra, and against what a diagnosis then finds."""
+"""Minimum detectable effect size: closed form, and agreement with a diagnosis."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def sizes(problem: Problem, *names: str) -> dict[str, MinimumDetectableEffect]:
     return {one.effect: one for one in found}
 
 
-def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
+def test_detectable_size_of_a_linear_effect_agrees_with_the_formula(tmp_path: Path) -> None:
     problem = bare(tmp_path)
     found = sizes(problem, "constant_bias", "viscous")
     sign = SIGN[1:]
@@ -41,9 +41,7 @@ def test_the_size_of_a_plain_column_is_that_of_algebra(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("times,verdict", [(1.7, "missing-effect"), (0.4, "adequate")])
-def test_a_diagnosis_finds_what_is_well_above_that_size_and_not_what_is_below(
-    tmp_path: Path, times: float, verdict: str
-) -> None:
+def test_diagnosis_finds_effects_above_that_size_and_none_below(tmp_path: Path, times: float, verdict: str) -> None:
     smallest = sizes(bare(tmp_path / "without"), "viscous")["viscous"].value
     assert smallest is not None
     found = diagnose(bare(tmp_path / "with", times * smallest * VELOCITY))
@@ -51,7 +49,7 @@ def test_a_diagnosis_finds_what_is_well_above_that_size_and_not_what_is_below(
     assert found.effect == ("viscous" if verdict == "missing-effect" else None)
 
 
-def test_a_size_without_an_amplitude_is_searched(tmp_path: Path) -> None:
+def test_size_of_an_effect_without_amplitude_is_searched(tmp_path: Path) -> None:
     smallest = sizes(bare(tmp_path / "without"), "sensor_lag")["sensor_lag"].value
     assert smallest is not None
     assert 1e-5 < smallest < 5e-3
@@ -61,24 +59,22 @@ def test_a_size_without_an_amplitude_is_searched(tmp_path: Path) -> None:
     assert found.effect in ("sensor_lag", "sensor_delay")
 
 
-def test_the_loudest_noise_hides_most(tmp_path: Path) -> None:
-    quiet = sizes(bare(tmp_path / "a"), "cable_spring", "magnetic_cogging", "presliding")
-    loud = sizes(
-        bare(tmp_path / "b", noise=10.0 * NOISE),
-        "cable_spring", "magnetic_cogging", "presliding",
-    )  # fmt: skip
+def test_more_noise_gives_larger_sizes(tmp_path: Path) -> None:
+    effects = ("cable_spring", "magnetic_cogging", "presliding")
+    quiet = sizes(bare(tmp_path / "a"), *effects)
+    loud = sizes(bare(tmp_path / "b", noise=10.0 * NOISE), *effects)
     for name, one in quiet.items():
         assert one.value is not None
         other = loud[name].value
         assert other is None or other > 2.0 * one.value, name
 
 
-def test_a_relative_size_beyond_its_bound_is_no_size(tmp_path: Path) -> None:
+def test_relative_size_beyond_its_bound_is_none(tmp_path: Path) -> None:
     problem = bare(tmp_path, noise=300.0 * NOISE)
     assert sizes(problem, "position_dependent_friction")["position_dependent_friction"].value is None
 
 
-def test_a_diagnosis_tells_it_of_every_effect_but_the_one_it_found(tmp_path: Path) -> None:
+def test_sizes_are_reported_for_every_effect_but_the_named_one(tmp_path: Path) -> None:
     found = diagnose(bare(tmp_path, 3.0 * VELOCITY))
     assert found.effect == "viscous"
     told = {one.effect for one in minimum_detectable_effects(found)}

@@ -1,4 +1,4 @@
-"""The curve of a contact that no curve of two numbers has: bristles with free shares take it on."""
+"""Fit of the stated model: selection of the free Maxwell-slip variant of presliding."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def rig(tmp_path):
     return tmp_path
 
 
-def test_free_shares_fit_a_curve_that_a_power_does_not(rig):
+def test_free_maxwell_slip_fits_a_curve_that_a_power_law_does_not(rig):
     problem = load_problem(rig)
     base = fit_stated_model(problem)
     assert base.laws == ("presliding:free_maxwell_slip",)
@@ -56,7 +56,7 @@ def test_free_shares_fit_a_curve_that_a_power_does_not(rig):
     assert over < 3.0
 
 
-def test_a_law_that_the_user_named_stays(rig):
+def test_variant_named_by_the_user_is_kept(rig):
     text = (rig / "experiment.toml").read_text()
     (rig / "experiment.toml").write_text(text.replace('"presliding"', '"presliding:maxwell_slip"'))
     base = fit_stated_model(load_problem(rig))

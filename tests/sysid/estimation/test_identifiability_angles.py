@@ -1,4 +1,4 @@
-"""Angles between effects: geometry that is known, and pairs that are one thing, near, or far apart on a record."""
+"""Principal angles between effects: known geometry, and equivalent, similar and different effects on a record."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ from sysid.prediction.problem import Problem
 from tests.sysid.slide import SIGN, VELOCITY, slide
 
 ONE_GROUP = np.deg2rad(15.0)
-"""Below it the tutorial calls two effects one and the same to these records."""
+"""Angle below which the tutorial treats two effects as equivalent on these records."""
 
 
 @pytest.mark.parametrize("tilt", [1e-9, 1e-4, 0.02, 0.3, 1.2])
-def test_a_plane_turned_about_one_of_its_lines(tilt: float) -> None:
+def test_angle_of_a_plane_rotated_about_one_of_its_lines(tilt: float) -> None:
     plane = np.eye(5)[:, :2]
     turned = np.column_stack([plane[:, 0], np.cos(tilt) * plane[:, 1] + np.sin(tilt) * np.eye(5)[:, 4]])
     assert principal_angles(plane, turned) == pytest.approx([0.0, tilt], rel=1e-6, abs=1e-12)
 
 
-def test_the_same_as_another_implementation() -> None:
+def test_principal_angles_agree_with_scipy() -> None:
     rng = np.random.default_rng(0)
     a, b = (np.linalg.qr(rng.standard_normal((40, k)))[0] for k in (2, 4))
     assert principal_angles(a, b) == pytest.approx(np.sort(subspace_angles(a, b)))
     assert principal_angles(b, a) == pytest.approx(principal_angles(a, b))
 
 
-def test_a_line_within_a_plane_is_no_angle_away() -> None:
+def test_angle_of_a_line_within_a_plane_is_zero() -> None:
     assert principal_angles(np.eye(6)[:, :1], np.eye(6)[:, :3]) == pytest.approx([0.0])
 
 
@@ -51,7 +51,7 @@ def angle(problem: Problem, one: str, other: str) -> float | None:
     return substitution_angle(added(problem, base, one), added(problem, base, other), base)
 
 
-def test_two_names_for_one_thing_are_no_angle_apart(problem: Problem) -> None:
+def test_angle_of_equivalent_effects_is_zero(problem: Problem) -> None:
     # Under plain Coulomb friction a bias is an asymmetry of the level: with its viscous part held they are the same.
     base = fit_model(problem.start, problem.fit_records)
     asymmetry = with_effect(base.model, find("direction_asymmetry"), problem.scales)
@@ -64,7 +64,7 @@ def test_two_names_for_one_thing_are_no_angle_apart(problem: Problem) -> None:
     assert apart < 0.2 * ONE_GROUP
 
 
-def test_two_laws_of_drag_are_near_and_a_spring_is_far(problem: Problem) -> None:
+def test_angle_is_small_for_two_drag_laws_and_large_for_a_spring(problem: Problem) -> None:
     near, far = angle(problem, "viscous", "quadratic_drag"), angle(problem, "viscous", "cable_spring")
     assert near is not None
     assert far is not None
@@ -72,7 +72,7 @@ def test_two_laws_of_drag_are_near_and_a_spring_is_far(problem: Problem) -> None
     assert far > 4.0 * ONE_GROUP
 
 
-def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> None:
+def test_direction_of_the_base_model_is_projected_out(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(SIGN.size, 10.0)})
     base = fit_model(problem.start, problem.fit_records)
     load = added(problem, base, "load_dependent_friction")
@@ -80,7 +80,7 @@ def test_what_the_base_model_makes_itself_is_no_direction(tmp_path: Path) -> Non
     assert substitution_angle(load, added(problem, base, "viscous"), base) is None
 
 
-def test_a_law_with_more_values_may_stand_in_where_one_with_fewer_may_not(tmp_path: Path) -> None:
+def test_angle_is_not_symmetric_for_different_numbers_of_parameters(tmp_path: Path) -> None:
     level = 1.5 + 0.3 * np.exp(-((VELOCITY / 8e-3) ** 2))
     problem = slide(tmp_path, level * SIGN, '"coulomb"')
     base = fit_model(problem.start, problem.fit_records)

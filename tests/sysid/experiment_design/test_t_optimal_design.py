@@ -1,4 +1,4 @@
-"""Choice of the next motion: what must be inseparable is, what must be separable is, by as much as algebra says."""
+"""T-optimal design: discrimination distance of equivalent, linear and different models, and motions within limits."""
 
 from __future__ import annotations
 
@@ -53,26 +53,26 @@ def apart(problem: Problem, one: Model, other: Model, name: str) -> float:
     return count * discrimination_distance(one, other, [record], residual_weights(one, [record], thin=False))
 
 
-def test_a_model_is_not_apart_from_itself_at_other_values(problem: Problem) -> None:
+def test_distance_of_a_model_to_itself_at_other_values_is_zero(problem: Problem) -> None:
     one, other = model(problem, viscous__coefficient=8.0), model(problem, viscous__coefficient=2.0)
     assert apart(problem, one, other, "triangle sweeps") < 0.5
 
 
-def test_a_bias_and_an_asymmetry_of_plain_coulomb_friction_are_one(problem: Problem) -> None:
+def test_bias_and_asymmetry_of_coulomb_friction_are_equivalent(problem: Problem) -> None:
     bias, asymmetry = model(problem, constant_bias__force=0.1), model(problem, direction_asymmetry__coulomb=0.06)
     for m in motions_for(problem):
         assert apart(problem, bias, asymmetry, m.name) < 0.1, m.name
     assert apart(problem, bias, model(problem, viscous__coefficient=1.0), "triangle sweeps") > 20.0
 
 
-def test_drag_laws_need_more_than_one_speed(problem: Problem) -> None:
+def test_drag_laws_are_discriminated_by_more_than_one_speed(problem: Problem) -> None:
     linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     sweeps, one_speed = (apart(problem, linear, square, n) for n in ("triangle sweeps", "slow full travel"))
     assert sweeps > 20.0
     assert one_speed < 0.2 * sweeps
 
 
-def test_separation_of_linear_models_is_the_part_a_projection_leaves(problem: Problem) -> None:
+def test_distance_of_linear_models_is_the_orthogonal_part(problem: Problem) -> None:
     linear, square = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     m = motion(problem, "triangle sweeps")
     record, _ = motion_record(problem, m)
@@ -91,7 +91,7 @@ def test_separation_of_linear_models_is_the_part_a_projection_leaves(problem: Pr
     assert found == pytest.approx(min(left), rel=0.02)
 
 
-def test_sampling_a_motion_more_coarsely_leaves_its_evidence(problem: Problem) -> None:
+def test_distance_does_not_depend_on_the_sampling_step(problem: Problem) -> None:
     one, other = model(problem, viscous__coefficient=8.0), model(problem, quadratic_drag__coefficient=200.0)
     fine = next(
         m for m in axis_motions(Envelope(-0.005, 0.005, 0.03, 1.0, 1e-6), 1e-3, most=8000) if m.name == "multisine"
@@ -106,7 +106,7 @@ def test_sampling_a_motion_more_coarsely_leaves_its_evidence(problem: Problem) -
 
 
 @pytest.mark.parametrize("m", axis_motions(ENVELOPE, 1e-3), ids=lambda m: m.name)
-def test_motions_stay_within_what_the_rig_has_shown(m: Motion) -> None:
+def test_motions_stay_within_the_envelope(m: Motion) -> None:
     x = m.signals["position"]
     assert np.isfinite(x).all()
     assert ENVELOPE.low - 1e-9 <= x.min() and x.max() <= ENVELOPE.high + 1e-9
@@ -116,7 +116,7 @@ def test_motions_stay_within_what_the_rig_has_shown(m: Motion) -> None:
     assert load is None or (load.min() >= 10.0 - 1e-9 and load.max() <= 30.0 + 1e-9)
 
 
-def test_the_last_motion_fills_places_and_speeds() -> None:
+def test_last_motion_fills_positions_and_speeds() -> None:
     m = axis_motions(ENVELOPE, 1e-3)[-1]
     x = m.signals["position"]
     v = np.abs(np.gradient(x, m.step))
@@ -128,14 +128,14 @@ def test_the_last_motion_fills_places_and_speeds() -> None:
 
 
 @pytest.mark.parametrize("pistons", [2, 3])
-def test_voltages_stay_within_what_the_piezos_have_seen(pistons: int) -> None:
+def test_voltages_stay_within_the_envelope(pistons: int) -> None:
     for m in tip_motions([0.0] * pistons, [100.0] * pistons, 1e-3):
         assert sorted(m.signals) == [f"voltage_{k + 1}" for k in range(pistons)]
         for u in m.signals.values():
             assert u.min() >= 0.0 and u.max() <= 100.0
 
 
-def test_the_table_to_run_names_its_units(problem: Problem, tmp_path: Path) -> None:
+def test_motion_table_has_units(problem: Problem, tmp_path: Path) -> None:
     table = columns_of(problem, motion(problem, "multisine"))
     assert list(table) == ["time [s]", "position [m]", "velocity [m/s]"]
     x, v = table["position [m]"], table["velocity [m/s]"]

@@ -1,4 +1,4 @@
-"""A law put in another's place begins where it can end well: its shape is searched before it is fitted."""
+"""Replacement of an effect by another variant: search of its shape, selection, bounds and stated starts."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def curve(tmp_path: Path) -> Problem:
     return slide(tmp_path, level * np.sign(VELOCITY) + 8.0 * VELOCITY, '"coulomb", "viscous", "stribeck"')
 
 
-def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Problem) -> None:
+def test_stribeck_curve_is_found_from_a_start_ten_times_too_wide(curve: Problem) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     assert stuck.model.values["stribeck.force"] == pytest.approx(0.0, abs=0.05)  # what this is for
     found = fit_replacement(stuck, find("stribeck"), curve.fit_records, curve.scales).model.values
@@ -35,7 +35,7 @@ def test_a_curve_that_begins_ten_times_too_wide_is_found_all_the_same(curve: Pro
     assert found["viscous.coefficient"] == pytest.approx(8.0, rel=0.01)
 
 
-def test_the_familys_own_law_is_taken_unless_another_is_clearly_better(curve: Problem) -> None:
+def test_default_variant_is_selected_unless_another_is_clearly_better(curve: Problem) -> None:
     stuck = fit_model(curve.start, curve.fit_records)
     other = fit_replacement(stuck, find("stribeck:rational"), curve.fit_records, curve.scales)
     found, chosen = select_variants(curve, other)
@@ -45,14 +45,14 @@ def test_the_familys_own_law_is_taken_unless_another_is_clearly_better(curve: Pr
     assert not fits_clearly_better(other, found)
 
 
-def test_another_law_is_taken_where_the_curve_is_another(tmp_path: Path) -> None:
+def test_variant_of_the_true_curve_is_selected(tmp_path: Path) -> None:
     level = 1.5 + 0.6 / (1.0 + np.abs(VELOCITY / 2e-3))
     problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"')
     _, chosen = select_variants(problem, fit_model(problem.start, problem.fit_records))
     assert chosen == ("stribeck:rational",)
 
 
-def test_a_pitch_is_found_among_hundreds(tmp_path: Path) -> None:
+def test_cogging_pitch_is_found_on_the_grid(tmp_path: Path) -> None:
     force = 1.5 * np.sign(VELOCITY) + 0.2 * np.sin(2 * np.pi * POSITION / 0.83e-3 + 0.4)
     problem = slide(tmp_path, force, '"coulomb"')
     alone = fit_model(problem.start, problem.fit_records)
@@ -61,7 +61,7 @@ def test_a_pitch_is_found_among_hundreds(tmp_path: Path) -> None:
     assert found["magnetic_cogging.amplitude"] == pytest.approx(0.2, rel=0.01)
 
 
-def test_a_start_that_was_given_is_kept_to(tmp_path: Path) -> None:
+def test_stated_start_is_used(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     settings = '[model.parameters]\n"stribeck.velocity" = {start = "9 mm/s", fixed = true}\n'
     problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
@@ -73,7 +73,7 @@ def test_a_start_that_was_given_is_kept_to(tmp_path: Path) -> None:
     assert found.values["stribeck.velocity"] == 9e-3
 
 
-def test_bounds_outlive_the_search(tmp_path: Path) -> None:
+def test_bounds_are_kept_by_the_search(tmp_path: Path) -> None:
     level = 1.5 + 0.6 * np.exp(-((VELOCITY / 4e-3) ** 2))
     settings = '[model.parameters]\n"stribeck.force" = {high = "0.5 N"}\n'
     problem = slide(tmp_path, level * np.sign(VELOCITY), '"coulomb", "stribeck"', settings)
@@ -83,7 +83,7 @@ def test_bounds_outlive_the_search(tmp_path: Path) -> None:
     assert again.fit.at_bound == ("stribeck.force",)
 
 
-def test_an_effect_taken_out_takes_its_values_with_it(curve: Problem) -> None:
+def test_values_of_a_removed_effect_are_removed(curve: Problem) -> None:
     rest = without_effect(curve.start, "stribeck:rational")
     assert [e.name for e in rest.effects] == ["coulomb", "viscous"]
     assert not any(key.startswith("stribeck") for key in [*rest.values, *(u.key for u in rest.unknowns)])
