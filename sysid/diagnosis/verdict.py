@@ -70,14 +70,14 @@ class Verdict:
 
 @dataclass(frozen=True)
 class _Named:
-    """An effect that gains: its trial, what ties with it, and what it takes and leaves.
+    """A candidate with a gain that counts, its ties, and the shares that it removes and leaves.
 
     Args:
-        trial: the effect.
-        ties: families that the records cannot tell from it.
-        share: of the loss above the noise that it takes.
-        left: of the variance above the noise that it leaves.
-        away: its share of the loss away from the turns of a driven mass; none where there are no turns.
+        trial: the candidate.
+        ties: effects that the records cannot distinguish from it.
+        share: of the loss above the noise that it removes.
+        left: remaining share of the variance above the noise.
+        away: share removed of the loss away from the reversals of a driven mass; none without reversals.
     """
 
     trial: CandidateFit
@@ -103,11 +103,11 @@ EXPLAINS_ALL = "explains what can be explained"
 
 
 def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
-    """The verdict on a base model and the effects tried on it.
+    """The verdict on a base model and the candidates evaluated on it.
 
     Args:
-        evidence: the base model's misfit, and the effects tried.
-        quantised: the sensor's grid as an effect, where the values lie on one coarser than their noise.
+        evidence: statistics of the base model and of the candidates.
+        quantised: quantisation of a channel as a candidate, where its step is larger than the noise.
     """
     if quantised is not None:
         left = evidence.left_by(quantised)
@@ -153,7 +153,7 @@ def _unexplained(left: float, reason: str) -> Verdict:
 
 
 def _nothing_gains(evidence: Evidence, best: CandidateFit | None) -> Verdict:
-    """Where no single effect lowers the held-out loss by more than chance."""
+    """The verdict where no single effect lowers the held-out loss significantly."""
     at_the_noise = evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE
     if at_the_noise and not evidence.in_spells:
         return _adequate("what is left is noise; no effect lowers it by more than chance")
@@ -171,12 +171,12 @@ def _nothing_gains(evidence: Evidence, best: CandidateFit | None) -> Verdict:
 
 
 def _only_noise(evidence: Evidence, named: _Named) -> str | None:
-    """Why the gain of an effect is none to believe, in words; none where it is one."""
+    """Why the gain of an effect is attributed to noise or event times, in words; none where it is accepted."""
     best = named.trial
     taken = best.gain / evidence.error**2
     clear = not evidence.balance or evidence.over >= CLEARLY_ABOVE or taken >= MUCH_OF_IT
     to_the_noise = clear and best.error <= NOISE_ALONE and best.significance >= LEAST_SIGNIFICANCE
-    # Where the noise is all there is by the ranking, a few samples at turns may still lie above it.
+    # With a ranking error at the noise, a few samples at reversals may still be above it.
     to_the_noise &= evidence.error > 1.0 or taken >= MUCH_OF_IT
     to_the_noise |= taken >= MOST_OF_IT and best.significance >= 2.0 * LEAST_SIGNIFICANCE
     steady = best.steadiness >= SURE_STEADINESS and best.significance >= LEAST_SIGNIFICANCE
@@ -193,7 +193,7 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
 
 
 def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
-    """Where neither one effect nor two of the best-scored ones explain the misfit."""
+    """The verdict where neither one effect nor a pair of the best-scored ones explains the misfit."""
     best = named.trial
     remaining = evidence.pattern_left(best.fitted.model)
     turn_like = evidence.balance and evidence.like_turns(best)
@@ -201,7 +201,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     little_left = worst_over_noise(best.after_fit, best.after_validate) <= UNDERRATED
     took_the_pattern = named.part >= SHARE_WITH_THE_PATTERN and had_a_pattern and little_left and not turn_like
     quiet = remaining < LEAST_PATTERN_LEFT and not bent and not evidence.bent(best)
-    # What an effect that takes little elsewhere takes at the turns is their time, unless the body is at rest there.
+    # A gain at reversals only is due to errors of their times, unless it comes from stick phases.
     at_rest = best.share_at_rest >= AT_REST
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and quiet and beside_turns):
@@ -234,7 +234,7 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
 
 
 def _apart_from_patterns(evidence: Evidence) -> CandidateFit | None:
-    """The effect that explains what is left apart from the patterns of the effects that earlier rounds added."""
+    """The effect that explains the residual after subtracting the patterns of effects added earlier."""
     if not evidence.added:
         return None
     able = [
@@ -247,9 +247,9 @@ def _apart_from_patterns(evidence: Evidence) -> CandidateFit | None:
 
 
 def _as_good(evidence: Evidence, best: CandidateFit, bent: bool) -> list[CandidateFit]:
-    """The effect named, and the next best that leave hardly more: any of them may be one of two.
+    """The best effect and the next ones with nearly equal errors: each of them may be one of a pair.
 
-    Of a `bent` effect its other laws: beside a second effect another of them may be straight.
+    For a `bent` effect its other variants, one of which may fit beside a second effect.
     """
     among = evidence.search.trials if bent else evidence.ranked
     others = [
@@ -263,8 +263,8 @@ def _as_good(evidence: Evidence, best: CandidateFit, bent: bool) -> list[Candida
 
 
 def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
-    """Whether two effects together explain the misfit; after a `bent` one, or where both bend, only if they leave no
-    pattern."""
+    """Whether two effects together explain the misfit; after a `bent` one only if their residual depends on no
+    coordinate."""
     if set(pair.names) <= RESTORING:
         return False
     problem = evidence.problem
@@ -276,7 +276,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
     own = {name for effect in pair.effects for name in effect.coordinates if len(effect.coordinates) == 1}
     some_left = rest < NEARLY_ALL_OF_TWO
     bent_together = some_left and any(patterns.get(name, 0.0) >= BENT_TOGETHER for name in own & set(BENT))
-    # A straight pull and something beside it are what a curved one looks like.
+    # A linear restoring force and another effect together resemble a nonlinear one.
     pulled = some_left and bool(RESTORING & set(pair.names))
     bent |= pulled and patterns.get("position", 0.0) >= BENT["position"]
     quiet = rest >= SHARE_ENOUGH and pattern_left < (min(BENT.values()) if bent else LEAST_PATTERN_LEFT)
@@ -286,7 +286,7 @@ def _explains(evidence: Evidence, pair: Pair, bent: bool = False) -> bool:
 
 
 def _only_together(evidence: Evidence, best: CandidateFit | None) -> Iterator[Pair]:
-    """Two effects that do much together where none does alone: by their scores, then one on top of the best."""
+    """Pairs of effects where no single one has a gain: the best by joint score, then the best effect with another."""
     problem, base, search = evidence.problem, evidence.base, evidence.search
     yield from best_pairs(problem, base, search.screening)[:1]
     if best is not None:
@@ -297,7 +297,7 @@ def _beside(evidence: Evidence, best: CandidateFit, pairs: list[Pair]) -> tuple[
     """The pair of effects that explains most, and the one of the two to name first.
 
     A pair without the best single effect is taken where it leaves far less than any pair with it: then that effect
-    only leans on the two.
+    is partially confounded with the two.
     """
     if not pairs:
         return None, best
