@@ -1,1 +1,1 @@
-"""What a person touches: command line, reports, demonstration records."""
+"""User interface: command line, reports, demonstration records."""

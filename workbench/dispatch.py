@@ -96,12 +96,12 @@ def run_line(arguments: Sequence[str]) -> int:
         sys.stderr.write(f"stagecad: {_one_line(str(error))}\n")
         return 2
     except BrokenPipeError:
-        # The reader (head, less) has gone; that is no error of ours. Keep the interpreter from saying so at exit.
+        # The reader (head, less) has gone; this is not an error. Prevent the interpreter's message at exit.
         sys.stdout = None
         return 0
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT):
-            # Of a write, which names no file. Nor can what is left to be printed be, at exit.
+            # An error of a write names no file. The rest of the output cannot be printed at exit either.
             sys.stdout = None
             sys.stderr.write("stagecad: no space is left to write to; no file is left half written\n")
             return 2

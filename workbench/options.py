@@ -49,15 +49,15 @@ class Run:
 
     @functools.cached_property
     def console(self) -> Console:
-        """Where text for a person goes: standard output, or standard error beside a JSON document."""
+        """Stream of the readable text: standard output, or standard error where a JSON document is printed."""
         from rich.console import Console
 
         # Without a terminal of known width, tables are laid out for a wide page rather than cut.
         plain = sys.stderr if self.json_target is not None else sys.stdout
         return Console(file=plain, soft_wrap=False, highlight=False, width=None if plain.isatty() else 140)
 
-    def say(self, text: str) -> None:
-        """Print a line for a person."""
+    def echo(self, text: str) -> None:
+        """Print a line of readable text."""
         click.echo(text, err=self.json_target is not None)
 
     def note(self, text: str) -> None:

@@ -103,7 +103,7 @@ def _suspensions(run: Run, v: Values) -> dict[str, Any]:
 
 BEARING_CALCULATORS: dict[str, Calculator] = {
     "wear": Calculator(
-        "Distance a crowned pad lasts by Archard, what running in takes of it, and the heat of its friction.",
+        "Sliding distance that wears a crowned pad out by Archard's law, the share of running in, and friction heat.",
         {
             "load": Option("N", "of the pad", from_model("pads", "heaviest_pad")),
             "crown_radius": Option("m", "of the pad", from_key("pads.crown_radius")),
@@ -129,7 +129,7 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
             "wavelength": Option("m", "of the waves", from_key("bearing.waviness_length")),
             "contact_length": Option("m", "of a pad along the travel", _contact),
             "contact_width": Option("m", "of a pad across", _contact),
-            "pads": Option("", "that share the load, each on a track of its own", from_key("pads.count")),
+            "pads": Option("", "that share the load, each on a separate track", from_key("pads.count")),
             "travel": Option("m", "ridden over", from_key("stage.travel")),
         },
         _smoothness,

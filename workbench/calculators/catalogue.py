@@ -1,4 +1,4 @@
-"""The calculators of `stagecad calc`: what each takes, where its defaults come from, what it answers."""
+"""The calculators of `stagecad calc`: inputs, sources of their defaults, results."""
 
 from __future__ import annotations
 

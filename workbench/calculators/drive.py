@@ -205,7 +205,7 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
         _stack,
     ),
     "tip-over": Calculator(
-        "What the tip may carry and push with the stage off the middle of its travel, before a pad lifts.",
+        "Largest load on the tip and largest push with the stage off the middle of its travel, before a pad lifts.",
         {
             "position": Option("m", "of the stage from the middle", lambda r, given: r("stage.travel") / 2),
             "friction": Option("", "between tip and stage", from_key("drive.friction")),

@@ -74,7 +74,7 @@ ERROR_CALCULATORS: dict[str, Calculator] = {
         _bow,
     ),
     "vibration": Calculator(
-        "What the floor's vibration moves of a mass that is held by a stiffness, well below its resonance.",
+        "Displacement by the floor's vibration of a mass that is held by a stiffness, well below its resonance.",
         {
             "floor_velocity": Option("m/s", "rms", from_key("environment.floor_velocity")),
             "floor_frequency": Option("Hz", "of the floor", from_key("environment.floor_frequency")),

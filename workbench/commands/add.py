@@ -55,7 +55,7 @@ def _undo(run: Run, experiment: Path) -> None:
 
     rung, kept = undo(find_experiment(experiment))
     effects_now = ", ".join(rung.effects) or "no effects"
-    run.say(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
+    run.echo(f"back on rung {rung.number:03d}: {effects_now}; the undone rung is kept in {kept}")
     run.emit({"schema": 1, "rung": rung.number, "effects": list(rung.effects), "kept": str(kept)})
 
 
@@ -123,5 +123,5 @@ def _written(
     written = write_back(run, problem, fitted, keys, origin)
     path = parameter_file(run)
     for one in written:
-        run.say(f"{path}: {one.key} = {one.text} ({one.origin}); it was {one.before[0]} ({one.before[1]})")
+        run.echo(f"{path}: {one.key} = {one.text} ({one.origin}); it was {one.before[0]} ({one.before[1]})")
     return {"parameter_file": str(path), "written_back": written_json(written)}

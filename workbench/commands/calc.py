@@ -35,7 +35,7 @@ def _epilog() -> str:
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED, metavar="[--key value]...")
 @common_options
 def command(run: Run, name: str, arguments: tuple[str, ...]) -> None:
-    """Run one calculator: `stagecad calc hertz --load "20 N"`. What is left out comes from the parameter file."""
+    """Run one calculator: `stagecad calc hertz --load "20 N"`. Options left out are taken from the parameter file."""
     if name not in ALL:
         raise InputError(f"no calculator '{name}'{nearest(name, ALL)}")
     calculator = ALL[name]

@@ -76,7 +76,7 @@ def command(
         tolerance_figure(study, folder / "tolerance.png")
         drawn["what the tolerances use up"] = folder / "tolerance.png"
     for path in drawn.values():
-        run.say(f"figure {path}")
+        run.echo(f"figure {path}")
     write_check_files(checks, design, masses, folder, drawn)
     run.emit(document)
     return 1 if any(check.verdict == "fails" for check in checks) else 0

@@ -18,7 +18,7 @@ from workbench.options import Run, common_options
     type=click.IntRange(20, 100_000),
     default=None,
     metavar="DRAWS",
-    help="Refit so many times to records with resampled errors; intervals beside the linear ones.",
+    help="Refit so many times to records with resampled errors; intervals next to the linear ones.",
 )
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the refits of --bootstrap to a cluster.")
@@ -47,9 +47,9 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
         if figures:
             from workbench.report.page import write_bootstrap
 
-            run.say(f"figure: {write_bootstrap(run, found.problem, drawn, document)}")
+            run.echo(f"figure: {write_bootstrap(run, found.problem, drawn, document)}")
     if figures:
         from workbench.report.page import write_comparison
 
-        run.say(f"report: {write_comparison(run, found, document)}")
+        run.echo(f"report: {write_comparison(run, found, document)}")
     run.emit(document)

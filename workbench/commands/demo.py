@@ -25,13 +25,13 @@ MOST_ROUNDS = 5
 def command(run: Run) -> None:
     """Run compare, diagnose and add on packaged records of a slide, until the residual is at the noise level.
 
-    The records are copied to OUT/demo, and every step is the very command of that name: repeat any by hand afterwards.
+    The records are copied to OUT/demo. Every step is the command of that name, which can be repeated by hand.
     """
     began = perf_counter()
     folder = fresh_copy(run.out / "demo")
-    say = run.say
-    say(f"A slide on its bearing way was driven back and forth and its friction force measured. Records: {folder}")
-    say("The model contains Coulomb and viscous friction. Is an effect missing?\n")
+    echo = run.echo
+    echo(f"A slide on its bearing way was driven back and forth and its friction force measured. Records: {folder}")
+    echo("The model contains Coulomb and viscous friction. Is an effect missing?\n")
     document: dict[str, Any] = {"schema": 1, "experiment": str(folder), "compare": _compare(run, folder), "rounds": []}
     last = None
     for _ in range(MOST_ROUNDS):
@@ -45,10 +45,10 @@ def command(run: Run) -> None:
         document["suggest"] = _suggest(run, folder, last)
     document.update(_ladder(run, folder))
     document["seconds"] = perf_counter() - began
-    say(f"\nDone in {document['seconds']:.0f} s. What was hidden: a Stribeck curve and the cogging of magnetic teeth,")
-    say("simulated by a program that shares no law with this one.")
-    say(f"figure: {document['figure']}")
-    say(f"report: {document['report']}")
+    echo(f"\nDone in {document['seconds']:.0f} s. Hidden effects: a Stribeck curve and the cogging of magnetic teeth,")
+    echo("simulated by a program that shares no law with this one.")
+    echo(f"figure: {document['figure']}")
+    echo(f"report: {document['report']}")
     run.emit(document)
 
 
@@ -69,11 +69,11 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
     from workbench.identification.statements import comparison_statement
     from workbench.report.page import write_comparison
 
-    run.say(f"$ stagecad compare {folder}")
+    run.echo(f"$ stagecad compare {folder}")
     with run.busy("fitting the model as it stands"):
         found = compare(folder)
     document = comparison_json(found.problem, found.base, found.fit, found.validate, found.maps, found.seconds)
-    run.say(f"  {comparison_statement(found)}\n")
+    run.echo(f"  {comparison_statement(found)}\n")
     write_comparison(run, found, document)
     return document
 
@@ -85,14 +85,14 @@ def _diagnose(run: Run, folder: Path) -> tuple[Diagnosis, dict[str, Any]]:
     from workbench.identification.statements import diagnosis_statement, equivalence_statement
     from workbench.report.page import write_diagnosis
 
-    run.say(f"$ stagecad diagnose {folder}")
+    run.echo(f"$ stagecad diagnose {folder}")
     with run.progress() as progress:
         found = diagnose(folder, progress=search_progress(progress))
     document = diagnosis_json(found)
-    run.say(f"  {diagnosis_statement(found)}")
+    run.echo(f"  {diagnosis_statement(found)}")
     if found.indistinguishable:
-        run.say(f"  {equivalence_statement(found)}")
-    run.say(f"  ({len(found.trials)} effects tried in {found.seconds:.1f} s)\n")
+        run.echo(f"  {equivalence_statement(found)}")
+    run.echo(f"  ({len(found.trials)} effects tried in {found.seconds:.1f} s)\n")
     write_diagnosis(run, found, document)
     return found, document
 
@@ -103,12 +103,12 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
     from workbench.console.tables import rich_table
     from workbench.identification.tables import parameter_table
 
-    run.say(f"$ stagecad add {folder} {effect}")
+    run.echo(f"$ stagecad add {folder} {effect}")
     with run.busy(f"fitting the model with {effect}"):
         step = add_effects(folder, [effect])
     parameters = dict(step.revision.document["parameters"])
     run.console.print(rich_table(parameter_table(parameters, f"Rung {step.revision.number:03d}, fitted again")))
-    run.say("")
+    run.echo("")
     return {
         "rung": step.revision.number,
         "effects": list(step.revision.effects),
@@ -122,14 +122,14 @@ def _suggest(run: Run, folder: Path, last: Diagnosis) -> list[dict[str, Any]]:
     from workbench.identification.statements import suggestion_statements
     from workbench.report.page import write_motions, write_suggestion
 
-    run.say(f"$ stagecad suggest {folder}")
-    # The diagnosis that led to the effect added last is still at hand: the command would make it once more.
+    run.echo(f"$ stagecad suggest {folder}")
+    # The diagnosis that led to the effect added last is reused: the command would repeat it.
     with run.busy("comparing motions"):
         found = rank_motions(last, motions_for(last.problem), last.effect)
     motions = write_motions(run, found)
     for line in suggestion_statements(found):
-        run.say(f"  {line}")
-    run.say("")
+        run.echo(f"  {line}")
+    run.echo("")
     write_suggestion(run, found, motions)
     return motions
 
@@ -141,7 +141,7 @@ def _ladder(run: Run, folder: Path) -> dict[str, Any]:
     from workbench.identification.tables import ladder_table
     from workbench.report.page import write_ladder
 
-    run.say(f"$ stagecad ladder {folder}")
+    run.echo(f"$ stagecad ladder {folder}")
     rungs, _ = current_ladder(load_experiment(folder))
     if not rungs:
         return {"ladder": [], "figure": None, "report": str(run.out / folder.name / "report.html")}

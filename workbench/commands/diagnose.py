@@ -28,5 +28,5 @@ def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> Non
     if figures:
         from workbench.report.page import write_diagnosis
 
-        run.say(f"report: {write_diagnosis(run, found, document)}")
+        run.echo(f"report: {write_diagnosis(run, found, document)}")
     run.emit(document)

@@ -28,7 +28,7 @@ def command(run: Run, names: tuple[str, ...], lint: bool) -> int:
         for name, sheet in document["sheets"].items():
             for hit in sheet["hits"]:
                 run.note(f"{name}: {hit}")
-        run.say(f"lint: {len(hits)} hits on {len(document['sheets'])} sheets")
+        run.echo(f"lint: {len(hits)} hits on {len(document['sheets'])} sheets")
     run.emit(document)
     return 1 if lint and hits else 0
 
@@ -94,7 +94,7 @@ def _files(sheet: BuiltSheet) -> tuple[str, ...]:
 
 def _tell(run: Run, document: dict[str, Any]) -> None:
     width = max(len(name) for name in document["sheets"])
-    run.say(f"{'sheet':{width}}  paper  {'scale':>6}  views")
+    run.echo(f"{'sheet':{width}}  paper  {'scale':>6}  views")
     for name, sheet in document["sheets"].items():
-        run.say(f"{name:{width}}  {sheet['paper']:5}  {sheet['scale']:>6}  {', '.join(sheet['views'])}")
-    run.say(f"{len(document['changed'])} of {document['files']} files written to {run.out}")
+        run.echo(f"{name:{width}}  {sheet['paper']:5}  {sheet['scale']:>6}  {', '.join(sheet['views'])}")
+    run.echo(f"{len(document['changed'])} of {document['files']} files written to {run.out}")

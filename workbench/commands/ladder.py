@@ -24,7 +24,7 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     found = load_experiment(experiment, design_values(run))
     rungs, edited = current_ladder(found)
     if not rungs:
-        run.say(f"{found.folder}: nothing added yet; 'stagecad diagnose {found.folder}' finds what is missing")
+        run.echo(f"{found.folder}: nothing added yet; 'stagecad diagnose {found.folder}' finds what is missing")
     else:
         run.console.print(rich_table(ladder_table(rungs)))
         if edited:
@@ -32,5 +32,5 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
         if figures:
             from workbench.report.page import write_ladder
 
-            run.say(f"figure: {write_ladder(run, found.folder.name, rungs)}")
+            run.echo(f"figure: {write_ladder(run, found.folder.name, rungs)}")
     run.emit(rungs)

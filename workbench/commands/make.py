@@ -1,4 +1,4 @@
-"""`stagecad make`: everything from the parameter file, and one HTML report; what no change touches is kept."""
+"""`stagecad make`: all results of the parameter file, and one HTML report; results with unchanged inputs are kept."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def command(run: Run, simulations: bool) -> None:
 
     design = run.design
     document = write_parts(run, chosen((), design))
-    run.say(f"parts: {len(document['changed'])} of {document['files']} files written")
+    run.echo(f"parts: {len(document['changed'])} of {document['files']} files written")
     store = ArtefactStore()
     machine = find_machine(design, store)
     assert machine is not None
@@ -58,13 +58,13 @@ def command(run: Run, simulations: bool) -> None:
         progress.update(task, description="interference")
         interferences = build_interferences(store, machine.parts, design)
     pairs, found = len(interferences), len(clashes(interferences))
-    run.say(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
+    run.echo(f"interference: {found} clashes, {pairs} contacts, fits and near places looked at")
     drawings = write_drawings(run)
     hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
-    run.say(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
+    run.echo(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
     checks = run_checks(design, masses)
-    run.say(f"checks: {counted(checks)}")
+    run.echo(f"checks: {counted(checks)}")
     check_figures = _check_figures(run, masses)
     write_check_files(checks, design, masses, run.out / "checks", check_figures)
     figures = _simulate(run) if simulations else []
@@ -82,7 +82,7 @@ def command(run: Run, simulations: bool) -> None:
         drawings=drawings,
     )
     page = write_report(run, results)
-    run.say(f"report: {page}")
+    run.echo(f"report: {page}")
     run.emit(
         {
             "parts": document["parts"],
@@ -113,7 +113,7 @@ def _stamp(folder: Path, inputs: object, files: list[Path]) -> None:
 
 
 def _source_of(*packages: str) -> str:
-    """Hash of the source of packages: what they make changes with them."""
+    """Hash of the source of packages, on which their results depend."""
     from importlib.util import find_spec
 
     digest = hashlib.sha256()
@@ -160,7 +160,7 @@ def _simulate(run: Run) -> list[Path]:
                 run, folder, SIMULATED, lambda name: progress.update(task, advance=1, description=name)
             )
         _stamp(folder, inputs, files)
-        run.say(f"simulations: {len(files)} files written")
+        run.echo(f"simulations: {len(files)} files written")
     else:
-        run.say("simulations: unchanged")
+        run.echo("simulations: unchanged")
     return [file for file in files if file.suffix == ".png"]

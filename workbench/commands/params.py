@@ -1,4 +1,4 @@
-"""`stagecad params`: every number of the machine with unit, tolerance and origin; what differs between two files."""
+"""`stagecad params`: every number of the machine with unit, tolerance and origin; differences between two files."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _write(run: Run, target: Path) -> None:
 
 
 def _si(entry: Entry) -> dict[str, Any]:
-    """The entry's value as JSON: a quantity in SI, or what it is when it has no unit to speak of."""
+    """The entry's value as JSON: a quantity in SI, or the plain value where it has no unit."""
     from stagecad.parameters.units import as_json, to_si
 
     if isinstance(entry.value, bool | str):
@@ -146,7 +146,7 @@ def _show_differences(run: Run, one: str, other: str, differences: list[Differen
     if run.json_target is not None:
         return
     if not differences:
-        run.say(f"{one} and {other} do not differ")
+        run.echo(f"{one} and {other} do not differ")
         return
     table = Table("parameter", one, other, "what differs", box=None, pad_edge=False)
     for item in differences:

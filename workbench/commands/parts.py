@@ -94,14 +94,14 @@ def _tell(run: Run, document: dict[str, Any]) -> None:
     if run.json_target is not None:
         return
     width = max(len(name) for name in document["parts"])
-    run.say(f"{'part':{width}}  {'mass':>10}  {'volume':>12}  size")
+    run.echo(f"{'part':{width}}  {'mass':>10}  {'volume':>12}  size")
     for name, part in document["parts"].items():
         low, high = part["bounding_box"]["value"]
         size = " x ".join(f"{1000 * (b - a):.1f}" for a, b in zip(low, high, strict=True))
         mass, volume = part["mass"]["value"], part["volume"]["value"] * 1e6
         shown = f"{mass:8.3f} kg" if mass >= 1.0 else f"{1000 * mass:8.2f} g "
-        run.say(f"{name:{width}}  {shown:>10}  {volume:8.2f} cm^3  {size} mm")
+        run.echo(f"{name:{width}}  {shown:>10}  {volume:8.2f} cm^3  {size} mm")
     moving = document["moving_body"]["mass"]["value"]
-    run.say(
+    run.echo(
         f"moving body {moving:.3f} kg; {len(document['changed'])} of {document['files']} files written to {run.out}"
     )

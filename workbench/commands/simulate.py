@@ -50,7 +50,7 @@ class Options:
 
 @dataclass
 class Output:
-    """Where the files go, in which formats, and those written so far."""
+    """Folder and formats of the files, and the files written so far."""
 
     folder: Path
     formats: tuple[str, ...]
@@ -121,7 +121,7 @@ def command(run: Run, names: tuple[str, ...], **given: Any) -> None:
 
 
 def _selection(names: tuple[str, ...], options: Options) -> Selection:
-    """What is to be simulated.
+    """The selected simulations.
 
     Raises:
         InputError: an unknown name, or options that do not go together.
@@ -157,7 +157,7 @@ def _simulate(run: Run, selection: Selection, scheduler: str | None, output: Out
 
     mass = moving_mass(run.design, selection.mass) if selection.friction_experiments else 1.0
     if selection.friction_experiments:
-        run.say(f"mass {mass:.6g} kg")
+        run.echo(f"mass {mass:.6g} kg")
     document: dict[str, Any] = {}
     output.folder.mkdir(parents=True, exist_ok=True)
     runs = sum(1 if name == "tip" else len(selection.models) for name in selection.names if name != "stage")
@@ -176,7 +176,7 @@ def _simulate(run: Run, selection: Selection, scheduler: str | None, output: Out
         raise InputError(str(failure)) from None
     for name, features in document.items():
         print_features(run, name, features)
-    run.say(f"{len(output.written)} files in {output.folder}")
+    run.echo(f"{len(output.written)} files in {output.folder}")
     run.emit(document)
 
 
@@ -191,7 +191,7 @@ def _experiment(
         from sim.experiments.passivity import passive_below
 
         below = passive_below(friction_of(run.design))
-        run.say(f"lugre is passive at any stretch below 4 Fc/a1 = {below * 1e3:.2f} mm/s")
+        run.echo(f"lugre is passive at any stretch below 4 Fc/a1 = {below * 1e3:.2f} mm/s")
     results = simulate_experiment(run.design, name, models, mass, advance)
     if output.formats:
         output.write(tables_of(name, results))
@@ -247,7 +247,7 @@ def _sweep(run: Run, options: Options, selection: Selection, output: Output) -> 
         if isinstance(point, str):
             run.note(f"{swept.key} = {value:g} {swept.unit}: {point}")
     counts = f"{len(points)} values of {swept.key}, {len(columns) - 1} features each"
-    run.say(f"{counts}; {len(output.written)} files in {output.folder}")
+    run.echo(f"{counts}; {len(output.written)} files in {output.folder}")
     run.emit({"sweep": sweep_document(swept, points)})
 
 
@@ -264,7 +264,7 @@ def _monte_carlo(run: Run, options: Options, selection: Selection, output: Outpu
 
         output.written += draw_study(output.folder, study)
     print_monte_carlo(run, study)
-    run.say(f"{len(output.written)} files in {output.folder}")
+    run.echo(f"{len(output.written)} files in {output.folder}")
     run.emit(study.as_json(options.seed))
 
 
@@ -273,7 +273,7 @@ def simulate_into(
 ) -> list[Path]:
     """Run the named experiments at the design's own values, all models; data and figures go to `folder`.
 
-    `advance` is called with each name as it is done. Returns the files written.
+    `advance` is called with each name once it is finished. Returns the files written.
     """
     from sim.experiments.friction_models import MODELS
 

@@ -28,8 +28,8 @@ def command(run: Run, experiment: Path, figures: bool) -> None:
     motions = write_motions(run, found)
     run.console.print(rich_table(motion_table(motions)))
     for line in suggestion_statements(found):
-        run.say(line)
-    run.say(f"motions to run: {Path(motions[0]['file']).parent}")
+        run.echo(line)
+    run.echo(f"motions to run: {Path(motions[0]['file']).parent}")
     if figures:
-        run.say(f"report: {write_suggestion(run, found, motions)}")
+        run.echo(f"report: {write_suggestion(run, found, motions)}")
     run.emit(motions)

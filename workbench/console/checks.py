@@ -34,8 +34,8 @@ def print_checks(run: Run, checks: Sequence[Check]) -> None:
     if failing:
         run.console.print("\n[bold]What would pass[/bold]")
     for check in failing:
-        run.say(f"- {check.name}: {check.proposal or check.note or 'see the formula'}")
-    run.say(f"{counted(checks)}; every formula with its numbers: {run.out / 'checks' / 'checks.html'}")
+        run.echo(f"- {check.name}: {check.proposal or check.note or 'see the formula'}")
+    run.echo(f"{counted(checks)}; every formula with its numbers: {run.out / 'checks' / 'checks.html'}")
 
 
 def print_sweep(run: Run, swept: Range, points: Sequence[Point]) -> list[str]:
@@ -53,9 +53,9 @@ def print_sweep(run: Run, swept: Range, points: Sequence[Point]) -> list[str]:
     run.console.print(table)
     for point in points:
         if point.refused:
-            run.say(f"- {shown(point.value, unit)}: {point.refused}")
+            run.echo(f"- {shown(point.value, unit)}: {point.refused}")
     if not names:
-        run.say(f"no margin changes with {swept.key}")
+        run.echo(f"no margin changes with {swept.key}")
     return names[:MOST_CURVES]
 
 
@@ -71,5 +71,5 @@ def print_tolerance(run: Run, study: ToleranceStudy) -> None:
     run.console.print(table)
     for title, items in (("matter most", study.matter_most), ("could be loosened", study.could_be_loosened)):
         listed = "; ".join(f"{i.key} ({i.tolerance}: {100 * i.share:.2g} % of a margin, {i.check})" for i in items)
-        run.say(f"{title}: {listed}")
-    run.say("(as far as the checks cover: a fit or the assembly may need a closer tolerance)")
+        run.echo(f"{title}: {listed}")
+    run.echo("(as far as the checks cover: a fit or the assembly may need a closer tolerance)")

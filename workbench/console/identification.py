@@ -1,4 +1,4 @@
-"""What the commands of an identification print: tables, statements, and the progress of a search for effects."""
+"""Output of the identification commands: tables, statements, and the progress of a search for effects."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ def print_comparison(run: Run, comparison: Comparison, document: Mapping[str, An
     run.console.print(rich_table(error_table(f"Model as it stands: {effects}", document["before"])))
     run.console.print(rich_table(parameter_table(document["parameters"])))
     for line in document["not_identifiable"]:
-        run.say(line)
+        run.echo(line)
     if not is_adequate(comparison):
         run.console.print(rich_table(dependence_table(document["where"][:MOST_COORDINATES])))
-    run.say(comparison_statement(comparison))
+    run.echo(comparison_statement(comparison))
 
 
 def print_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any]) -> None:
@@ -58,17 +58,17 @@ def print_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any])
     run.console.print(rich_table(parameter_table(document["parameters"], f"Parameters of the model{added}")))
     if document["detectable"] and near_noise(diagnosis):
         run.console.print(rich_table(detectable_table(document["detectable"])))
-    run.say(diagnosis_statement(diagnosis))
+    run.echo(diagnosis_statement(diagnosis))
     lines = [equivalence_statement(diagnosis), *replacement_statements(diagnosis), *unphysical_statements(diagnosis)]
     for line in (*lines, *document["not_identifiable"]):
         if line:
-            run.say(line)
+            run.echo(line)
 
 
 def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:
     for note in found.problem.notes:
         run.note(f"note: {note}")
-    run.say(f"noise: {noise_text(found.problem)}")
+    run.echo(f"noise: {noise_text(found.problem)}")
 
 
 def print_revision(run: Run, step: Addition, document: Mapping[str, Any]) -> None:
@@ -80,8 +80,8 @@ def print_revision(run: Run, step: Addition, document: Mapping[str, Any]) -> Non
     run.console.print(rich_table(parameter_table(parameters)))
     for key, (old, new) in step.changed.items():
         unit = parameters.get(public_key(key), {}).get("unit", "")
-        run.say(f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}")
-    run.say(f"wrote {step.revision.path} and {step.problem.experiment.path}")
+        run.echo(f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}")
+    run.echo(f"wrote {step.revision.path} and {step.problem.experiment.path}")
 
 
 def search_progress(
@@ -95,7 +95,7 @@ def search_progress(
     began = progress.tasks[-1].start_time
 
     def restart(text: str, total: int | None) -> None:
-        # A bar once given a total cannot lose it: another one takes its place, and its clock goes on.
+        # The total of a bar cannot be removed: a new bar replaces it and takes over its start time.
         nonlocal task
         progress.remove_task(task)
         task = progress.add_task(text, total=total)

@@ -42,7 +42,7 @@ def print_monte_carlo(run: Run, study: Study) -> None:
     """The sampled parameters, and each feature's value at the design, its deviation and 95 % band."""
     listed = "; ".join(one.text for one in study.parameters[:MOST_LISTED])
     more = len(study.parameters) - MOST_LISTED
-    run.say(f"sampled: {listed}" + (f"; and {more} more" if more > 0 else ""))
+    run.echo(f"sampled: {listed}" + (f"; and {more} more" if more > 0 else ""))
     for experiment in dict.fromkeys(path[0] for path in study.distributions):
         distributions = {
             path[1:]: distribution for path, distribution in study.distributions.items() if path[0] == experiment
@@ -61,7 +61,7 @@ def print_monte_carlo(run: Run, study: Study) -> None:
         if table.row_count:
             run.console.print(table)
         if len(changing) < len(distributions):
-            run.say(f"{experiment}: {len(distributions) - len(changing)} features do not change")
+            run.echo(f"{experiment}: {len(distributions) - len(changing)} features do not change")
     if study.refused:
         run.note(
             f"{len(study.refused)} of {len(study.samples)} samples are invalid designs, first: {study.refused[0][1]}"

@@ -39,7 +39,7 @@ def bootstrap_json(problem: Problem, drawn: Bootstrap, seed: int) -> dict[str, A
     """Values with the deviation and the 95 % band of the refits."""
     (low, high), std = drawn.band, drawn.std
     return {
-        "draws": drawn.asked,
+        "draws": drawn.requested,
         "settled": int(drawn.values.shape[0]),
         "seed": seed,
         "parameters": {

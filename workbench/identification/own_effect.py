@@ -9,7 +9,7 @@ from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
 
 TEXT = '''\
-"""An effect of our own, tried beside the library's: custom = ["{name}.py"] under [model] in experiment.toml."""
+"""A user's effect, tried together with the library's: custom = ["{name}.py"] under [model] in experiment.toml."""
 
 from sim import Effect, Parameter
 

@@ -49,7 +49,7 @@ def held_out_over_noise(fit: Errors, validate: Errors) -> float:
 
 
 def is_adequate(found: Comparison) -> bool:
-    """Whether the model leaves no more than the noise."""
+    """Whether the residual of the model is at the noise level."""
     return worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[found.problem.form]
 
 
@@ -160,7 +160,7 @@ def replacement_statements(diagnosis: Diagnosis) -> list[str]:
 def unphysical_statements(diagnosis: Diagnosis) -> list[str]:
     """Effects that would reduce the error only with a value beyond its physical range.
 
-    Beside an effect that is named, only those that would explain at least half as much as it does.
+    With a named effect, only those that would explain at least half as much as it does.
     """
     named = explained_share(diagnosis.base, diagnosis.best) if diagnosis.best is not None else 0.0
     least = max(WORTH_SAYING, 0.5 * named)

@@ -33,7 +33,7 @@ class Table:
     note: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """The table as it is kept with a section of the report."""
+        """The table as it is stored with a section of the report."""
         return {"title": self.title, "columns": self.columns, "rows": self.rows, "note": self.note}
 
 
@@ -99,7 +99,7 @@ def revision_text(rung: Row, first: str) -> str:
 
 
 def error_table(title: str, before: Row, after: Row | None = None) -> Table:
-    """Errors by set of records and channel, those `after` a change beside them where there are any."""
+    """Errors by set of records and channel, with those `after` a change where there are any."""
     columns = [("records", TEXT), ("channel", TEXT), ("rms", NUMBER), ("over noise", STRONG), ("fit", NUMBER)]
     if after is not None:
         columns += [("rms after", NUMBER), ("over noise after", STRONG), ("fit after", NUMBER)]
@@ -185,7 +185,7 @@ def ranking_table(ranking: Sequence[Row], tried: int, before: float = math.inf) 
     note = (
         "Predicted: reduction of the error by the score test, before any refit. Reached: after the refit, on held-out "
         "records. Bars are logarithmic, from the noise to the stated model. Angle: between the change of the residual "
-        "by the named effect and those that another effect can make, to first order; below 15° the two are alike on "
+        "by the named effect and those that another effect can make, to first order; below 15° the two are similar on "
         "these records, and only the refit separates them."
     )
     rest = [row for row in ranking if row.get("over_noise") is None]
@@ -268,7 +268,7 @@ def motion_table(motions: Sequence[Row]) -> Table:
 
 
 def bootstrap_table(document: Row) -> Table:
-    """Intervals of a bootstrap beside those of the linear covariance; `document` is that of `compare --bootstrap`."""
+    """Intervals of a bootstrap and of the linear covariance; `document` is that of `compare --bootstrap`."""
     found = document["bootstrap"]
     title = f"Intervals of {found['settled']} refits (95 %)"
     if found["settled"] < found["draws"]:

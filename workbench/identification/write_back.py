@@ -53,8 +53,8 @@ class Written:
     origin: str
 
 
-def stands_for(run: Run, problem: Problem) -> dict[str, list[Terms]]:
-    """What each key of the parameter file is in terms of fitted values; the first that the model has serves."""
+def parameter_terms(run: Run, problem: Problem) -> dict[str, list[Terms]]:
+    """Each key of the parameter file in terms of fitted values; the first entry that the model has is used."""
     found: dict[str, list[Terms]] = {
         "friction.coulomb": [{"coulomb.force": 1.0}, {"presliding.force": 1.0}],
         "friction.breakaway": [
@@ -100,15 +100,15 @@ def write_back(run: Run, problem: Problem, fitted: FittedModel, wanted: Sequence
         origin: of the values, to be written to the file.
 
     Raises:
-        InputError: a key that the file or the fit does not have, units that do not match, a value the records do not
-            tell, or no file of the user's own.
+        InputError: a key that the file or the fit does not have, units that do not match, a value that is
+            not identifiable from the records, or no file of the user's own.
     """
     from stagecad.parameters.load import write_values
 
     path = parameter_file(run)
     with file_lock(_lock_of(path), LOCK_SECONDS, str(path)):
         measured = _measured(run, problem, fitted)
-        written = [_value(run, item, measured, stands_for(run, problem), origin) for item in wanted]
+        written = [_value(run, item, measured, parameter_terms(run, problem), origin) for item in wanted]
         write_values(path, {one.key: (one.text, one.origin) for one in written})
     return written
 
@@ -204,7 +204,7 @@ def _text(value: float, std: float, unit: str) -> str:
 
 
 def written_json(written: Sequence[Written]) -> dict[str, Any]:
-    """What was written back, by key of the parameter file."""
+    """Values written back, by key of the parameter file."""
     return {
         one.key: {
             "value": one.value,

@@ -31,7 +31,7 @@ class DesignSource:
 
 
 def source_of(run: Run) -> DesignSource:
-    """What the run's own design was read from."""
+    """Files and overrides from which the run's design was read."""
     path = run.params
     if path is None and Path("stage.toml").is_file():
         path = Path("stage.toml")

@@ -1,4 +1,4 @@
-"""Figures beside the checks: the rail curve, the map of the teeth, a sweep."""
+"""Figures of the checks: the rail curve, the map of the teeth, a sweep."""
 
 from __future__ import annotations
 
@@ -148,7 +148,7 @@ def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str |
     axes.set_xlabel("stage from the middle of its travel, mm")
     axes.set_ylabel("acceleration, g")
     axes.legend(frameon=False, loc="center right", fontsize=8)
-    return "What the tip can push over the travel"
+    return "Force of the tip over the travel"
 
 
 @check_figure(6.4, 4.0)

@@ -32,9 +32,9 @@ def write_check_files(
 
     Args:
         checks: every check, in the order of the report.
-        design: what was checked; suspensions and error budgets are computed for it.
+        design: the checked design; suspensions and error budgets are computed for it.
         masses: of its solids, or None.
-        folder: where to.
+        folder: destination.
         figures: PNG by title, to be put into the page.
     """
     from designcalc.checks.alternatives import ranking

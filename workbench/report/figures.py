@@ -135,7 +135,7 @@ def worst_stretch(residual: np.ndarray, least: int = 150) -> slice:
 
 
 def _figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
-    """A figure of `width` by `height` inches, with room for labels in inches: a solved layout takes twice the time."""
+    """A figure of `width` by `height` inches, with room for labels in inches: a constrained layout doubles the time."""
     # Figure and not pyplot: no window system, and nothing global that outlives the figure.
     from matplotlib.figure import Figure
 
@@ -188,14 +188,14 @@ def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, 
         panel.plot(t, r, color=ink, linewidth=0.7, label=label)
     first = np.abs(curve.measured - next(iter(curve.predicted.values())))[span]
     if np.isfinite(first).any():
-        # A few samples beside reversals, far above the rest, would hide the rest.
+        # A few large samples near reversals would set the scale and hide all others.
         part = 0.985 if first.size == curve.time.size else 0.93
         reach = max(1.5 * float(np.nanquantile(first, part)), 4.0 * curve.noise) * factor
         panel.set_ylim(-reach, reach)
 
 
 def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
-    """Measured under predicted, whole and at the worst stretch, and the residual beside the noise; SVG text."""
+    """Measured and predicted signal, of the full record and of its worst section, and residual with noise; SVG text."""
     factor, unit = axis_scale(curve.measured, curve.unit)
     residual = curve.measured - next(iter(curve.predicted.values()))
     usual = np.nanquantile(np.abs(residual), 0.985) if np.isfinite(residual).any() else 0.0
@@ -253,8 +253,8 @@ def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
         flat = axes.ravel()
         for panel, m in zip(flat, maps):
             _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
-            chance = "p < 0.001" if m.p_value <= 1.5 * LEAST_P else f"p = {m.p_value:.2g}"
-            panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {chance}")
+            p_text = "p < 0.001" if m.p_value <= 1.5 * LEAST_P else f"p = {m.p_value:.2g}"
+            panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {p_text}")
         for panel in flat[len(maps) :]:
             panel.set_visible(False)
         for row in axes:

@@ -30,7 +30,7 @@ SIMULATIONS = {
 
 @dataclass(frozen=True)
 class MachineResults:
-    """What the page shows.
+    """Contents of the page.
 
     Args:
         parts: document of `write_parts`: parts, moving body, measures.

@@ -112,7 +112,7 @@ def _figures(folder: Path, command: str, section: Section) -> None:
 
 
 def _keep(folder: Path, section: Section) -> Path:
-    """Write a section beside the others, then the report of all."""
+    """Write a section into its folder, then the report with all sections."""
     sections = _read(folder)
     key = section_key(section)
     numbers = {section_key(s): s["number_in_report"] for s in sections}

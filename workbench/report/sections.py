@@ -1,4 +1,4 @@
-"""Sections of the report of an experiment: what a comparison, a diagnosis, a ladder or a suggestion found.
+"""Sections of the report of an experiment: results of a comparison, a diagnosis, a ladder or a suggestion.
 
 A section is plain data (it is kept as JSON), so a report can be composed again from sections made at other times.
 """
@@ -55,7 +55,7 @@ MOST_CORRELATED = 14
 
 
 def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Section:
-    """What `compare` found."""
+    """Result of `compare`."""
     model = found.base.fitted.model
     return {
         **_experiment(found.problem, model),
@@ -74,7 +74,7 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
 
 
 def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
-    """What `diagnose` found."""
+    """Result of `diagnose`."""
     problem, base = found.problem, found.base.fitted
     best = found.best if found.best is not None else (found.trials[0] if found.trials else None)
     models, inks = {"model": base.model}, (MODEL,)
@@ -127,7 +127,7 @@ def ladder_section(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) 
 
 
 def suggestion_section(found: Suggestion, motions: Sequence[Mapping[str, Any]]) -> Section:
-    """What `suggest` found; `motions` is its document."""
+    """Result of `suggest`; `motions` is its document."""
     best = found.motions[0]
     title = "What to measure next"
     if len(found.competing) > 1:

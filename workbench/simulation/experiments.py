@@ -24,7 +24,7 @@ FeaturePath = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Selection:
-    """What is simulated: experiments, friction models, the moving mass as given, the stage's studies."""
+    """Selection of the simulations: experiments, friction models, the moving mass as given, the stage's studies."""
 
     names: tuple[str, ...]
     models: tuple[str, ...]

@@ -74,7 +74,7 @@ class Study:
         return [(k, sample.refused) for k, sample in enumerate(self.samples) if sample.refused]
 
     def as_json(self, seed: int) -> dict[str, Any]:
-        """What was sampled, and each feature's distribution, nested as `simulate` gives features."""
+        """The sampled parameters, and each feature's distribution, nested as `simulate` gives features."""
         nested: dict[str, Any] = {}
         for (*path, last), distribution in self.distributions.items():
             inner = nested
@@ -102,7 +102,7 @@ class Study:
 
 @dataclass(frozen=True)
 class _Common:
-    """What every sample needs, sent to each worker once."""
+    """Data common to all samples, sent to each worker once."""
 
     source: DesignSource
     selection: Selection
@@ -131,7 +131,7 @@ def run_monte_carlo(run: Run, selection: Selection, count: int, seed: int, sched
     nominal = _simulate(run.design, common.selection, common.masses)
     with run.progress() as progress:
         task = progress.add_task("samples", total=count)
-        # A few samples at a time: each is short beside the sending.
+        # Several samples per task: one takes less time than its transfer to the worker.
         size = max(1, min(8, count // 16))
         rows = [values[k : k + size] for k in range(0, count, size)]
         found = parallel_map(

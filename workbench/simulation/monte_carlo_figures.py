@@ -60,8 +60,8 @@ def _bands(study: Study, name: str, paths: list[FeaturePath]) -> Any:
             # Some machines slip where the design does not: both remain visible.
             axes[row, 0].set_yscale("symlog", linthresh=own)
     axes[0, 0].legend(loc="best", fontsize=8)
-    stand = sum(not sample.refused for sample in study.samples)
-    figure.suptitle(f"{name}: {stand} sampled machines; 50 % and 95 % bands at each instant")
+    completed = sum(not sample.refused for sample in study.samples)
+    figure.suptitle(f"{name}: {completed} sampled machines; 50 % and 95 % bands at each instant")
     return figure
 
 
@@ -99,8 +99,8 @@ def _features(study: Study, name: str, distributions: dict[FeaturePath, Distribu
         panel.barh(place, high - low, left=low, height=0.5, color=INK[0], alpha=0.25)
         panel.barh(place, third - first, left=first, height=0.5, color=INK[0], alpha=0.55)
         panel.plot([middle, middle], [place - 0.25, place + 0.25], color=INK[0])
-        beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "annotation_clip": False}
-        panel.annotate(distribution.strongest_text, (high, place), fontsize=7, color="#666666", **beside)
+        offset = {"xytext": (4, 0), "textcoords": "offset points", "va": "center", "annotation_clip": False}
+        panel.annotate(distribution.strongest_text, (high, place), fontsize=7, color="#666666", **offset)
         ends += [low, high]
     panel.axvline(0.0, color="black", linewidth=0.8)
     least, most = min(ends), max(ends)

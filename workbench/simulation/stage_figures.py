@@ -41,8 +41,10 @@ def draw_steps(folder: Path, study: StepStudy) -> list[Path]:
         panel.plot(run.time, run.apex(0)[:, 0] * 1e9, color=GREY, linewidth=0.7, label="apex of the tip")
         panel.plot(run.time, run.position[:, 0] * 1e9, color=INK[0], linewidth=0.9, label="stage")
         panel.set(xlabel="time (s)", ylabel="x (nm)")
-        text = "one count" if name == "1_count" else name.replace("nm", " nm")
-        panel.set_title(f"{text} ({stairs.asked * 1e9:.3g} nm commanded): {stairs.mean_step * 1e9:.3g} nm a step")
+        size = "one count" if name == "1_count" else name.replace("nm", " nm")
+        panel.set_title(
+            f"{size} ({stairs.commanded_step * 1e9:.3g} nm commanded): {stairs.mean_step * 1e9:.3g} nm a step"
+        )
     axes[0, 0].legend(loc="lower center")
     figure.suptitle(f"Steps with the tip at rest on the stage; springs in series transmit {study.static:.2f} of it")
     return [save_figure(figure, folder / "stage_steps.png")]
@@ -50,16 +52,16 @@ def draw_steps(folder: Path, study: StepStudy) -> list[Path]:
 
 @styled
 def draw_speed(folder: Path, study: SpeedStudy) -> list[Path]:
-    """Speed, and speed over X f beside the three laws, against frequency."""
+    """Speed, and speed over X f with the three laws, against frequency."""
     figure, axes = new_figure(2, 1, 7.2, 7.0, sharex=True)
     speed, ratio = axes[:, 0]
     f = study.frequencies
     for law, factor in LAWS.items():
-        asked = factor * study.travel * f * 1e3
-        speed.plot(f, asked, color=GREY, linewidth=0.8, linestyle="--")
+        predicted = factor * study.travel * f * 1e3
+        speed.plot(f, predicted, color=GREY, linewidth=0.8, linestyle="--")
         speed.annotate(
             LAW_TEXT[law].partition(":")[0],
-            (f[-1], asked[-1]),
+            (f[-1], predicted[-1]),
             (5, 0),
             textcoords="offset points",
             va="center",
@@ -73,7 +75,7 @@ def draw_speed(folder: Path, study: SpeedStudy) -> list[Path]:
         ratio.plot(f, study.ratio(height), "o-", color=ink, markersize=3)
         lifts = np.array([point.lifted_share > LIFTED for point in study.points[height]])
         ratio.plot(f[lifts], study.ratio(height)[lifts], "o", color="white", markeredgecolor=ink, markersize=6)
-        changing = ~study.lasts(height)
+        changing = ~study.is_steady(height)
         ratio.plot(f[changing], study.ratio(height)[changing], "x", color=ink, markersize=9)
     speed.set(ylabel="speed (mm/s)", xscale="log", yscale="log")
     speed.legend(title="apex at mid-stroke over the surface,\nin half heights of the ellipse", loc="upper left")
@@ -123,14 +125,16 @@ def draw_ellipse(folder: Path, study: EllipseSearch) -> list[Path]:
     paths.set_aspect("equal", "datalim")
     paths.set(xlabel="x (µm)", ylabel="y, up (µm)", title="commanded paths")
     paths.legend(title="phase", fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    for ink, height, speed, lifted, lasts in zip(TRAVEL_INK, study.heights, study.speed, study.lifted, study.lasts):
+    for ink, height, speed, lifted, steady in zip(
+        TRAVEL_INK, study.heights, study.speed, study.lifted, study.is_steady
+    ):
         degrees = np.degrees(study.phases)
         speeds.plot(degrees, speed * 1e3, "o-", color=ink, markersize=3, label=f"{height:+.2f}")
         lifts = lifted > LIFTED
         speeds.plot(degrees[lifts], speed[lifts] * 1e3, "o", color="white", markeredgecolor=ink, markersize=6)
-        speeds.plot(degrees[~lasts], speed[~lasts] * 1e3, "x", color=ink, markersize=9)
-    speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="lasting speed")
-    # Beside the curves, which may lie anywhere for another design.
+        speeds.plot(degrees[~steady], speed[~steady] * 1e3, "x", color=ink, markersize=9)
+    speeds.set(xlabel="phase (°)", ylabel="speed (mm/s)", title="steady speed")
+    # Outside the axes: for another design the curves may be anywhere.
     shown = [*speeds.get_legend_handles_labels()[0], _ring(), _cross()]
     title = "apex at mid-stroke\nover the surface, in\nhalf heights"
     speeds.legend(handles=shown, title=title, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))

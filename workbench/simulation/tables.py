@@ -40,7 +40,7 @@ def simulation_columns(run: Simulation, force: str, end: float | None = None, ro
 
 
 def write_table(path: Path, columns: Mapping[str, np.ndarray], kinds: tuple[str, ...]) -> list[Path]:
-    """Write the columns beside `path` as each of `kinds` (csv, parquet); return the files."""
+    """Write the columns to `path` with the suffix of each of `kinds` (csv, parquet); return the files."""
     import pyarrow
 
     table = pyarrow.table(dict(columns))
@@ -81,7 +81,7 @@ def tables_of(name: str, results: Mapping[str, Any]) -> dict[str, Columns]:
     else:
         for model, cases in results.items():
             for case, result in cases.items():
-                # The motion is imposed: what drives it is an acceleration, and no mass has a kinetic energy.
+                # The motion is imposed as an acceleration: no mass has a kinetic energy.
                 columns = simulation_columns(result.simulation, "acceleration", rows=2001)
                 columns["acceleration [m/s^2]"] = columns.pop("acceleration [N]")
                 del columns["kinetic [J]"]

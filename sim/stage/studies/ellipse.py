@@ -27,7 +27,7 @@ class EllipseSearch:
         frequency: Hz.
         phases: rad, shape (n,).
         heights: in amplitudes of the ellipse's height, shape (m,).
-        ellipses: asked for at each phase.
+        ellipses: commanded at each phase.
         points: rows by height, columns by phase.
     """
 
@@ -48,15 +48,15 @@ class EllipseSearch:
         return np.array([[point.lifted_share for point in row] for row in self.points])
 
     @property
-    def lasts(self) -> np.ndarray:
+    def is_steady(self) -> np.ndarray:
         """Whether the speed is steady, or was still changing after the longest run, shape (m, n)."""
         changed = np.array([[abs(point.changed) for point in row] for row in self.points])
         travels = np.array([2.0 * path.along for path in self.ellipses])
         return changed <= SETTLED * travels * self.frequency
 
     def best(self, clean: bool) -> tuple[int, int] | None:
-        """Row and column of the greatest speed that lasts; `clean`: among those that lift no pad."""
-        speed = np.where(self.lasts & (self.lifted <= (LIFTED if clean else np.inf)), self.speed, -np.inf)
+        """Row and column of the greatest steady speed; `clean`: among those that lift no pad."""
+        speed = np.where(self.is_steady & (self.lifted <= (LIFTED if clean else np.inf)), self.speed, -np.inf)
         row, column = np.unravel_index(int(np.argmax(speed)), speed.shape)
         return (int(row), int(column)) if np.isfinite(speed[row, column]) else None
 

@@ -123,10 +123,10 @@ def held(case: tuple[StageMachine, float, float, float, HoldingLoop]) -> Holding
         output = min(max(hold.proportional * error + total, -most), most)
         outputs.append(output)
         if hold.moves == "lean":
-            asked = (0.0, 0.0, 0.0, output)
+            command = (0.0, 0.0, 0.0, output)
         else:
-            asked = (output, abs(output) if hold.moves == "ellipse" else 1.0, 0.0, 0.0)
-        simulation.advance(actuation.commands(*asked), actuation.steps)
+            command = (output, abs(output) if hold.moves == "ellipse" else 1.0, 0.0, 0.0)
+        simulation.advance(actuation.commands(*command), actuation.steps)
     return HoldingRun(simulation.record(), hold.target, np.array(outputs))
 
 

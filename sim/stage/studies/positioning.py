@@ -190,8 +190,8 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
         if abs(left) < max(HAND_OVER, coarse.count) and abs(smooth) < STOPPED:
             taken_over = simulation.time
             break
-        asked = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
-        output = min(max((asked - smooth) / SPEED_SCALE, -1.0), 1.0)
+        desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
+        output = min(max((desired - smooth) / SPEED_SCALE, -1.0), 1.0)
         simulation.advance(actuation.commands(output, 1.0, 0.0, 0.0), actuation.steps)
     lean, start = 0.0, simulation.time
     while simulation.time < start + FINE_TIME:

@@ -49,7 +49,7 @@ class SpeedStudy:
         """Speed over X f, with the X that the tip makes, shape (n,)."""
         return self.speed(height) / (self.swing(height) * self.frequencies)
 
-    def lasts(self, height: str) -> np.ndarray:
+    def is_steady(self, height: str) -> np.ndarray:
         """Whether the speed is steady, or was still changing after the longest run, shape (n,)."""
         changed = np.array([abs(point.changed) for point in self.points[height]])
         return changed <= SETTLED * self.travel * self.frequencies

@@ -38,7 +38,7 @@ class Staircase:
     """
 
     run: StageRun
-    asked: float
+    commanded_step: float
     levels: np.ndarray
 
     @property
@@ -117,9 +117,9 @@ def converter_count(machine: StageMachine) -> float:
 def staircase(case: tuple[StageMachine, float | None]) -> Staircase:
     """Steps of one size (m; none: a count) up and down; each rises in 2 ms and is held for 20 ms."""
     machine, size = case
-    asked = converter_count(machine) if size is None else size
+    commanded_step = converter_count(machine) if size is None else size
     rest = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
-    ups = np.concatenate([np.arange(STEPS_EACH_WAY + 1), np.arange(STEPS_EACH_WAY - 1, -1, -1)]) * asked
+    ups = np.concatenate([np.arange(STEPS_EACH_WAY + 1), np.arange(STEPS_EACH_WAY - 1, -1, -1)]) * commanded_step
     starts = HOLD * np.arange(ups.size)
     knots = np.column_stack([starts, starts + HOLD - RISE]).ravel()
     apex = np.zeros((knots.size, 3))
@@ -130,7 +130,7 @@ def staircase(case: tuple[StageMachine, float | None]) -> Staircase:
     run = drive_stage(machine, rest, np.round(wave / volt) * volt, STEP, 50)
     ends = starts + HOLD - RISE
     levels = [float(np.mean(run.position[(run.time > end - 0.25 * HOLD) & (run.time < end), 0])) for end in ends]
-    return Staircase(run, asked, np.array(levels))
+    return Staircase(run, commanded_step, np.array(levels))
 
 
 def step_study(machine: StageMachine, run_all: Callable[[Callable[[Any], Any], Sequence[Any]], list[Any]]) -> StepStudy:
