@@ -36,7 +36,7 @@ from stagecad.cluster import map_on_cluster
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 Completed = Generator[tuple[int, Any], None, None]
-"""Index and result of each item as it is completed; closing it ends the workers."""
+"""Index and result of each item in the order of completion; closing it ends the workers."""
 
 MAX_FORKED = 4
 """Most processes of `fork_map`: each has its own copy of the memory that it changes."""
@@ -87,7 +87,7 @@ def parallel_map(
     Args:
         function: of a module, or a `partial` of one; its bound arguments are sent to each worker once.
         items: begun in this order.
-        progress: called in this process with each item as it is completed.
+        progress: called in this process with each item once it is completed.
         workers: number of processes; default `processors()`.
         limit: for each item; not on a cluster.
         requires: items that must be completed before an item is begun, without cycles; not on a cluster.
@@ -125,7 +125,7 @@ def fork_map(
         function: any callable that changes nothing the caller uses.
         items: begun in this order.
         identical: objects of the caller; where a result refers to one, it refers to the caller's own, not to a copy.
-        progress: called in this process with each item as it is completed.
+        progress: called in this process with each item once it is completed.
     """
     count = min(MAX_FORKED, processors(), len(items))
     forking = sys.platform == "linux" and threading.current_thread() is threading.main_thread()
@@ -167,7 +167,7 @@ class _Task:
 
 @dataclass(frozen=True)
 class _Pool:
-    """What the workers are started with.
+    """Start arguments of the workers.
 
     Args:
         method: how processes are started, `spawn` or `fork`.
@@ -281,7 +281,7 @@ class _Worker:
         self._limit = pool.limit
         self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)
         with _interrupts_blocked(pool.method), warnings.catch_warnings():
-            # Python 3.12 warns of forks beside threads; those that `fork_map` meets hold no lock that a worker needs.
+            # Python 3.12 warns of forks with threads; those that `fork_map` meets hold no lock that a worker needs.
             warnings.simplefilter("ignore", DeprecationWarning)
             self._process.start()
         other_end.close()
@@ -333,7 +333,7 @@ def _interrupts_blocked(method: str) -> Iterator[None]:
 
 
 def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
-    """What a worker does: answer until the pipe closes."""
+    """Loop of a worker: answer requests until the pipe closes."""
     from threadpoolctl import threadpool_limits
 
     global _inside_worker

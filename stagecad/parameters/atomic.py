@@ -11,7 +11,7 @@ from pathlib import Path
 
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
-    """Give a temporary path beside `path`; rename it to `path` when the block ends well, remove it otherwise.
+    """Yield a temporary path in the folder of `path`; rename it to `path` if the block succeeds, else remove it.
 
     The temporary name keeps the suffix of `path`, since many writers choose their format by it.
     """

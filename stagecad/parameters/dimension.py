@@ -26,7 +26,7 @@ Kind = Literal[
     "count",
     "callout",
 ]
-"""What a dimension measures.
+"""Kinds of dimension by the measured quantity.
 
 `linear`, `depth`: distance between two points. `diameter`, `radius`: of a round feature. `angle`: in degrees.
 `chamfer`: leg of a chamfer, 45 degrees unless the note says otherwise. `thread`: nominal diameter, the note carries
@@ -71,7 +71,7 @@ class Datum:
 
 @dataclass(frozen=True)
 class Dimension:
-    """One dimension of a part, declared beside the feature that needs it.
+    """One dimension of a part, declared with the feature that needs it.
 
     Args:
         name: what is measured, unique within the part (`length`, `pocket depth`).
@@ -79,11 +79,11 @@ class Dimension:
         value: mm, or degrees for an angle; for a count or callout the number.
         parameter: key of the parameter file the value comes from (`stage.length`).
         points: on the part, in part coordinates: two for linear and depth; for round ones a point on the
-            axis beside the face, or on the face.
+            axis next to the face, or on the face.
         direction: direction measured along, or the axis of a round feature; from point to point when left out.
         tolerance: class `X`, `X.X` or `X.XX`; none for a reference dimension or one a standard covers.
         note: callout text that goes with it (`M6x1 - 6H`, `lapped Ra 1 um`).
-        count: number of like features it stands for.
+        count: number of equal features to which it applies.
         view: the preferred one.
         feature: name of its feature; the dimensions of one hole are combined in one callout.
         between: names of the datums or features between which it is measured, if they have names.
@@ -109,11 +109,11 @@ class Dimension:
         if bool(self.parameter) == bool(self.derived_from):
             raise ValueError(f"dimension '{self.name}': comes from one parameter, or is derived from some")
         if self.kind in ("linear", "depth") and len(self.points) != 2:
-            raise ValueError(f"dimension '{self.name}': a {self.kind} dimension stands between two points")
+            raise ValueError(f"dimension '{self.name}': a {self.kind} dimension needs two points")
         if not math.isfinite(self.value):
             raise ValueError(f"dimension '{self.name}': {self.value} is no value")
         if self.count < 1:
-            raise ValueError(f"dimension '{self.name}': stands for {self.count} features")
+            raise ValueError(f"dimension '{self.name}': applies to {self.count} features")
 
 
 Characteristic = Literal["flatness", "cylindricity", "parallelism", "perpendicularity"]
@@ -126,10 +126,10 @@ class DatumFeature:
 
     Args:
         letter: one capital letter, unique within the part.
-        points: one on each face that forms it together, or on the axis beside a round face.
+        points: one on each face that forms it together, or on the axis of a round face.
         normal: out of the face, or along the axis.
         round: whether it is the axis of a round face.
-        view: where the face is seen as a line.
+        view: view that shows the face as a line.
     """
 
     letter: str
@@ -145,19 +145,19 @@ class DatumFeature:
 
 @dataclass(frozen=True)
 class GeometricTolerance:
-    """What form or direction a face must keep (ISO 1101), declared beside the face.
+    """Tolerance of form or orientation of a face (ISO 1101), declared with the face.
 
     Args:
         name: unique within the part.
         characteristic: see `Characteristic`.
         value: width of the zone, mm.
         parameter: key of the parameter file the value comes from.
-        points: one on each face; on the axis beside a round one.
+        points: one on each face; on the axis of a round one.
         normal: out of the face, or along the axis.
         datums: letters referred to.
         round: whether it holds for a round face, or its axis.
         combined: whether all the faces lie in one zone (CZ), rather than each in its own.
-        view: where the face is seen as a line.
+        view: view that shows the face as a line.
     """
 
     name: str

@@ -14,7 +14,7 @@ def nearest(name: str, allowed: Iterable[str]) -> str:
     """Ending of an error message that names the nearest valid name, or all of them when none is near.
 
     Args:
-        name: what the user wrote.
+        name: as written by the user.
         allowed: the valid names.
 
     Returns:

@@ -236,7 +236,7 @@ def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | 
 
 
 def in_bounds(value: float, declaration: Declaration) -> bool:
-    """Whether a number lies within the bounds declared for its key."""
+    """Whether a number is within the bounds declared for its key."""
     above = value > declaration.low or (value == declaration.low and declaration.closed)
     return above and value <= declaration.high and not math.isinf(value)
 

@@ -154,7 +154,7 @@ def write_values(path: str | Path, changes: Mapping[str, tuple[str | float | boo
 
     Args:
         path: the parameter file.
-        changes: by dotted key (`bearing.dynamic_friction`): the value as it is to be written (`"12.05 mm"`; a number
+        changes: by dotted key (`bearing.dynamic_friction`): the value to be written (`"12.05 mm"`; a number
             or truth value is written as such) and its origin (`measured: EXPERIMENT`).
 
     Raises:

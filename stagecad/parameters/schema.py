@@ -19,7 +19,7 @@ FieldKind = Literal["number", "count", "switch", "text", "choice", "material"]
 
 @dataclass(frozen=True)
 class Declaration:
-    """What a key of the parameter file holds.
+    """Type, unit and bounds of a key of the parameter file.
 
     Args:
         kind: of the value.
@@ -59,7 +59,7 @@ def number(
     closed: bool = False,
     computed: bool = False,
 ) -> Any:
-    """A number in SI; positive unless the bounds say otherwise (`closed`: the lower bound itself is allowed)."""
+    """A number in SI; positive unless the bounds allow other values (`closed`: the lower bound itself is allowed)."""
     return _key(Declaration("number", meaning, unit, low=low, high=high, closed=closed, computed=computed))
 
 

@@ -44,7 +44,7 @@ def tip_reaches_stage(d: Design) -> Iterator[str]:
 
 @rule
 def fits(d: Design) -> Iterator[str]:
-    """What slides in a bore has clearance, and little of it."""
+    """A part that slides in a bore has clearance, below a limit."""
     guided = (
         ("height_pin_1.diameter", "base.pin_1_bore"),
         ("height_pin_2.diameter", "base.pin_2_bore"),
@@ -67,7 +67,7 @@ def fits(d: Design) -> Iterator[str]:
 
 @rule
 def wedge(d: Design) -> Iterator[str]:
-    """Pin 2 stands on the wedge over the whole stroke, and the wedge leaves pin 1 its body."""
+    """Pin 2 is fully on the wedge over the stroke, and the wedge leaves enough of pin 1."""
     one, two = d.height_pin_1, d.height_pin_2
     reach = one.stroke / 2 + two.diameter / 2
     if reach > one.length / 2 - one.end_chamfer + ROUNDING:

@@ -26,7 +26,7 @@ class Hole:
     Args:
         name: for messages.
         keys: parameters that place it.
-        start, end: ends of its axis; alike in x and y for an upright hole, in y and z for one along the travel.
+        start, end: ends of its axis; equal in x and y for an upright hole, in y and z for one along the travel.
         radius: of the cylinder.
         own: pocket whose mechanism it belongs to; holes of one mechanism may intersect.
     """
@@ -133,9 +133,9 @@ def _gap(a: Hole, b: Hole) -> float:
         top, bottom = max(upright.start[2], upright.end[2]), min(upright.start[2], upright.end[2])
         z = level.start[2]
         over = max(bottom - (z + level.radius), (z - level.radius) - top)
-        beside = steps[1] - a.radius - b.radius
+        across = steps[1] - a.radius - b.radius
         # Beyond the level hole's flat end, only the distance along the travel counts.
-        return max(beside, over, steps[0] - upright.radius)
+        return max(across, over, steps[0] - upright.radius)
     return max(math.hypot(steps[1], steps[2]) - a.radius - b.radius, steps[0])
 
 
@@ -190,7 +190,7 @@ def holes_in_base(d: Design) -> Iterator[str]:
 
 @rule
 def pockets_between_ways(d: Design) -> Iterator[str]:
-    """The pockets leave the ways' beds whole."""
+    """The pockets do not cut the beds of the ways."""
     base, wall = d.base, d.making.least_wall
     for number, (_, y) in enumerate(d.derived.actuator_places, start=1):
         free = base.way_gap / 2 - abs(y) - base.pocket_diameter / 2 - base.pocket_chamfer
@@ -244,7 +244,7 @@ def clamp_screws(d: Design) -> Iterator[str]:
         if screw.diameter >= base.clamp_hole:
             yield f"{given(d, f'{name}.diameter')} does not go through {given(d, 'base.clamp_hole')}"
         if screw.head_height > base.clamp_counterbore_depth:
-            yield f"{given(d, f'{name}.head_height')} stands out of {given(d, 'base.clamp_counterbore_depth')}"
+            yield f"{given(d, f'{name}.head_height')} projects from {given(d, 'base.clamp_counterbore_depth')}"
 
 
 @rule
@@ -255,10 +255,10 @@ def clamp_fingers(d: Design) -> Iterator[str]:
     for key in ("base.clamp_slot_1", "base.clamp_slot_2"):
         if d.value(key) + base.clamp_slot_width >= radius - base.clamp_floor_slot:
             yield f"{given(d, key)} misses the pocket of {given(d, 'base.pocket_diameter')}"
-    beside = base.clamp_screw_offset - base.clamp_hole / 2 - radius
-    if beside < wall - ROUNDING:
+    distance = base.clamp_screw_offset - base.clamp_hole / 2 - radius
+    if distance < wall - ROUNDING:
         yield (
-            f"{given(d, 'base.clamp_screw_offset')} leaves {length(beside)} between the clamp screw and the pocket; "
+            f"{given(d, 'base.clamp_screw_offset')} leaves {length(distance)} between the clamp screw and the pocket; "
             f"{length(wall)} is needed"
         )
     beyond = base.clamp_reach - base.clamp_screw_offset - base.clamp_hole / 2
@@ -297,9 +297,9 @@ def clamp_necks(d: Design) -> Iterator[str]:
                 f"at least {least:g} deg"
             )
             continue
-        beside = (floor * math.sin(neck) - base.clamp_floor_slot, floor * math.sin(math.acos(slot / floor)))
+        corner = (floor * math.sin(neck) - base.clamp_floor_slot, floor * math.sin(math.acos(slot / floor)))
         bore = max(base.pin_1_bore, base.set_screw_access) / 2
-        if beside[0] < base.pin_1_bore / 2 + wall or beside[1] - base.clamp_floor_slot / 2 < bore + wall:
+        if corner[0] < base.pin_1_bore / 2 + wall or corner[1] - base.clamp_floor_slot / 2 < bore + wall:
             yield f"{given(d, angle, key)} lead the clamp's floor slot into the bore of height pin 1"
 
 

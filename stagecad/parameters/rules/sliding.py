@@ -190,7 +190,7 @@ def stage_holes(d: Design) -> Iterator[str]:
 
 @rule
 def ways_on_base(d: Design) -> Iterator[str]:
-    """The ways lie on the base whole."""
+    """The full underside of the ways is on the base."""
     way, base = d.bearing_way, d.base
     if way.length > base.length + ROUNDING:
         yield f"{given(d, 'bearing_way.length')} is longer than {given(d, 'base.length')}"
@@ -244,7 +244,7 @@ def way_ledge(d: Design) -> Iterator[str]:
     top = way.flange_thickness + d.screws.way.head_height
     if d.stage.width / 2 > clear and top > d.derived.drive_surface_height - ROUNDING:
         yield (
-            f"the heads of the way screws stand {length(top)} high, into a stage of {given(d, 'stage.width')} that "
+            f"the heads of the way screws are {length(top)} high and enter a stage of {given(d, 'stage.width')} that "
             "reaches over them; make bearing_way.flange_thickness smaller or the stage narrower than "
             f"{length(2 * clear)}"
         )

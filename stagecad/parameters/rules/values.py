@@ -27,7 +27,7 @@ _ORDERED = (
 
 @rule
 def ordered(d: Design) -> Iterator[str]:
-    """What is the smaller by its name is not the larger."""
+    """Of two values named as smaller and larger, the first is not the larger."""
     for small, large in _ORDERED:
         if d.si(small) > d.si(large):
             yield f"{given(d, small)} is more than {given(d, large)}"

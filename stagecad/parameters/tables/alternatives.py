@@ -1,4 +1,4 @@
-"""Tables of the suspensions that were weighed and passed over. All numbers in SI but the lengths named as geometry."""
+"""Tables of the suspensions that were compared and rejected. All numbers in SI but the lengths named as geometry."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class SlidingPads:
 
 @dataclass(frozen=True)
 class Candidates:
-    """The suspensions that were weighed."""
+    """The suspensions that were compared."""
 
     sliding_pads: SlidingPads
     air_bearing: AirBearing

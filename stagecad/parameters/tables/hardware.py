@@ -23,7 +23,7 @@ class Piezo:
     stiffness: float = number("along the axis: blocking force over free stroke", "N/m", computed=True)
     capacitance: float = number("", "F")
     hysteresis: float = number("width over stroke, open loop", high=1, closed=True)
-    strain_limit: float = number("tensile stress the ceramic stands without preload", "Pa", closed=True)
+    strain_limit: float = number("tensile stress that the ceramic withstands without preload", "Pa", closed=True)
     element_area: float = number("cross-section of the ceramic element in its case", "m^2")
     moving_mass: float = number("share of the stack that moves with the tip", "kg", closed=True)
     loss_factor: float = number("tan(delta) at large signal", high=1, closed=True)

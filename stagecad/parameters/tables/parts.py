@@ -41,7 +41,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Pads:
-    """The convex islands under the stage that ride on the ways."""
+    """The crowned pads under the stage that slide on the ways."""
 
     count: int = count("of pads: three do not over-constrain, four suit a gravity preload", low=3, high=4)
     length: float = mm("of a pad along the travel")
@@ -49,7 +49,7 @@ class Pads:
     height: float = mm("of a pad's crown below the drive surface")
     crown_radius: float = mm("of the pads' convex faces")
     corner_radius: float = mm("of the pads' upright corners")
-    root_fillet: float = mm("where a pad grows out of the stage")
+    root_fillet: float = mm("at the transition from pad to stage")
     spacing_along: float = mm("between the pads on one way")
     spacing_across: float = mm("between the pads of the two ways")
     ratio: float = number("of a pad's length to its width")
@@ -69,7 +69,7 @@ class DriveSurface:
 
 @dataclass(frozen=True)
 class BearingWay:
-    """The silicon carbide rails on which the pads slide; two, alike."""
+    """The silicon carbide rails on which the pads slide; two of one kind."""
 
     material: str = of_material()
     length: float = mm("along the travel")
@@ -130,7 +130,7 @@ class Base:
     clamp_reach: float = mm("of the slots from the pocket's axis, across")
     clamp_lug: float = mm("width of the lug that holds the clamp screw's thread")
     clamp_neck: float = mm("thickness of the flexure on which the finger turns")
-    clamp_relief_hole: float = mm("at the end of the relief slot, beside the neck")
+    clamp_relief_hole: float = mm("at the end of the relief slot, next to the neck")
     clamp_neck_angle_1: float = number("of the neck about pocket 1, from the way to the screw's head", "deg", high=180)
     clamp_neck_angle_2: float = number("of the necks about pockets 2 and 3, likewise", "deg", high=180)
     clamp_floor_slot: float = mm("of the arc slot that parts finger and floor")
@@ -179,7 +179,7 @@ class Tip:
 
 @dataclass(frozen=True)
 class Holder:
-    """The cylinder that stands three piezos upright and takes their side load."""
+    """The cylinder that holds three piezos upright and takes their side load."""
 
     material: str = of_material()
     diameter: float = mm("outside")
@@ -231,7 +231,7 @@ class HeightPin2:
 
 @dataclass(frozen=True)
 class ToothBar:
-    """The stationary toothed iron on the base; two, alike."""
+    """The stationary toothed iron on the base; two of one kind."""
 
     material: str = of_material()
     length: float = mm("along the travel")
@@ -289,7 +289,7 @@ class Teeth:
 
 @dataclass(frozen=True)
 class Making:
-    """What a workshop needs of any part."""
+    """Manufacturing data common to all parts."""
 
     least_wall: float = mm("of material around a hole, pocket or edge")
     least_floor: float = mm("left under the drill's point of a blind hole")

@@ -20,7 +20,7 @@ class Actuator:
     stroke_amplitude: float = number("of each piezo in the thesis's simulation, zero to peak", "m")
     phase: float = number("between the two piezos", "rad", low=-math.pi, high=math.pi)
     frequency: float = number("of the drive", "Hz")
-    bias_voltage: float = number("at which the piezos stand at mid-stroke", "V", closed=True)
+    bias_voltage: float = number("at which the piezos are at mid-stroke", "V", closed=True)
     fitted: int = count("actuators: one drives one axis, three drive two", low=1, high=3)
     heat_limit: float = number("that tip and holder bear", "W")
     key_angle: float = number("to which a hand sets the key of the height adjustment", "rad")
@@ -28,7 +28,7 @@ class Actuator:
 
 @dataclass(frozen=True)
 class Amplifier:
-    """What drives one piezo."""
+    """The amplifier of one piezo."""
 
     current: float = number("highest", "A")
     slew_rate: float = number("highest, without a load", "V/s")
@@ -58,7 +58,7 @@ class Bearing:
     dynamic_friction_high: float = number("most after running in", high=1)
     film_thickness: float = number("of the PTFE on the pads", "m")
     way_roughness: float = number("Ra of the lapped way as drawn", "m")
-    proposed_way_roughness: float = number("Ra that the smoothness asked for needs", "m")
+    proposed_way_roughness: float = number("Ra needed for the required smoothness", "m")
     way_straightness: float = number("of the lapped way over its length", "m")
     roughness_correlation: float = number("length over which the way's roughness is correlated", "m")
     way_waviness: float = number("amplitude of the lapped way's waves", "m", closed=True)
@@ -95,15 +95,15 @@ class Friction:
 
 @dataclass(frozen=True)
 class Preload:
-    """Force that holds the stage on its ways besides its weight."""
+    """Force that holds the stage on its ways in addition to its weight."""
 
     force: float = number("", "N", closed=True)
-    ratio: float = number("of the preload to the applied load that is asked for", closed=True)
+    ratio: float = number("required, of the preload to the applied load", closed=True)
 
 
 @dataclass(frozen=True)
 class Payload:
-    """What the stage carries."""
+    """The payload of the stage."""
 
     mass: float = number("", "kg", closed=True)
     height: float = mm("of its centre of mass above the payload face", zero=True)
@@ -165,14 +165,14 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Requirements:
-    """What the machine is asked to do: Tables 1 and 2."""
+    """Requirements on the machine: Tables 1 and 2."""
 
-    resolution: float = number("best asked for", "m")
-    resolution_coarse: float = number("least asked for", "m")
+    resolution: float = number("finest required", "m")
+    resolution_coarse: float = number("coarsest required", "m")
     travel: float = number("", "m")
     speed: float = number("", "m/s")
-    acceleration_low: float = number("least asked for", "m/s^2")
-    acceleration: float = number("most asked for", "m/s^2")
+    acceleration_low: float = number("smallest required", "m/s^2")
+    acceleration: float = number("largest required", "m/s^2")
     smoothness: float = number("normal to the motion", "m")
     straightness: float = number("of the motion over the travel", "m")
     repeatability: float = number("of the position along the travel", "m")
@@ -182,7 +182,7 @@ class Requirements:
 
 @dataclass(frozen=True)
 class Environment:
-    """Where the machine stands."""
+    """Surroundings of the machine."""
 
     temperature: float = number("", "degC", low=-273.15)
     temperature_change: float = number("that the machine must bear", "K", closed=True)
@@ -196,19 +196,19 @@ class Environment:
 class Material:
     """Properties at room temperature."""
 
-    description: str = text("as it is ordered")
+    description: str = text("in the order")
     density: float = number("", "kg/m^3")
     youngs_modulus: float = number("", "Pa")
     poisson_ratio: float = number("", low=-1.0, high=0.5)
     expansion: float = number("coefficient of thermal expansion", "1/K", low=-math.inf)
-    strength: float = number("yield or fracture stress, as its kind says", "Pa")
-    strength_kind: str = choice("what the strength means", "yield", "fracture")
+    strength: float = number("yield or fracture stress, by its kind", "Pa")
+    strength_kind: str = choice("meaning of the strength", "yield", "fracture")
     magnetic: bool = switch("whether a magnet attracts it")
 
 
 @dataclass(frozen=True)
 class Drawing:
-    """What every sheet says."""
+    """Title block entries of every sheet."""
 
     title: str = text("of the machine")
     tolerance_x: float = mm("of a dimension without decimals")

@@ -203,7 +203,7 @@ def build_parts(
         store: the cache.
         names: of the parts.
         design: the design; it must pickle where several processes share the work.
-        advance: called with each name as it is done.
+        advance: called with each name once it is finished.
         workers: number of processes; default: that of the processors.
     """
     found = {name: find_part(store, name, design) for name in names}

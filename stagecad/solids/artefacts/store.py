@@ -178,7 +178,7 @@ class ArtefactStore:
         atomic_write_text(self.folder / "reads" / root, "".join(f"{known!r}\n" for known in sets))
 
     def _discard(self, folder: Path) -> None:
-        # Renamed first, so that no other run sees an incomplete artefact.
+        # Renamed first, so that no other run reads an incomplete artefact.
         with suppress(OSError):
             removed = Path(tempfile.mkdtemp(prefix=".removed-", dir=self.folder / "entries"))
             folder.rename(removed / folder.name)

@@ -26,7 +26,7 @@ class Row:
         description: in words.
         part_number: of the catalogue or of the drawing; empty without either.
         quantity: in one machine.
-        material: as it is ordered.
+        material: designation for ordering.
         mass: of one, kg.
         purchased: whether it is bought.
     """

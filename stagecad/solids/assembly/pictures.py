@@ -31,7 +31,7 @@ def build_pictures(
     Args:
         store: the cache.
         machine: parts and assembly.
-        advance: called with each file name as it is done.
+        advance: called with each file name once it is finished.
 
     Returns:
         The artefact of each file; `stagecad.solids.artefacts.outputs.write_stored` copies them.

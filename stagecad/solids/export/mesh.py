@@ -1,4 +1,4 @@
-"""Triangles and outline edges of a solid: what STL, GLB and pictures are made from. Lengths in millimetres."""
+"""Triangles and outline edges of a solid: the input of STL, GLB and pictures. Lengths in millimetres."""
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
 # pyright: reportAttributeAccessIssue=false
@@ -92,7 +92,7 @@ def mesh_of(shape: cq.Shape, volume: float) -> Mesh:
 
 
 def _is_wire(shape: cq.Shape) -> bool:
-    """Whether all faces of a solid are toroidal or plane, as of a wire bent in arcs.
+    """Whether all faces of a solid are toroidal or plane, as of a wire of circular arcs.
 
     There the mesher uses half the given angle, along the wire and around it, and the chords of both directions reduce
     the volume by angle^2/12.

@@ -91,7 +91,7 @@ def _stroke(points, ends, width_px, slack, depth, ink):  # pragma: no cover - co
                 column, row = int(np.floor(x)), int(np.floor(y))
                 if column < 0 or row < 0 or column >= width or row >= height:
                     continue
-                # A line on a contour may fall beside its face: it is visible if visible at any neighbouring pixel.
+                # A line on a contour may fall outside its face: it is visible if visible at any neighbouring pixel.
                 visible = False
                 for r in range(max(0, row - 1), min(height, row + 2)):
                     for c in range(max(0, column - 1), min(width, column + 2)):

@@ -89,7 +89,7 @@ class DimensionDeclarations:
         self.add("depth", name, key, (mouth, end), along or towards(mouth, end), **fields)
 
     def diameter(self, name: str, key: str, at: Point, axis: Point = Z, on: Point | None = None, **fields: Any) -> None:
-        """Diameter of the round face about `axis` through `at`, a point on the axis beside that face.
+        """Diameter of the round face about `axis` through `at`, a point on the axis at the height of that face.
 
         `on`, a direction at right angles to the axis, gives the side of the face to touch, needed for coaxial faces.
         """

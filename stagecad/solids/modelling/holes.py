@@ -67,7 +67,7 @@ def turned(at: Point, axis: Point, outline: Sequence[tuple[float, float]]) -> cq
     import cadquery as cq
 
     plane = cq.Plane(origin=at, xDir=square_to(axis), normal=axis)
-    # In the plane (local x radial, local z along the axis) the outline stands in local x-z.
+    # In the plane (local x radial, local z along the axis) the outline is in local x-z.
     points = [plane.toWorldCoords((radius, 0.0, along)) for radius, along in outline]
     wire = cq.Wire.makePolygon(points, close=True)
     start = plane.origin

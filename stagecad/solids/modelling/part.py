@@ -9,28 +9,28 @@ module for several parts, as the screws), that has
 - ``datums(design) -> dict[str, Datum]``: named places others refer to (below).
 - ``dimensions(design) -> tuple[Dimension, ...]``: every dimension a maker needs (purchased parts have none).
 
-A part that is made has besides, where its function asks for them, ``requirements(design) -> tuple[FaceRequirement,
+A part that is manufactured also has, where its function needs them, ``requirements(design) -> tuple[FaceRequirement,
 ...]``: datum letters, geometrical tolerances and surface texture of its faces; and ``NOTES``, texts for its sheet.
 
-A purchased part has besides ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
-and may have ``mass(design)`` in kilograms where the catalogue knows it better than the simplified solid.
+A purchased part also has ``part_number(design)`` and ``description(design)`` as text for the bill of materials,
+and may have ``mass(design)`` in kilograms where the catalogue's value is closer than that of the simplified solid.
 
-**Coordinates.** Millimetres; x along the travel, y across it, z up, as the part stands in the assembly, with the part's
-own origin said in its docstring. A turned part that is used in more than one direction (screws, pins, spring) has its
+**Coordinates.** Millimetres; x along the travel, y across it, z up, as the part is oriented in the assembly; the part's
+origin is given in its docstring. A turned part that is used in more than one direction (screws, pins, spring) has its
 axis along z.
 
 **Reading the design.** `design` may be the `Design` itself or a `TrackedDesign`
 (`stagecad.parameters.tracking`) that records what is read. The cache key covers only the recorded parameters, so a
-part must read all its numbers from the `design` it is handed, as attributes (``design.stage.thickness``), and neither
+part must read all its numbers from its argument `design`, as attributes (``design.stage.thickness``), and neither
 from a module global nor by walking over all fields. Functions of other modules may be called with the same `design`.
 
-**Imports.** The cache follows a module's imports within `stagecad` to know its source. Prefer to leave ``import
-cadquery`` to the functions that make geometry: ``material``, ``datums``, ``dimensions`` then cost no second of loading.
+**Imports.** The cache follows a module's imports within `stagecad` to find its sources. Import ``cadquery``
+in the functions that make geometry: ``material``, ``datums``, ``dimensions`` then need no loading time.
 
 **Datums.** A datum is a right-handed frame: origin, unit normal, and a unit x direction at right angles to it.
 
 - On a face, the normal points out of the material; in a hole, pocket or bore, out of the opening towards the air.
-- On the end of something that goes into a hole or stands on a face (a screw's bearing face under the head, a pin's end,
+- On the end of a part that goes into a hole or rests on a face (a screw's bearing face under the head, a pin's end,
   a piezo's foot, a way's underside), it points out of the material as well.
 - So a mate is always the same: origins together, normals opposed, x directions parallel.
 

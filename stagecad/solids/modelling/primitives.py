@@ -1,4 +1,4 @@
-"""Blanks and pockets milled from plate: rounded rectangles, edges picked by where they lie. Lengths in millimetres."""
+"""Blanks and pockets milled from plate: rounded rectangles, edges selected by position. Lengths in millimetres."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def upright_edges(shape: cq.Shape) -> list[cq.Edge]:
 
 
 def edges_where(shape: cq.Shape, keep: Callable[[cq.Vector], bool]) -> list[cq.Edge]:
-    """The edges whose mid-point satisfies `keep`: how a machinist names an edge, by where it lies."""
+    """The edges whose mid-point satisfies `keep`: selection by position."""
     return [e for e in shape.Edges() if keep(e.positionAt(0.5))]
 
 

@@ -48,7 +48,7 @@ class Surface:
         return math.dist(to, (along * self.axis[0], along * self.axis[1], along * self.axis[2]))
 
     def holds(self, point: Point) -> bool:
-        """Whether the point lies on the face."""
+        """Whether the point is on the face."""
         import cadquery as cq
 
         inside = all(a - NEAR <= p <= b + NEAR for a, p, b in zip(self.low, point, self.high, strict=True))

@@ -1,7 +1,7 @@
 """The base: an Invar block that houses the actuators, carries the bearing ways, and takes every adjustment.
 
 Part coordinates: origin on the top face at actuator 1, x along the travel, y across it, z up: the assembly frame. The
-block is symmetric about y = 0, as thermal stability asks.
+block is symmetric about y = 0, for thermal stability.
 
 Features and what each is for
 - Block: flat lapped top, on which the ways are bedded; chamfered edges.
@@ -9,7 +9,7 @@ Features and what each is for
 - Setting-pin holes: reamed holes along the inner edge of each way, for pins against which a way is pushed while its
   screws are tightened; the pins come out afterwards.
 - Pockets: three bores for the piezo holders, on an equilateral triangle; only pocket 1 is fitted for one axis. The
-  floor is clear of the holder, which stands on height pin 2 alone.
+  floor is clear of the holder, which rests on height pin 2 alone.
 - Pin bores: a vertical guide for height pin 2 in each pocket's floor and, crossing it below, a horizontal bore for
   height pin 1, stepped down from the side face: access for the wrench, thread of the set screw, guide of the pin, flat
   end on which the spring rests. All from one face in one set-up; pin and spring pass through the thread. A vent from
@@ -160,7 +160,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
-    """Bed of the ways, as flat as they are to stay once bolted on; pockets upright on it."""
+    """Bed of the ways, with the flatness required of them once bolted on; pockets upright on it."""
     f, base = FaceRequirements(design), design.base
     top = ((0.0, base.width / 2 - 3, 0.0),)
     middle = ((0.0, 0.0, -base.pocket_depth / 2),)

@@ -1,9 +1,9 @@
-"""The clamps of the base: a finger cut out beside each actuator pocket, which one long screw draws round the holder.
+"""The clamps of the base: a finger cut out next to each actuator pocket, which one long screw pulls round the holder.
 
 Seen from above, with u along the screw towards its head and v at right angles, both from the pocket's axis:
 
 - a gap slot crosses the screw's line at u = slot place, from the pocket outwards;
-- a relief slot goes on from its outer end, past the lug that holds the screw's thread, and back to
+- a relief slot continues from its outer end, past the lug that holds the screw's thread, and back to
 - a relief hole, which leaves a neck between itself and the pocket: the flexure on which the finger turns;
 - below the pocket's floor an arc slot along the pocket's wall parts the finger from the floor.
 
@@ -141,7 +141,7 @@ def _screw_hole(design: Any, clamp: Clamp) -> cq.Solid:
 def clamp_datums(design: Any) -> list[Datum]:
     """Seats of the clamp screws' heads: long ones at pocket 1, short ones at 2 and 3.
 
-    A pocket without an actuator keeps its screw as well: a free finger would sing.
+    A pocket without an actuator keeps its screw too: a free finger would vibrate.
     """
     base, found = design.base, []
     counts = {"clamp_screw_long": 0, "clamp_screw_short": 0}

@@ -50,7 +50,7 @@ def build(design: Any) -> cq.Solid:
             (0.0, half),
         ],
     )
-    # What stands above the sloping face goes, spigot included: the cutter runs out over it.
+    # All material above the sloping face is removed, spigot included: the cutter runs out over it.
     ends = (-half - pin.spigot_length - OVERRUN, half + OVERRUN)
     low, high = (pin.flat_height + pin.slope * z for z in ends)
     over = cq.Wire.makePolygon(
@@ -110,7 +110,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 
 
 def requirements(design: Any) -> tuple[FaceRequirement, ...]:
-    """A wedge face that height pin 2 stands on in full, and a shank that guides it."""
+    """A wedge face that supports height pin 2 in full, and a shank that guides it."""
     f, wedge, back = FaceRequirements(design), datums(design)["wedge"], (0.0, 0.0, -design.height_pin_1.length / 4)
     f.tolerance("cylindricity", "shank", "drawing.tolerance_x_xx", (back,), Z, "front", round=True)
     f.tolerance("flatness", "wedge face", "drawing.tolerance_x_xx", (wedge.origin,), wedge.normal, "front")

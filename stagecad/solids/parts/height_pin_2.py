@@ -1,4 +1,4 @@
-"""Height pin 2: stands on the wedge of height pin 1 and carries the piezo holder.
+"""Height pin 2: rests on the wedge of height pin 1 and carries the piezo holder.
 
 Part coordinates: axis along z, origin where the axis meets the sloping lower end, x towards the set screw, z up.
 
@@ -6,7 +6,7 @@ Features and what each is for
 - Shank: turned, a sliding fit in the base's vertical bore.
 - Lower end: cut to the wedge's slope, so that the two meet in a face, stiff and without turning.
 - Crown: the upper end is a piece of a large sphere; the holder, guided by its pocket, is pushed up at one point and not
-  tilted by a pin that leans in its bore.
+  tilted by a pin that tilts in its bore.
 - Chamfer: leads the crowned end in, and leaves no edge to raise a burr under the holder.
 """
 

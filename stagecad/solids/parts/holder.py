@@ -1,4 +1,4 @@
-"""The piezo holder: an Invar cylinder that stands three piezos upright and takes the drive's side load off them.
+"""The piezo holder: an Invar cylinder that holds three piezos upright and takes the drive's side load off them.
 
 Part coordinates: origin on the axis in the bottom face, x along the travel, y across it, z up. Bores 1, 2 and 3 lie as
 the piezos under the tip: 1 and 2 at x = -D/2 and +D/2, 3 at +y.
@@ -6,7 +6,7 @@ the piezos under the tip: 1 and 2 at x = -D/2 and +D/2, 3 at +y.
 Features and what each is for
 - Body: a close sliding fit in the base's pocket, in which it is raised by height pin 2 and then clamped; chamfers top
   and bottom lead it in.
-- Bores: guide each piezo over most of its length, since the drive loads them sideways, and end in a floor it stands on.
+- Bores: guide each piezo over most of its length, since the drive loads them sideways, and end in a supporting floor.
 - Ejector holes: through each floor, to push a defective piezo out from below, and to let the air out of a close bore.
 - Clamp holes: tapped from the side into each bore near the floor, for a soft-tipped set screw that holds the piezo's
   foot and leaves its stroke free. (Screws are set before the holder goes into the pocket.)
@@ -106,7 +106,7 @@ def material(design: Any) -> str:
 
 
 def datums(design: Any) -> dict[str, Datum]:
-    """Bottom, top, and the floors the piezos stand on."""
+    """Bottom, top, and the floors under the piezos."""
     h = design.holder
     floors = [Datum(f"piezo_{i}", (x, y, h.floor), Z) for i, (x, y) in enumerate(Derived(design).piezo_places, start=1)]
     return named(

@@ -8,7 +8,7 @@ Features and what each is for
 - Plate: as light as stiffness at the payload allows; all suspension hardware that can be is on the base. Rounded
   upright corners and chamfered edges for handling.
 - Islands: pads of 2 : 1 proud of the underside, crowned so that they ride on their middle whatever the way's and the
-  plate's errors, carrying the PTFE film. Three of them fix height, pitch and roll and no more (a fourth is for
+  plate's errors, carrying the PTFE film. Three of them determine height, pitch and roll (a fourth is for
   gravity preload). A fillet at the root is what the bull-nosed cutter leaves.
 - Drive surface: strip of the underside along the travel, lapped and coated with friction material, on which the tip
   acts. Two shallow grooves bound it: lapping and the mask of the coating end there. (For two axes the whole underside

@@ -5,7 +5,7 @@ apex is at z = tip height h; piezos 1 and 2 are at x = -D/2 and +D/2, piezo 3 on
 bolt circle R = D / sqrt(3) around the apex's axis, so that equal strokes lift the apex straight up.
 
 Features and what each is for
-- Feet: round bosses over the piezos. Each has a shallow spot-faced seat, flat, on which the piezo's domed end stands
+- Feet: round bosses over the piezos. Each has a shallow spot-faced seat, flat, on which the piezo's domed end rests
   (a dome on a flat leaves the stack no bending), in a recess that centres the dome and holds the adhesive.
 - Arms: the shortest way from the feet to the hub; thin, since the tip's mass sets the actuator's first resonance.
 - Hub and cone: the cone on the hub's disc carries the drive force from the nose to the arms; fillets at the roots,
@@ -112,7 +112,7 @@ def _arm_dimensions(d: DimensionDeclarations, design: Any) -> None:
     front.linear("tip height", "actuator.tip_height", (x1, y1, 0), (0, 0, apex), Z)
     front.linear("arm thickness", "arm_thickness", (0, hub + 3, low), (0, hub + 3, low + tip.arm_thickness))
 
-    # Upright fillets beside arm 3: tangent to its side and, outside, to hub and foot.
+    # Upright fillets at arm 3: tangent to its side and, outside, to hub and foot.
     def fillet_centre(radius: float) -> tuple[float, float]:
         x = half + tip.root_fillet
         return x, math.sqrt((radius + tip.root_fillet) ** 2 - x**2)
@@ -148,7 +148,7 @@ def _on_cone_fillet(design: Any, top: float, shoulder: float) -> tuple[float, fl
     foot, rim, radius = tip.cone_diameter / 2, tip.nose_diameter / 2, tip.cone_fillet
     size = math.hypot(rim - foot, shoulder - top)
     outward = ((shoulder - top) / size, (foot - rim) / size)
-    # The fillet's centre stands one radius off both the face and the cone's line.
+    # The fillet's centre is one radius off both the face and the cone's line.
     centre = foot + radius * (1 - outward[1]) / outward[0]
     way = (-outward[0], -outward[1] - 1.0)
     r = centre + radius * way[0] / math.hypot(*way)

@@ -9,7 +9,7 @@ Features and what each is for
 - Teeth: two groups, one under each iron, with ridges along the travel at the irons' pitch; none under the magnet,
   where they would only leak.
 - Channel under the magnet: as wide as it, deeper than the grooves: keeps the fields of the two poles apart.
-- Feet: wide at both ends, beyond the pockets; the underside between them is relieved, so that the bar stands on its
+- Feet: wide at both ends, beyond the pockets; the underside between them is relieved, so that the bar rests on its
   feet alone and no clamp finger of the base is held down by it. Low, to keep the screw heads below the tooth crests.
 - Screw holes: two through holes in each foot.
 """

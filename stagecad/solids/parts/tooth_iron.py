@@ -102,7 +102,7 @@ def dimensions(design: Any) -> tuple[Dimension, ...]:
 def declare_teeth(
     d: DimensionDeclarations, design: Any, centres: list[float], crest: float, *, into: float, groups: int
 ) -> None:
-    """Dimensions of the teeth, alike on iron and bar: crests at z = `crest`, the iron on the side `into`, +1 or -1."""
+    """Dimensions of the teeth, equal on iron and bar: crests at z = `crest`, the iron on the side `into`, +1 or -1."""
     y, teeth = centres[0], design.teeth
     half, pitch, depth = teeth.width / 2, teeth.pitch, into * teeth.groove_depth
     flank, groove, body = crest + depth / 2, crest + depth, crest + 2 * depth

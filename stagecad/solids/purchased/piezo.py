@@ -1,4 +1,4 @@
-"""Piezo stack that stands in the holder and lifts one arm of the tip.
+"""Piezo stack in the holder, which lifts one arm of the tip.
 
 Part coordinates: origin at the middle of its flat foot, axis along +z, apex of its rounded end at z = length. The end
 is a piece of a sphere, so that the tip's seat meets it in one place and does not bend the stack.

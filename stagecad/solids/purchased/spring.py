@@ -1,4 +1,4 @@
-"""Compression spring that holds height pin 1 against its set screw, as it is installed.
+"""Compression spring that holds height pin 1 against its set screw, at installed length.
 
 Part coordinates: axis along z, one end at z = 0, the other at the installed length.
 """
@@ -23,7 +23,7 @@ def build(design: Any, compression: float = 0.0) -> cq.Solid:
     """Half turns of a torus that join without a kink; the first and last lie flat, as closed ends do.
 
     Each half turn is a semicircle in a plane through the y direction, so that at its ends, which lie over the x axis,
-    the wire of one and of the next run along y alike. Torus faces keep the solid small, and its volume has a closed
+    the wire of one and of the next run parallel to y. Torus faces keep the solid small, and its volume has a closed
     form: wire section times the length of the semicircles.
 
     Args:
