@@ -16,7 +16,7 @@ from stagecad.parameters.design import Design
 
 
 def checks(design: Design) -> list[CheckFunction]:
-    """Drift of the tip, the way on the base, magnetism, vibration; with the base's other material beside each."""
+    """Drift of the tip, the way on the base, magnetism, vibration; each also for the base's other material."""
     return [
         tip_drift,
         way_growth,
@@ -29,7 +29,7 @@ def checks(design: Design) -> list[CheckFunction]:
     ]
 
 
-def _beside(r: DesignInputs) -> tuple[str, str]:
+def _alternative_base(r: DesignInputs) -> tuple[str, str]:
     """Of Invar 36 and SUS416, the one that the base is not made of: key and name."""
     return ("invar_36", "Invar 36") if r.design.value("base.material") == "sus416" else ("sus416", "SUS416")
 
@@ -48,12 +48,12 @@ def tip_drift(r: DesignInputs) -> Check:
         (-r("piezo.length"), r.material("piezo", "expansion")),
     ]
     below = r("piezo.length") - piezo_plane
-    key, other = _beside(r)
+    key, other = _alternative_base(r)
 
     def drift(expansion: float) -> float:
         return abs(loop_drift([m[0] for m in members] + [below], [m[1] for m in members] + [expansion]))
 
-    here, beside = drift(r.material("base", "expansion")), drift(r(f"materials.{key}.expansion"))
+    here, other_base = drift(r.material("base", "expansion")), drift(r(f"materials.{key}.expansion"))
     rise = float(stroke_ellipse(r).normal)
     change = r("environment.temperature_change")
     return Check(
@@ -62,18 +62,18 @@ def tip_drift(r: DesignInputs) -> Check:
         source="growth of the loop way - pad - stage - tip - piezo - holder - base",
         formula="|sum(alpha_i L_i)| dT <= Y/10",
         substituted=f"{show(here, 'm')} per kelvin x {change:.3g} K; rise of the ellipse {show(rise, 'm')}",
-        proposal="a tip and pads that grow alike, or a bias of the piezos that follows the temperature",
+        proposal="a tip and pads of equal thermal growth, or a bias of the piezos that follows the temperature",
         requirement="Table 2: low thermal expansion",
-        note=f"with a base and holder of {other}: {show(beside, 'm')} per kelvin",
+        note=f"with a base and holder of {other}: {show(other_base, 'm')} per kelvin",
     )
 
 
 def way_growth(r: DesignInputs) -> Check:
     length, change = r("bearing_way.length"), r("environment.temperature_change")
     ceramic = r.material("bearing_way", "expansion")
-    key, other = _beside(r)
+    key, other = _alternative_base(r)
     growth = float(differential_growth(length, ceramic, r.material("base", "expansion"))) * change
-    beside = float(differential_growth(length, ceramic, r(f"materials.{key}.expansion"))) * change
+    other_base = float(differential_growth(length, ceramic, r(f"materials.{key}.expansion"))) * change
     return Check(
         "slip between way and base",
         at_most(growth, 1e-6, "m"),
@@ -83,7 +83,7 @@ def way_growth(r: DesignInputs) -> Check:
         proposal=f"hold the temperature to {ratio(change * 1e-6, growth):.2g} K, or pin the way at its middle and let "
         "it slide",
         requirement="Table 2: low thermal expansion",
-        note=f"on a base of {other}: {show(beside, 'm')}",
+        note=f"on a base of {other}: {show(other_base, 'm')}",
     )
 
 
@@ -110,22 +110,22 @@ def magnetism(r: DesignInputs) -> Check:
         f"{name} attracted by a magnet", float(r.design.materials[name].magnetic), "", "materials table: 1 is yes"
     )
     gap, clear = r("teeth.gap"), r("tooth_bar.height") - r("teeth.groove_depth")
-    _, other = _beside(r)
+    _, other = _alternative_base(r)
     return Check(
         "flux of the teeth leaking into the base",
         at_most(attracted * gap / clear, 0.25, ""),
-        source="the iron below the teeth carries the flux in a section thick beside the gap",
+        source="the iron below the teeth carries the flux in a section thick compared with the gap",
         formula="gap/(bar height - groove) <= 1/4 where the base is ferromagnetic",
         substituted=f"{show(gap, 'm')}/{show(clear, 'm')}",
         proposal="higher bars, or a non-magnetic liner under them",
-        note=f"ferromagnetic as well: {other}; neither material of the base frees it of the magnets",
+        note=f"{other} is ferromagnetic too: both materials of the base are attracted by the magnets",
     )
 
 
 def bow(r: DesignInputs) -> Check:
-    """Way and base as one bimetal: what a joint that never slips would do. The screws let it slip, and bow it less."""
+    """Way and base as one bimetal: for a joint that never slips. With screws it slips, and the bow is smaller."""
     way, change = rail(r), r("environment.temperature_change")
-    key, other = _beside(r)
+    key, other = _alternative_base(r)
 
     def sagitta(modulus: float, expansion: float) -> float:
         ceramic, below = r.material("bearing_way", "expansion"), r("base.height")
@@ -133,7 +133,7 @@ def bow(r: DesignInputs) -> Check:
         return change * float(bow)
 
     here = sagitta(way.bed_modulus, r.material("base", "expansion"))
-    beside = sagitta(r(f"materials.{key}.youngs_modulus"), r(f"materials.{key}.expansion"))
+    other_base = sagitta(r(f"materials.{key}.youngs_modulus"), r(f"materials.{key}.expansion"))
     limit = r("requirements.straightness")
     return Check(
         "bow of the way on its base by heat",
@@ -144,7 +144,7 @@ def bow(r: DesignInputs) -> Check:
         proposal=f"hold the temperature to {ratio(change * limit, here):.2g} K, or a base of silicon carbide or "
         "alumina",
         requirement="Table 2: low thermal expansion",
-        note=f"on a base of {other}: {show(beside, 'm')}",
+        note=f"on a base of {other}: {show(other_base, 'm')}",
     )
 
 
@@ -162,7 +162,7 @@ def symmetry(r: DesignInputs) -> Check:
         substituted=f"y = {show(off, 'm')}: {show(off * alpha * change, 'm')}",
         proposal="the actuator on the base's middle plane",
         thesis="'designed as asymmetrically as possible for thermal stability' must be symmetrically: with the "
-        f"actuator beside a way, {show(half, 'm')} off, the tip would wander {show(half * alpha * change, 'm')}",
+        f"actuator next to a way, {show(half, 'm')} off, the tip would wander {show(half * alpha * change, 'm')}",
         requirement="Table 2: low thermal expansion",
     )
 

@@ -247,8 +247,10 @@ class _Run:
         if tip:
             cost += SHARED_TIP * sum(math.dist(tip, other) < TIP_DISTANCE for other in occupancy.leader_tips)
         cost += PART_CROSSING * sum(occupancy.part_lines.count_crossing(line) for line in footprint.lines)
-        beside = sum(occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines)
-        return cost + ON_PART_LINE * beside, conflicts
+        parallel_lines = sum(
+            occupancy.part_lines.count_parallel(line, ON_PART_DISTANCE) for line in footprint.dimension_lines
+        )
+        return cost + ON_PART_LINE * parallel_lines, conflicts
 
     def _add(self, annotation: Annotation) -> None:
         self.occupancy.add(annotation, self.view)

@@ -58,7 +58,7 @@ def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tu
     """Views with their annotations.
 
     Args:
-        views: with curves and scale; `View.beside` names the view with which one is aligned, the first is the main one.
+        views: with curves and scale; `View.aligned_with` names the view to align it with, the first is the main one.
         specs: of all views (`drawings.dimensions.dimensioning.sheet_dimensions`).
     """
     return tuple(
@@ -70,7 +70,7 @@ def annotated_views(views: Sequence[View], specs: Sequence[DimensionSpec]) -> tu
 def detached(every: Sequence[AnnotatedView], name: str) -> tuple[AnnotatedView, ...]:
     """The views, the named one no longer aligned with another, and therefore labelled."""
     return tuple(
-        place_annotations(replace(one.view, beside="", label=name.upper()), one.specs, one.marks)
+        place_annotations(replace(one.view, aligned_with="", label=name.upper()), one.specs, one.marks)
         if one.view.name == name
         else one
         for one in every
@@ -125,7 +125,7 @@ def _section_mark(parent: View, section: View) -> SectionMark:
 def _parent(view: View, views: Sequence[View]) -> View | None:
     """The view that shows where a section or a detail is taken."""
     whole = [other for other in views if other.name != view.name and not other.clip and other.projection.name != "iso"]
-    first = [other for other in whole if other.name == view.beside]
+    first = [other for other in whole if other.name == view.aligned_with]
     for other in (*first, *whole):
         if view.clip and other.projection == view.projection:
             return other
@@ -140,11 +140,11 @@ def _aligned(every: Sequence[AnnotatedView]) -> dict[str, Point2]:
     boxes = {every[0].view.name: every[0].box}
     waiting = list(every[1:])
     while True:
-        one = next((one for one in waiting if one.view.beside in places), None)
+        one = next((one for one in waiting if one.view.aligned_with in places), None)
         if one is None:
             return places
         waiting.remove(one)
-        parent = next(other for other in every if other.view.name == one.view.beside)
+        parent = next(other for other in every if other.view.name == one.view.aligned_with)
         side = _side(one.view, parent.view)
         x, y = places[parent.view.name]
         step = 0.0

@@ -123,8 +123,8 @@ def _placed(views: Sequence[View], rows: int, notes: int) -> list[View]:
         box = view_box(half) or (0.0, 0.0, 0.0, 0.0)
         views, boxes = [*views[:3], half], [*boxes[:3], box]
     areas = (middle, (list_left, list_top, x1, y1))
-    beside = zip(views[2:], boxes[2:], areas, strict=False)
-    return [*apart, *(replace(view, place=_centred(box, area)) for view, box, area in beside)]
+    placed = zip(views[2:], boxes[2:], areas, strict=False)
+    return [*apart, *(replace(view, place=_centred(box, area)) for view, box, area in placed)]
 
 
 def _stacked(upper: Box2, lower: Box2, area: Box2) -> tuple[Point2, Point2] | None:

@@ -71,7 +71,9 @@ def part_views(shape: TopoDS_Shape, plans: Sequence[SheetPlan], *, exact: bool =
             label = plan.letter
         if label and scale != sheet_scale:
             label = f"{label} ({scale_text(scale)})"
-        return View(plan.name, projection, curves, scale, label=label, clip=clip, cut=plan.cut, beside=plan.beside)
+        return View(
+            plan.name, projection, curves, scale, label=label, clip=clip, cut=plan.cut, aligned_with=plan.aligned_with
+        )
 
     return tuple(tuple(view(plan, sheet.scale) for plan in sheet.views) for sheet in plans)
 
@@ -143,7 +145,7 @@ def _arranged(
 ) -> tuple[Paper, Arrangement, Note]:
     """Views, annotations and notes on the smallest paper on which they fit."""
     every = annotated_views(views, specs)
-    loose = [view.name for view in plan.views if view.name in DETACHABLE and view.beside]
+    loose = [view.name for view in plan.views if view.name in DETACHABLE and view.aligned_with]
     variants = {"": every}
     sizes = list(PAPERS)
     for paper in (*plan.papers, *sizes[sizes.index(plan.papers[-1]) + 1 :]):

@@ -26,7 +26,7 @@ class ViewPlan:
     Args:
         name: as in `drawings.views.view.View`.
         projection: key of `drawings.views.view.PROJECTIONS`.
-        beside: name of the view with which it is aligned.
+        aligned_with: name of the view with which it is aligned.
         hidden: whether it shows hidden lines.
         cut: plane of a section.
         detail: centre, part coordinates, and radius of a detail, mm.
@@ -37,7 +37,7 @@ class ViewPlan:
 
     name: str
     projection: str
-    beside: str = ""
+    aligned_with: str = ""
     hidden: bool = False
     cut: Cut | None = None
     detail: tuple[Point, float] | None = None
@@ -96,10 +96,10 @@ _BOTTOM = ViewPlan("bottom", "bottom", "front")
 _ISO = ViewPlan("iso", "iso")
 
 
-def _section(letter: str, projection: str, at: Point, beside: str, scale: float | None = None) -> ViewPlan:
+def _section(letter: str, projection: str, at: Point, aligned_with: str, scale: float | None = None) -> ViewPlan:
     normals = {"front": (0.0, -1.0, 0.0), "right": (1.0, 0.0, 0.0), "top": (0.0, 0.0, 1.0), "left": (-1.0, 0.0, 0.0)}
     return ViewPlan(
-        f"section {letter}-{letter}", projection, beside, cut=Cut(at, normals[projection], letter), scale=scale
+        f"section {letter}-{letter}", projection, aligned_with, cut=Cut(at, normals[projection], letter), scale=scale
     )
 
 

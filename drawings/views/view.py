@@ -136,7 +136,7 @@ class View:
         label_at: middle of the base line of the label, paper; default just below the view.
         clip: centre and radius of the circle of a detail, view coordinates.
         cut: plane of a section; None for a view from outside.
-        beside: name of the view with which it is aligned; empty for none.
+        aligned_with: name of the view with which it is aligned; empty for none.
     """
 
     name: str
@@ -148,7 +148,7 @@ class View:
     label_at: Point2 | None = None
     clip: tuple[Point2, float] | None = None
     cut: Cut | None = None
-    beside: str = ""
+    aligned_with: str = ""
 
     def to_paper(self, point: Point2) -> Point2:
         """Paper coordinates of a point of the view."""

@@ -85,8 +85,8 @@ def _resolved(model: Model, pull: drive.Drive, time: np.ndarray, options: Any) -
         coarse = [k for k in at if run.time[k + 1] - run.time[k] > 1e-3 * time[1]]
         for values in (run.velocity, run.friction, run.drive):
             k = int(np.argmax(np.where(run.time <= SHOWN, values, -np.inf)))
-            beside = values[[max(k - 1, 0), min(k + 1, values.size - 1)]]
-            if np.abs(values[k] - beside).max() > 1e-5 * abs(values[k]):
+            neighbours = values[[max(k - 1, 0), min(k + 1, values.size - 1)]]
+            if np.abs(values[k] - neighbours).max() > 1e-5 * abs(values[k]):
                 coarse.append(k)
         if not coarse:
             break

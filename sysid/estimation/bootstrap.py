@@ -175,7 +175,7 @@ class Bootstrap:
     keys: tuple[str, ...]
     best: np.ndarray
     values: np.ndarray
-    asked: int
+    requested: int
 
     @property
     def std(self) -> np.ndarray:

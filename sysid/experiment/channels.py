@@ -151,9 +151,9 @@ def choose_columns(
         place = f"{file}: column '{column.label.strip()}'"
         # A load on a rotary axis may be logged as a force or torque: its unit does not show the kind of axis.
         torque = "N*m" if channel == "normal_load" else declared.rotary_unit
-        si_unit, tells = unit_for(unit, declared.unit, torque, place)
-        if tells is not None and declared.shows_axis:
-            rotary[channel] = tells
+        si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
+        if is_rotary is not None and declared.shows_axis:
+            rotary[channel] = is_rotary
         factor, offset = conversion(unit, si_unit)
         sources[channel] = Source(channel, column, unit, si_unit, factor, offset)
     return sources, rotary, notes

@@ -264,11 +264,11 @@ def with_effect(
             values = {k: v for k, v in values.items() if not k.startswith(f"{old.name}.")}
             if "force" in carried:
                 start = {f"{effect.name}.force": carried["force"], **(start or {})}
-        beside = next((e for e in effects if e.friction_state is not None), None)
-        if in_contact(effect) and beside is not None and f"{effect.name}.force" not in (start or {}):
+        core = next((e for e in effects if e.friction_state is not None), None)
+        if in_contact(effect) and core is not None and f"{effect.name}.force" not in (start or {}):
             # A contact with a lower limit than the pads moves nothing, one with a far higher limit never slips: either
             # way the limit is not identifiable.
-            start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{beside.name}.force"], **(start or {})}
+            start = {f"{effect.name}.force": CONTACT_OVER_PADS * values[f"{core.name}.force"], **(start or {})}
         effects.insert(0, effect)
     else:
         drifts = [k for k, e in enumerate(effects) if public_name(e.name) == "sensor_drift"]

@@ -99,9 +99,9 @@ def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, fl
     sliding = now.tip_velocity - state.v
     spring, slip_side, below, pad_side = state.spring, state.slip_side, state.below, state.pad_side
     elastic = spring + constants.damping * sliding
-    force, beside = 0.0, 0.0
+    force, velocity_part = 0.0, 0.0
     if state.touching:
-        beside = velocity_force(constants.contact, sliding)
+        velocity_part = velocity_force(constants.contact, sliding)
         force = elastic
         if slip_side != 0.0:
             limit = contact_limit_at(constants, now, slip_side, sliding)
@@ -119,7 +119,7 @@ def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, fl
             limit = contact_limit_at(constants, now, side, sliding)
             if abs(force) > limit:
                 force, slip_side, below = side * limit, side, True
-    pull = force + beside + now.push
+    pull = force + velocity_part + now.push
     side = 1.0 if pull > 0.0 else -1.0
     if pad_side == 0.0 and abs(pull) > pad_limit_at(constants, now, side, 0.0):
         pad_side = side
@@ -135,8 +135,8 @@ def _limit_rise(constants: Constants, now: Inputs, state: State, v: float, force
     acceleration = 0.0
     if state.pad_side != 0.0:
         friction = velocity_force(constants.pads, v) + state.pad_side * pad_limit_at(constants, now, state.pad_side, v)
-        beside = velocity_force(constants.contact, sliding)
-        acceleration = -(force + beside + now.push - friction) / constants.mass
+        velocity_part = velocity_force(constants.contact, sliding)
+        acceleration = -(force + velocity_part + now.push - friction) / constants.mass
     soon = constants.soon
     later = sliding + acceleration * soon
     limit = contact_limit_at(constants, now, state.slip_side, sliding)
@@ -152,9 +152,9 @@ def _overshoot(
     natural = np.sqrt(k / constants.mass)
     past, kind = -1.0, 0
     sliding = now.tip_velocity - v
-    force, beside = 0.0, 0.0
+    force, velocity_part = 0.0, 0.0
     if state.touching:
-        beside = velocity_force(constants.contact, sliding)
+        velocity_part = velocity_force(constants.contact, sliding)
         elastic = spring + constants.damping * sliding
         if state.slip_side != 0.0:
             limit = contact_limit_at(constants, now, state.slip_side, sliding)
@@ -182,7 +182,7 @@ def _overshoot(
             over = (abs(force) - contact_limit_at(constants, now, side, sliding)) / k
             if over > past:
                 past, kind = over, CONTACT_SLIPS
-    pull = force + beside + now.push
+    pull = force + velocity_part + now.push
     if state.pad_side == 0.0:
         side = 1.0 if pull > 0.0 else -1.0
         over = (abs(pull) - pad_limit_at(constants, now, side, 0.0)) / k
@@ -243,8 +243,8 @@ def _switched(constants: Constants, now: Inputs, state: State, event: Event) -> 
     if event.kind == PADS_SWITCH:
         elastic = event.spring + constants.damping * now.tip_velocity
         held = event.force if slip_side != 0.0 or not state.touching or pad_side == 0.0 else elastic
-        beside = velocity_force(constants.contact, now.tip_velocity) if state.touching else 0.0
-        pull = held + now.push + beside
+        velocity_part = velocity_force(constants.contact, now.tip_velocity) if state.touching else 0.0
+        pull = held + now.push + velocity_part
         side = 1.0 if pull > 0.0 else -1.0
         sticks = pad_side != 0.0 and abs(pull) <= pad_limit_at(constants, now, side, 0.0)
         v = v if pad_side == 0.0 else 0.0

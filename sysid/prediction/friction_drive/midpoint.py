@@ -107,11 +107,11 @@ def _scaled(contact: Contact, bristles: Bristles, stiffness: float, limit: float
 
 
 @inlined
-def _pad_force(pads: Bristles, bent: np.ndarray, limit: float, d: float) -> tuple[float, float, float, float]:
+def _pad_force(pads: Bristles, stretch: np.ndarray, limit: float, d: float) -> tuple[float, float, float, float]:
     """Mean force of the pads' bristles over a displacement d, N, its slope, and the range of d of the same regime."""
     force, slope, since, until = 0.0, 0.0, -1e300, 1e300
-    for e in range(bent.size):
-        back, ahead = -2.0 * (pads.stretches[e] + bent[e]), 2.0 * (pads.stretches[e] - bent[e])
+    for e in range(stretch.size):
+        back, ahead = -2.0 * (pads.stretches[e] + stretch[e]), 2.0 * (pads.stretches[e] - stretch[e])
         if d > ahead:
             force += limit * pads.weights[e]
             since = max(since, ahead)
@@ -120,7 +120,7 @@ def _pad_force(pads: Bristles, bent: np.ndarray, limit: float, d: float) -> tupl
             until = min(until, back)
         else:
             rate = limit * (pads.weights[e] / pads.stretches[e])
-            force += rate * (bent[e] + 0.5 * d)
+            force += rate * (stretch[e] + 0.5 * d)
             slope += 0.5 * rate
             since, until = max(since, back), min(until, ahead)
     return force, slope, since, until
@@ -158,17 +158,17 @@ def _same_slip(contact: Contact, step: Step, d: float) -> bool:
 
 
 @inlined
-def _displacement(step: Step, contact: Contact, pads: Bristles, bent: np.ndarray) -> tuple[float, float]:
+def _displacement(step: Step, contact: Contact, pads: Bristles, stretch: np.ndarray) -> tuple[float, float]:
     """Displacement, m, in a step, and the direction in which the stage slides on rigid pads, 0 where they hold it."""
     inertia = 2.0 * step.mass / (step.length * step.length)
     free = step.length * step.velocity
     # First the displacement that stops the stage: rigid pads may hold it there, or else resist with their limit.
-    stopping = bent.size == 0
+    stopping = stretch.size == 0
     d = 0.5 * free if stopping else free
     rigid, side = 0.0, 0.0
     low, high = -1e300, 1e300
     for _ in range(60):
-        pad, pad_slope, since, until = _pad_force(pads, bent, step.pad_limit, d)
+        pad, pad_slope, since, until = _pad_force(pads, stretch, step.pad_limit, d)
         driven, contact_slope = _contact_force(contact, step, d)
         force = inertia * (d - free) - step.push + rigid + pad - driven
         slope = inertia + pad_slope + contact_slope
@@ -202,7 +202,7 @@ def _simulate(
     """Positions (n,) of `simulate_midpoint` in so many `substeps` of each row."""
     out, count = np.zeros(tip.size), max(1, contact.weights.size)
     springs = Contact(np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count))
-    bent = np.zeros(pads.weights.size)  # stretch of each pad bristle, m
+    stretch = np.zeros(pads.weights.size)  # stretch of each pad bristle, m
     x, v, side = 0.0, 0.0, 0.0
     for i in range(1, out.size):
         # Limits are linear from row to row; where one is infinite, or the tip off, the new row's holds at once.
@@ -217,13 +217,13 @@ def _simulate(
             pushed = push[i - 1] + part * (push[i] - push[i - 1])
             step = Step(h, (tip[i] - tip[i - 1]) / parts, v, stage.mass, pushed, pad_limit, stage.damping / count / h)
             _scaled(springs, contact, stage.stiffness, limit)
-            d, after = _displacement(step, springs, pads, bent)
+            d, after = _displacement(step, springs, pads, stretch)
             if after != side and coarse:
                 done, parts, coarse = done * REFINEMENT, parts * REFINEMENT, False
                 continue
             side = after
-            for e in range(bent.size):
-                bent[e] = min(max(bent[e] + d, -pads.stretches[e]), pads.stretches[e])
+            for e in range(stretch.size):
+                stretch[e] = min(max(stretch[e] + d, -pads.stretches[e]), pads.stretches[e])
             for e in range(count):
                 force = springs.force[e] + springs.stiffness[e] * (step.tip - d)
                 springs.force[e] = min(max(force, -springs.limit[e]), springs.limit[e])

@@ -45,8 +45,8 @@ def test_a_text_over_another_is_found() -> None:
 def test_a_text_over_a_line_of_the_part_or_of_another_view_is_found() -> None:
     inside = replace(LENGTH, line_at=(0.0, 197.5), text_at=(150.0, 200.0))
     assert hits(replace(CLEAN, annotations=(inside, HEIGHT)), "line")
-    beside = replace(VIEW, name="right", place=(222.0, 150.0))
-    assert hits(replace(CLEAN, views=(VIEW, beside)), "line")
+    other = replace(VIEW, name="right", place=(222.0, 150.0))
+    assert hits(replace(CLEAN, views=(VIEW, other)), "line")
 
 
 def test_a_slanting_text_is_judged_by_its_own_shape() -> None:

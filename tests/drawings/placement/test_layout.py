@@ -23,8 +23,8 @@ def rectangle(width: float, height: float) -> tuple[Segment, ...]:
     return tuple(Segment(a, b) for a, b in pairwise(corners))
 
 
-def block(name: str = "front", width: float = 200.0, height: float = 100.0, beside: str = "") -> View:
-    return View(name, PROJECTIONS[name], {"VISIBLE": rectangle(width, height)}, 0.5, beside=beside)
+def block(name: str = "front", width: float = 200.0, height: float = 100.0, aligned_with: str = "") -> View:
+    return View(name, PROJECTIONS[name], {"VISIBLE": rectangle(width, height)}, 0.5, aligned_with=aligned_with)
 
 
 def distance(first: Point2, second: Point2, name: str, view: str = "front") -> DistanceSpec:
@@ -106,7 +106,7 @@ def test_a_leader_ends_on_a_drawn_line() -> None:
     assert box[1] > 50.0 or box[0] > 100.0 or box[2] < 0.0
 
 
-VIEWS = (block("top"), block("front", beside="top"), block("right", 80.0, beside="front"))
+VIEWS = (block("top"), block("front", aligned_with="top"), block("right", 80.0, aligned_with="front"))
 
 
 def test_views_are_in_third_angle_projection_with_distance() -> None:
@@ -132,7 +132,7 @@ def test_a_view_moves_with_its_annotations() -> None:
 
 
 def test_views_that_do_not_fit_are_reported_and_a_detached_view_is_labelled() -> None:
-    tall = tuple(replace(view, scale=1.0) for view in (*VIEWS[:2], block("bottom", beside="front")))
+    tall = tuple(replace(view, scale=1.0) for view in (*VIEWS[:2], block("bottom", aligned_with="front")))
     every = annotated_views(tall, [])
     area = SheetArea((0.0, 0.0, 480.0, 240.0), ())
     assert not arrange(every, area).fits
