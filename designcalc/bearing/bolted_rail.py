@@ -58,7 +58,7 @@ class Rail:
 
 @dataclass(frozen=True)
 class JointStiffness:
-    """The springs of one bolt joint per bolt diameter (N/m per m = Pa), each with the modulus of its own material."""
+    """The springs of one bolt joint per bolt diameter (N/m per m = Pa), each with the modulus of its material."""
 
     flange_compression: Array
     flange_shear: Array

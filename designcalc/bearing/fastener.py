@@ -93,7 +93,7 @@ def head_pressure(force: ArrayLike, head_diameter: ArrayLike, hole_diameter: Arr
 def screw_waves(
     force: ArrayLike, pitch: ArrayLike, distance: ArrayLike, modulus: ArrayLike, poisson: ArrayLike
 ) -> Array:
-    """Amplitude of the waves that a row of screws presses into the surface beside it, m.
+    """Amplitude of the waves that a row of screws presses into the surface next to it, m.
 
     The Fourier series along the row of ``sum (1 - nu^2) F/(pi E r)`` has waves of the pitch, of the amplitude
     ``4 F (1 - nu^2)/(pi E p) K0(2 pi d/p)``; the higher ones are far smaller.
@@ -101,7 +101,7 @@ def screw_waves(
     Args:
         force: F of each screw, N, >= 0.
         pitch: p, m, > 0.
-        distance: d from the row, m, > 0; a quarter of the pitch or more, for the first wave to stand for all.
+        distance: d from the row, m, > 0; a quarter of the pitch or more, for the first wave to dominate.
         modulus, poisson: of the body, Pa and -.
 
     Raises:

@@ -28,7 +28,7 @@ def crown_wear_distance(depth: ArrayLike, crown_radius: ArrayLike, wear_rate: Ar
     """Distance slid until a crown is worn by `depth`: cap volume over Archard's rate, ``s = pi R h^2/(k F)``, m.
 
     Args:
-        depth: h, m, small beside R.
+        depth: h, m, small compared with R.
         crown_radius: R, m.
         wear_rate: k, m^3/(N m) = m^2/N.
         load: F, N.
@@ -55,7 +55,7 @@ def pad_loads(pads: ArrayLike, load: float, centre: ArrayLike) -> Array:
     Args:
         pads: pad centres, m, shape (n, 2).
         load: weight and preload, N.
-        centre: where the load acts, m, shape (2,).
+        centre: point of action of the load, m, shape (2,).
 
     Returns:
         shape (n,); a negative one means the pad would lift.

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Surface:
-    """What a lap leaves: random roughness, and waves. SI."""
+    """Surface of a lapped way: random roughness, and waves. SI."""
 
     roughness: float
     """Ra, m"""
@@ -58,7 +58,7 @@ def synthetic_profiles(
     ``sqrt(sqrt(pi) l/w)`` of it. Waves are a sine of the given amplitude.
 
     Args:
-        surface: what the lap leaves.
+        surface: after lapping.
         length: over which the pads' middles run, m; at least twenty correlation lengths.
         contact_length, contact_width: of a pad's contact, m.
         count: of the tracks.
@@ -99,7 +99,7 @@ def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> A
     the mean of its pads.
 
     Args:
-        profiles: heights along the track of each pad, m, shape (pads, n); measured ones serve as well.
+        profiles: heights along the track of each pad, m, shape (pads, n); measured ones are accepted.
         step: spacing of the heights, m.
         contact_length: of a pad along the travel, m, at least two steps.
     """

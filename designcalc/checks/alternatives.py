@@ -33,7 +33,7 @@ class Suspension:
     smoothness: float
     """error normal to the motion, m"""
     friction: float
-    """to break away from rest, N: what limits the resolution"""
+    """break-away force, N; it limits the resolution"""
     repeatability: float
     """normal to the motion, m"""
     cost: int

@@ -28,7 +28,7 @@ AXES = {"along": 0, "across": 1, "normal": 2}
 
 @dataclass(frozen=True)
 class Budget:
-    """One budget: what it is about, in which direction it is judged, and its contributions."""
+    """One budget: its subject, the direction in which it is judged, and its contributions."""
 
     name: str
     direction: str
@@ -98,7 +98,7 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
         Contribution("waves of the way", "lapped way; the pads follow them", (0, 0, _pads_height(r, wave))),
         Contribution("waves of the way, pitch", "pads unlike", rotation=(0, wave * np.sqrt(2) / lever, 0)),
         Contribution("floor", "stage on its pads", (0, 0, _vibration(r, pads_stiffness(r).normal))),
-        Contribution("the tip's pulsation", "load it takes off pads and ways", (0, 0, pulse * give), random=False),
+        Contribution("the tip's pulsation", "change of the load on pads and ways", (0, 0, pulse * give), random=False),
         Contribution("the tip's pulsation, pitch", "its side force", rotation=(0, turn, 0), random=False),
     ]
 
@@ -112,7 +112,9 @@ def straightness(r: DesignInputs) -> list[Contribution]:
         Contribution("bow of the ways", "lapped way", (0, 0, bow * share), random=False),
         Contribution("bow of the ways, pitch", "slope of the bow", rotation=(0, turn, 0), random=False),
         Contribution(
-            "ways unlike", "half a bow over the pads' width", rotation=(bow / 2 / r("pads.spacing_across"), 0, 0)
+            "ways unlike",
+            "half a bow over the pads' width",
+            rotation=(bow / 2 / r("pads.spacing_across"), 0, 0),
         ),
         Contribution("waves of the way", "lapped way", (0, 0, _pads_height(r, r("bearing.way_waviness")))),
     ]

@@ -72,7 +72,7 @@ class Check:
     proposal: str = ""
     """the change that would pass; empty when the check passes"""
     thesis: str = ""
-    """what the thesis states, where that is wrong or differs"""
+    """statement of the thesis, if it is wrong or differs"""
     requirement: str = ""
     """entry of the thesis's Tables 1 and 2 that this check applies to"""
     note: str = ""
@@ -109,7 +109,7 @@ class Check:
         return "passes" if margin >= -1e-9 else "fails"
 
     def as_json(self) -> dict[str, Any]:
-        """The check as it stands in a JSON document."""
+        """The check as a JSON document."""
         return {
             "name": self.name,
             "subject": self.subject,

@@ -47,7 +47,7 @@ def pressure(r: DesignInputs) -> Check:
 
 
 def coating(r: DesignInputs) -> Check:
-    """The nose's coating is thin beside the contact: it takes the strain of the body under it."""
+    """The nose's coating is thin compared with the contact: it has the strain of the body under it."""
     peak = float(tip_contact(r, tip_load(r)).peak_pressure)
     body, layer = (
         r.material("tip", "youngs_modulus") / (1 - r.material("tip", "poisson_ratio") ** 2),
@@ -89,7 +89,7 @@ def swallowed_stroke(r: DesignInputs) -> Check:
 
 
 def printed_approach(load: float, radius: float, approach: float) -> float:
-    """What appendix A's formula gives for a sphere on a flat whose true approach is known, m.
+    """Result of appendix A's formula for a sphere on a flat whose true approach is known, m.
 
     ``lambda (3 F Re/(2 Ee))^(1/3)`` with lambda = 0.75, Re = R/2, and Ee from ``F = 4/3 Ee sqrt(R) delta^1.5``.
     """

@@ -137,7 +137,7 @@ def tip_over(r: DesignInputs) -> Check:
         substituted=f"x = {show(end, 'm')}: the tip may carry {share:.3g} of the load, and accelerates "
         f"{reached / GRAVITY:.3g} g",
         proposal=f"a half-span of the pads on the tip's line of {show(float(span), 'm')}, a preload that stays over "
-        "the tip, or pads on the base that stand still under the tip",
+        "the tip, or pads fixed on the base under the tip",
         thesis="a tip force away from the pads tips the stage; the thesis considers the middle of the travel only",
         requirement="Table 1: acceleration",
     )

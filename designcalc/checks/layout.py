@@ -23,7 +23,7 @@ def two_axes(r: DesignInputs) -> Check:
     )
     margin, half_pad, across = r("sea.contact_margin"), r("pads.width") / 2, r("pads.spacing_across") / 2
     face = r("base.way_gap") / 2
-    # Across, the pads must stay on the running faces of the ways as well.
+    # Across the travel too, the pads must stay on the running faces of the ways.
     on_way = min(
         across - half_pad - face, face + r("bearing_way.width") - r("bearing_way.ledge_width") - across - half_pad
     )
@@ -37,7 +37,7 @@ def two_axes(r: DesignInputs) -> Check:
         "travel with three actuators, for two axes",
         at_least(travel, 0.0, "m"),
         source="geometry; thesis 2.5: the base is already capable of accommodating two more actuators",
-        formula="2 min(L/2 - |x|, W/2 - |y|, running face beside the pads) less margins > 0",
+        formula="2 min(L/2 - |x|, W/2 - |y|, running face next to the pads) less margins > 0",
         substituted=f"along {show(2 * room['along'], 'm')}, across {show(2 * room['across'], 'm')}",
         proposal=f"a stage {show(2 * (far_along + margin), 'm')} long",
         requirement="Section 2.2: open to two axes",

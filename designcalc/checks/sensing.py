@@ -232,6 +232,6 @@ def abbe(r: DesignInputs) -> Check:
         source="pitch of a way bowed by its straightness error; line of measurement at the middle of the plate",
         formula="offset x 4 s/L <= 10 nm",
         substituted=f"{show(offset, 'm')} x {show(angle, 'rad')} = {show(error, 'm')}",
-        proposal="measure at the height of the payload, or measure the pitch as well and correct it",
+        proposal="measure at the height of the payload, or measure the pitch too and correct it",
         requirement="Table 1: resolution",
     )

@@ -1,4 +1,4 @@
-"""Smoothness: what the pads make of the way's surface, by formula and by riding a profile."""
+"""Smoothness: response of the pads to the way's surface, by formula and over a sampled profile."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def ridden(r: DesignInputs) -> Check:
 def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray[np.float64]) -> float:
     """Rms height of the stage over its travel, m; pads in one line follow the same track one after another.
 
-    The phase of the waves of the two ways is unknown: the worse of in phase and opposed counts.
+    The phase of the waves of the two ways is unknown: the worse of in phase and in antiphase is taken.
     """
     travel, spacing = r("stage.travel"), r("pads.spacing_along")
     tracks, track_of = np.unique(places[:, 1], return_inverse=True)

@@ -1,4 +1,4 @@
-"""Magnetic teeth: where the chosen ones stand on the map, preload, saturation, and what they take from the pads."""
+"""Magnetic teeth: position of the chosen ones on the map, preload, saturation, and relief of the pads."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def preload_share(r: DesignInputs) -> Check:
         formula="F <= 1.5 x required preload (friction grows with it)",
         substituted=f"two pockets pull {show(pull, 'N')}, required {show(wanted, 'N')}",
         proposal=proposal,
-        note="leakage beside the gap is left out: the real pull is smaller",
+        note="leakage around the gap is neglected: the real pull is smaller",
     )
 
 
@@ -120,7 +120,7 @@ def magnet_area_for(work: TeethModel, pull: float) -> float:
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root between two places of unlike sign, to 0.1 % of an exponent: a proposal needs no more."""
+    """Root between two points of opposite sign, to 0.1 % of an exponent, which suffices for a proposal."""
     return float(root_scalar(function, bracket=(low, high), xtol=1e-3).root)
 
 

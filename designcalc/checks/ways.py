@@ -97,7 +97,7 @@ def force_ripple(r: DesignInputs) -> Check:
         f"{show(K, 'N/m')} x {show(smooth, 'm')} = {show(K * smooth, 'N')}",
         proposal=f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take "
         "smoothness with the drive at rest",
-        thesis="1 nm smoothness beside a tip that pulses with the weight: one way's 150-190 N/um allow 0.15-0.19 N",
+        thesis="1 nm smoothness with a tip that pulses with the weight: one way's 150-190 N/um allow 0.15-0.19 N",
         requirement="Table 1: smoothness",
     )
 
@@ -213,7 +213,7 @@ def bolt_dimple(r: DesignInputs) -> Check:
         at_most(dimple, limit, "m"),
         source="compression of the flange's cone, " + _APPENDIX,
         formula="F/(E Db pi/ln[5(0.5+2t/Db)/(2.5+2t/Db)]) <= straightness",
-        substituted=f"{show(force, 'N')}: {show(dimple, 'm')} at the ledge, less on the lapped face beside it",
+        substituted=f"{show(force, 'N')}: {show(dimple, 'm')} at the ledge, less on the lapped face next to it",
         proposal=f"torque of at most {show(limit / dimple * r('screws.way.torque'), 'N*m')}, and lap the way bolted "
         "down",
         requirement="Table 1: smoothness",
@@ -222,7 +222,7 @@ def bolt_dimple(r: DesignInputs) -> Check:
 
 
 def warp(r: DesignInputs) -> Check:
-    """Where the pads run, the row of screws shows as waves of its pitch."""
+    """Under the pads the row of screws causes waves of its pitch."""
     way, force = rail(r), screw_preload(r, "way")
     pitch = r("bearing_way.bolt_spacing")
     line = r("base.way_gap") / 2 + r("bearing_way.width") - r("bearing_way.bolt_edge")

@@ -1,4 +1,4 @@
-"""What sliding does to the pads: running in, wear, heat."""
+"""Effects of sliding on the pads: running in, wear, heat."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def film_contact(
     ``delta = a^2/(2R)``, ``p0 = M delta/t``), bodies without a film are Hertz's (``F = 4 E* a^3/(3R)``, ``delta =
     a^2/R``, ``p0 = 2 E* a/(pi R)``). Between them the loads needed for one radius act in series, ``1/F = 1/F_film +
     1/F_Hertz``, and so do the stiffnesses ``pi M a^2/t`` and ``2 E* a``; the peak over the mean pressure goes from 2 to
-    1.5 with the shares. A film of micrometres on a crown of metres lies near Hertz's limit.
+    1.5 with the shares. A film of micrometres on a crown of metres is near Hertz's limit.
 
     Args:
         load: F, N, > 0, any shape.

@@ -164,7 +164,7 @@ def point_contact(
         radius_1_minor, radius_2_minor: radii in the other plane, m; equal to the first when left out.
 
     Returns:
-        `PointContact` of the broadcast shape. Valid while the contact is small beside the radii, elastic, frictionless.
+        `PointContact` of the broadcast shape. Valid for a contact small compared with the radii, elastic, frictionless.
 
     Raises:
         InputError: load or modulus not above zero, or a plane without curvature (that is a line contact).

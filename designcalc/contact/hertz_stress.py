@@ -1,4 +1,4 @@
-"""Stresses below and beside a Hertzian contact: peak shear, first yield, cracking at the edge."""
+"""Stresses below and around a Hertzian contact: peak shear, first yield, cracking at the edge."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float
     Args:
         pads: pad centres in the plane of motion, m, shape (n, 2), n >= 3, in any order.
         centre: point where weight and preload act, m, shape (2,), inside the polygon.
-        tip: where the tip pushes, m, shape (2,).
+        tip: point of contact of the tip, m, shape (2,).
 
     Returns:
         F/W, 0 (the stage tips by itself) to 1 (tip under the centre).

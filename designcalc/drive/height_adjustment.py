@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class WedgeDrive:
-    """What the set screw and wedge make of a turn; SI units."""
+    """Lift and forces of set screw and wedge per turn; SI units."""
 
     lift_per_turn: Array
     """m"""
@@ -47,7 +47,7 @@ def wedge_drive(thread_pitch: ArrayLike, slope: ArrayLike, stroke: ArrayLike, fa
 
 @dataclass(frozen=True)
 class ClampShift:
-    """What closing the clamp does to the tip; SI units."""
+    """Effects of closing the clamp on the tip; SI units."""
 
     squeeze: Array
     """growth of the holder's height as the clamp squeezes it, m"""

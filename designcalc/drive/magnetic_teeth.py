@@ -62,7 +62,7 @@ class TeethField:
 
 @dataclass(frozen=True)
 class MagnetCircuit:
-    """Two toothed gaps, one under each bar, in series with magnets: what makes the potential finite.
+    """Two toothed gaps, one under each bar, in series with magnets, whose reluctance makes the potential finite.
 
     The magnets are a source ``Br t/(mu0 mu_r)`` behind a reluctance ``t/(mu0 mu_r A)`` (straight recoil line).
     """

@@ -63,7 +63,7 @@ def side_load(
 
     ``deflection = F L^3/(3 E I)``, ``stress = F L c/I`` with ``I = A^2/12``, ``c = sqrt(A)/2``. While the deflection
     is less than the bore's clearance, the whole length bends; beyond, the bore holds the stack and the length that
-    stands proud of it bends.
+    projects from it bends.
 
     Args:
         force: F on one stack, N.

@@ -43,7 +43,7 @@ def rank_sum(columns: ArrayLike) -> Array:
     """Sum of places over several criteria, the smallest the best.
 
     Args:
-        columns: what each candidate scores, shape (candidates, criteria), small is good; equals share their mean place.
+        columns: score of each candidate, shape (candidates, criteria), small is good; equals share their mean place.
 
     Returns:
         shape (candidates,).

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Contribution:
-    """One cause of error, as a small displacement and rotation of what stands on it, about a point."""
+    """One cause of error, as a small displacement and rotation about a point of the parts it carries."""
 
     name: str
     source: str

@@ -1,4 +1,4 @@
-"""What a sensor can resolve, reach and hand over, and what differencing and misalignment make of it."""
+"""Resolution, range and hand-over of a sensor, and errors by differencing and misalignment."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def count_size(span: ArrayLike, bits: ArrayLike) -> Array:
 def filtered_noise(noise: ArrayLike, bandwidth: ArrayLike, cutoff: ArrayLike) -> Array:
     """Rms of white noise after a narrower filter of the same kind: ``noise sqrt(cutoff/bandwidth)``, m.
 
-    Gain after the filter changes neither signal nor noise in metres; it only makes the converter's count finer.
+    Gain after the filter changes neither signal nor noise in metres; it only reduces the converter's count.
 
     Args:
         noise: rms within the bandwidth, m.
@@ -61,7 +61,7 @@ def lag_error(speed: ArrayLike, bandwidth: ArrayLike) -> Array:
 
 
 def abbe_error(offset: ArrayLike, angle: ArrayLike) -> Array:
-    """``offset sin(angle)``, m: the measured line stands off the line that matters (m) and the stage turns (rad)."""
+    """``offset sin(angle)``, m; `offset` of the measured from the line of interest (m), `angle` of the stage (rad)."""
     turn = np.asarray(angle, float)
     _require(np.all(np.abs(turn) <= np.pi / 2), "angle", "must lie in -90 to 90 deg")
     return np.asarray(offset, float) * np.sin(turn)

@@ -198,7 +198,7 @@ def test_check_prints_a_list_and_fails_where_the_thesis_does(capsys, tmp_path):
     assert verdicts["interferometer range"] == "passes"
     assert set(checks[0]["value"]) == {"value", "unit"}
     assert json.loads((tmp_path / "checks" / "checks.json").read_text()) == checks
-    assert "## Where the thesis differs" in (tmp_path / "checks" / "checks.md").read_text()
+    assert "## Differences from the thesis" in (tmp_path / "checks" / "checks.md").read_text()
 
 
 def test_check_follows_set(capsys, tmp_path):

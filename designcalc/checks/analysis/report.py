@@ -102,7 +102,7 @@ def markdown(
             for name, bearing in requirements(checks).items()
         ],
     )
-    lines += ["", "## Where the thesis differs", ""]
+    lines += ["", "## Differences from the thesis", ""]
     for check in corrections(checks):
         lines.append(f"- {check.name}: {check.thesis}. {check.substituted}")
         if check.proposal:
@@ -120,8 +120,8 @@ def markdown(
 
 
 RANKING = (
-    "Places by stiffness, smoothness, friction (which limits the resolution), repeatability and cost, added up; what "
-    "is unstable, or does not go with the drive and its magnets, comes after what does."
+    "Places by stiffness, smoothness, friction (which limits the resolution), repeatability and cost, added up; "
+    "suspensions that are unstable or not compatible with the drive and its magnets are ranked last."
 )
 SUSPENSION_HEADINGS = (
     "suspension",

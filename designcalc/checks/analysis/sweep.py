@@ -90,7 +90,7 @@ def run_point(
         swept: the range.
         value: one of its values.
         load: design with one more override, `KEY=VALUE`.
-        base: the design as it stands.
+        base: the unchanged design.
         masses_of: masses of a design's own solids; None estimates them from plain volumes.
 
     Returns:

@@ -103,7 +103,7 @@ def tolerance_study(
 
     Each dimension is moved to both ends of its tolerance by itself, the checks that read it are run again, and the
     margins between are taken as separable parabolas ``m = m0 + sum(g_i x_i + h_i x_i^2)``; over hundredths of a
-    millimetre they are no more curved than that. The samples are drawn evenly between the ends, which is wider than a
+    millimetre their curvature is below that. The samples are drawn evenly between the ends, which is wider than a
     shop in control makes them.
 
     Args:
