@@ -152,7 +152,7 @@ def _check_parameter(where: str, parameter: Parameter, names: set[str]) -> None:
         raise InputError(f"{at}: default, low and high must be numbers in {parameter.unit}, not {values}")
     if not parameter.low <= parameter.default <= parameter.high:
         raise InputError(
-            f"{at}: start {parameter.default:g} lies outside its bounds {parameter.low:g} to {parameter.high:g}"
+            f"{at}: start {parameter.default:g} is outside its bounds {parameter.low:g} to {parameter.high:g}"
         )
     if not abs(parameter.default) < float("inf"):
         raise InputError(f"{at}: start {parameter.default:g} is not a finite number")

@@ -53,7 +53,7 @@ class Model:
         return level * factor
 
     def other_force(self, axis: Axis) -> Any:
-        """Sum of the forces beside the friction state model, N, positive against positive motion."""
+        """Sum of the forces other than those of the friction state model, N, positive against positive motion."""
         total = 0.0 * axis.velocity
         for effect, p in zip(self.effects, self.values):
             if effect.force is not None:

@@ -1,6 +1,6 @@
 """Hysteresis: friction force against an imposed sinusoidal velocity (thesis 4.2.2, Figure 38).
 
-v = v0 + 1 mm/s sin(w t), from an unstressed bristle, for two periods; what is read off is read in the second.
+v = v0 + 1 mm/s sin(w t), from an unstressed bristle, for two periods; features are evaluated in the second.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ def extremum(time: np.ndarray, value: np.ndarray, rate: np.ndarray, sign: float)
             s = a / q if q != 0.0 else -1.0
             if 0.0 < s < 1.0:
                 there = float(value[k] + s * (a + s * (c2 + s * c3)))
-                # Where the samples are too far apart for the rates to mean anything, the sample itself stands.
+                # Where the samples are too far apart for the rates to mean anything, the sample itself is kept.
                 if 0.0 < sign * (there - best) <= abs(rise):
                     best = there
     return best

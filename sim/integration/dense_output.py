@@ -102,7 +102,7 @@ def _leaves_branch(part, t, h, branch, margins, problem, work):
 def _stays_on_branch(t, h, branch, problem, work):
     """Whether bounds of the dense output rule out a reversal and a change of sides of the backlash."""
     dense, lag, gap = work.dense, problem.layout.lag, problem.body.half_gap
-    # Between the ends of the step the velocity and the spring force deviate from a line by no more than this.
+    # Between the ends of the step the velocity and the spring force deviate from a line by at most this.
     velocity_bulge = 0.25 * (abs(dense[1, 0]) + abs(dense[1, 1]) + abs(dense[1, 2]))
     bulge = 0.25 * problem.body.spring * (abs(dense[0, 0]) + abs(dense[0, 1]) + abs(dense[0, 2]))
     if lag >= 0:

@@ -3,7 +3,7 @@
 A record has a corner at every row, and the integrator would stop at each. Here neighbouring segments s(t) are replaced
 by one straight line, the least-squares fit, where the tolerance allows it: the difference e(t) has no impulse and no
 first moment over the stretch, so the speed and the position at its end are those of the record itself. Within it the
-speed is off by no more than max |D|/mass, D the integral of e, which is kept far below the tolerance of one step.
+error of the speed is at most max |D|/mass, D the integral of e, which is kept far below the tolerance of one step.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def _joined(knots: Any, values: Any, rates: Any, last: int, end: float, allowed:
         shortened = False
         while n > 1:
             length, base = edges[i + n] - edges[i], values[i]
-            # Impulse and first moment about the middle, from the first value on: what is left is small beside it.
+            # Impulse and first moment about the middle, relative to the first value: the differences are small.
             impulse, moment = 0.0, 0.0
             for k in range(i, i + n):
                 step = edges[k + 1] - edges[k]
@@ -81,13 +81,13 @@ def compressed(drive: Drive, begin: float, end: float, mass: float, accuracy: fl
     """The drive from `begin` to `end` with as few segments as the tolerance allows.
 
     Args:
-        drive: segments and a wave; the wave stays as it is.
+        drive: segments and a wave; the wave is unchanged.
         begin, end: of the simulation, s.
         mass: moved by the drive, kg.
         accuracy: error of velocity and position that is tolerated in a step, m/s and m.
 
     Returns:
-        A drive that differs by no more than `SHARE` of that anywhere; the same one when nothing can be joined.
+        A drive that differs by at most `SHARE` of that anywhere; the same one when nothing can be joined.
     """
     if drive.knots.size < FEWEST or not math.isfinite(end):
         return drive

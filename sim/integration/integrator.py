@@ -243,7 +243,7 @@ def _steps(problem, tolerance, output, work):
         t = after
         factor = min(6.0, 0.9 * step.gain)
         if last_h > 0.0:
-            # A rise of the error over the last two steps is expected to go on.
+            # A rise of the error over the last two steps is expected to continue.
             factor = min(factor, 0.9 * step.h / last_h * step.gain * step.gain / last_gain)
         last_h, last_gain = step.h, min(step.gain, 2.5)
         if step.rejected > 0:

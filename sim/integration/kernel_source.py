@@ -36,7 +36,7 @@ class Kernel:
     Args:
         address: of the C function.
         compiled: by numba, else called back in Python.
-        callback: what owns the C function.
+        callback: owner of the C function.
         errors: raised by a law in Python; an exception cannot pass through compiled code.
     """
 
@@ -158,7 +158,7 @@ def _source_files(functions: list[Callable[..., Any] | None]) -> list[str]:
 
 
 def _compile(text: str, name: str, signature: Any, files: list[str]) -> Kernel | None:
-    """The function `kernel` of a module's source, compiled; `files` are those that its laws stand in."""
+    """The function `kernel` of a module's source, compiled; `files` contain its laws."""
     try:
         module = _load_generated(text, name, files)
         callback = compilation.compile_callback(module.kernel, signature, files)

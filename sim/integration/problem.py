@@ -109,7 +109,7 @@ class Laws(NamedTuple):
 
 
 FRICTION, FORCE = 1, 2
-"""Terms taken from an effect: what it adds to and multiplies in the friction level, its force, or both."""
+"""Terms taken from an effect: summand and factor of the friction level, force, or both."""
 
 
 class Problem(NamedTuple):

@@ -21,7 +21,7 @@ def drive_at(t, drive, segment):
 
 @inlined
 def _set_axis(t, y, direction, problem, axis):
-    """Write the arguments of the effects' laws; what a simulation does not have is not a number."""
+    """Write the arguments of the effects' laws; NaN for quantities that the simulation lacks."""
     axis[0], axis[1], axis[2] = t, y[0], y[1]
     axis[3], axis[7] = math.nan, math.nan
     axis[4], axis[5] = problem.laws.base[3], problem.laws.base[4]

@@ -99,7 +99,7 @@ def _lower(rows: tuple[tuple[float, ...], ...]) -> np.ndarray:
 
 
 A = _lower(_A)
-# Stages 7 and 8 stand on stage 6's point, with k_6 and then k_7 added.
+# Stages 7 and 8 start from stage 6's point, with k_6 and then k_7 added.
 A[6, :5] = A[5, :5]
 A[6, 5] = 1.0
 A[7, :5] = A[5, :5]

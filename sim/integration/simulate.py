@@ -30,7 +30,7 @@ class Settings:
         memory_length: distance over which a contact's age is renewed, m: by default that of the effect which has one,
             else infinite.
         tolerance: relative error per step, 1e-13 to 1e-2.
-        energy: integrate the works as well.
+        energy: integrate the works too.
         forces: give the forces at the output's instants too; without, their arrays are empty.
         longest_step: s.
         most_steps: attempts after which the integration fails.
@@ -108,7 +108,7 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
 
     Args:
         model: effects and their values.
-        drive: what moves the axis.
+        drive: input that moves the axis.
         time: instants of the output, s, shape (n,), increasing; the first is the start.
         settings: fields of `Settings`, such as `mass=2.0, tolerance=1e-9`.
 

@@ -89,7 +89,7 @@ class Parameter:
         default: physical default.
         low, high: bounds of a fit, from physics (drag is not negative).
         meaning: one line.
-        source: where default and bounds come from.
+        source: of default and bounds.
         role: `amplitude` (zero means the effect is absent, and the force is linear in it), `shape` (searched over
             `scan`, since it has no gradient where the effect is absent), `phase` (an angle of an amplitude: tried at 0
             and pi/2, which span every phase), `level` (base size such as a Coulomb force), or `reference`
@@ -142,10 +142,10 @@ class Effect:
             backlash in the drive, the age of the contacts).
         friction_state: the `FrictionStateModel` (static map, Dahl, LuGre, Maxwell-slip) that turns the level into a
             force.
-        parallel_element: for an effect with internal states of its own: the `FrictionStateModel` of those states in a
+        parallel_element: for an effect with internal states: the `FrictionStateModel` of those states in a
             simulation, in place of `force`.
         time_domain: for an effect of drive, structure or memory: its time-domain realisation, a function of its values.
-        acts_on: where it acts.
+        acts_on: place of action.
         variants: other laws under the same name (`stribeck:free_exponent`).
     """
 

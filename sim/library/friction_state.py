@@ -39,7 +39,7 @@ class FrictionStateModel:
         slopes: the exact partial derivatives of `law`.
         along_record: the force along a measured motion, of shape (n,).
         scale: typical size of a state, to set the absolute tolerance of an integration; a function of `p`.
-        state: what the state is, with its unit.
+        state: meaning of the state, with its unit.
         elements: how many states; a function of `p`.
         stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
             function exists.

@@ -126,7 +126,7 @@ def _called(function: Callable[..., Any]) -> set[str]:
 def compile_function(function: Callable[..., Any], also: Iterable[str] = (), **options: Any) -> Any:
     """`function` compiled by `numba.njit`, cached on disk.
 
-    It is compiled anew when its own file changes, that of a compiled function it calls, or one that `also` names.
+    It is recompiled when its file changes, that of a compiled function it calls, or one of `also`.
     """
     numba = _numba_parts()
     files = frozenset([function.__code__.co_filename, __file__, *also, *_called(function)])

@@ -146,7 +146,7 @@ def stop(position: np.ndarray, stretch: float) -> np.ndarray:
 
 @compiled
 def sticking_fraction(position: np.ndarray, stretch: float) -> np.ndarray:
-    """Fraction, 0 to 1, of the steps beside a row in which an elastic, ideally plastic bristle of +-`stretch` sticks.
+    """Fraction, 0 to 1, of the steps at a row in which an elastic, ideally plastic bristle of +-`stretch` sticks.
 
     The mean of the step before and the one after each row, (n,).
     """

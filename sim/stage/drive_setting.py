@@ -57,7 +57,7 @@ def run_setting(
     """Drive the stage at a setting, its ellipse grown over the first periods.
 
     Args:
-        machine, setting: what is driven, and how.
+        machine, setting: the driven machine and its drive.
         duration: s.
         step: of the integration, s.
         stride: steps to a row.
@@ -101,11 +101,11 @@ class Steady:
 def steady(machine: StageMachine, setting: Setting, shortest: float, longest: float = 0.5) -> Steady:
     """Steady speed at a setting, about mid-travel, begun near it.
 
-    The run goes on until its last fifth is as fast as the fifth before: pads may take a second to bring a stage to rest
+    The run continues until its last two fifths are equally fast: pads may take a second to bring a stage to rest
     that its tip drives too weakly, and a speed on the way down is not steady.
 
     Args:
-        machine, setting: what is driven, and how; its position and velocity are chosen here.
+        machine, setting: the driven machine and its drive; its position and velocity are chosen here.
         shortest, longest: of the shortest run, s; between them it is five periods.
     """
     duration = min(max(shortest, 5.0 / setting.frequency), longest) / PIECES

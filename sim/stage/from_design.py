@@ -20,7 +20,7 @@ from stagecad.parameters.mass_properties import BodyMasses, MassProperties, comb
 
 
 def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
-    """The machine as it is simulated.
+    """The simulated machine.
 
     Without teeth the preload is a dead weight in the middle of the stage, and nothing guides the stage.
     """

@@ -1,8 +1,8 @@
-"""A stack's hysteresis and creep as operators that go along with a simulation step by step.
+"""A stack's hysteresis and creep as operators evaluated step by step in a simulation.
 
 Prandtl-Ishlinskii:  u = V + s sum_i w_i (play_i(V) - V),  half-widths r_i even over the voltage's half-range.
-On the whole sweep 0 to V_max = 2 A a play loses 2 r_i, so u sweeps over V_max - 2 s <r>. At mid-voltage a play stands
-r_i behind, or A - r_i where it is not taken along yet, so the loop there is 2 s <min(r, A - r)> wide. With <.>
+On the whole sweep 0 to V_max = 2 A a play loses 2 r_i, so u sweeps over V_max - 2 s <r>. At mid-voltage a play is
+r_i behind, or A - r_i where it has not moved yet, so the loop there is 2 s <min(r, A - r)> wide. With <.>
 the mean by w_i, the catalogue's two numbers, stroke and hysteresis H, fix
 
     s = H A / (<min(r, A - r)> + H <r>),        gain = stroke/(V_max - 2 s <r>).

@@ -16,7 +16,7 @@ class StageRun:
     """A simulated motion; arrays over time have shape (n,) unless said otherwise, SI.
 
     Args:
-        machine, rest: what was simulated, and from where.
+        machine, rest: the simulated machine and its initial state.
         rows: as the kernel writes them, shape (n, columns).
     """
 
@@ -32,7 +32,7 @@ class StageRun:
     def position(self) -> np.ndarray:
         """Motion of the middle of the drive surface (x, y) and yaw from the start, m, m, rad, shape (n, 3).
 
-        The middle lies below the centre of mass: the stage's pitch and roll carry it along.
+        The middle is below the centre of mass: the stage's pitch and roll move it.
         """
         centre = np.asarray(self.machine.stage.centre, dtype=float)
         q = self.rows[:, 1:7]

@@ -22,7 +22,7 @@ class Interferometer:
 
 
 class Lvdt:
-    """Position with the linearity error of its range, at its worst where it is asked, rounded to its count."""
+    """Position with the largest linearity error of its range added, rounded to its count."""
 
     def __init__(self, sensors: Sensors, period: float) -> None:
         self.count, self.error = sensors.lvdt_count, sensors.lvdt_linearity_error
@@ -36,11 +36,11 @@ class FilteredProbe:
     """The capacitive probe about a target, behind its RC filter, gain and converter.
 
     The noise that the filter leaves is sigma sqrt(f_RC/f_probe) rms, of the white noise sigma in the probe's bandwidth;
-    beyond its range, a 25th of the probe's own, the reading stands at its end.
+    beyond its range, a 25th of the probe's own, the reading stays at its end.
 
     Args:
         sensors: the design's.
-        period: between readings, s, short beside the filter's time.
+        period: between readings, s, short compared with the filter's time.
         target: middle of its range, m.
         seed: of the noise.
     """

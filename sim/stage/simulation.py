@@ -11,11 +11,11 @@ from sim.stage.statics import Rest
 
 
 class StageSimulation:
-    """The stage from rest on, under voltages handed over piece by piece.
+    """The stage from rest on, under voltages given in successive pieces.
 
     Args:
-        machine: what is driven.
-        rest: where it starts.
+        machine: the driven machine.
+        rest: initial state.
         step: s; see `sim.stage.constants.STEP`.
         velocity: of the stage along x at the start, m/s.
 
@@ -44,9 +44,9 @@ class StageSimulation:
         return float(self._set_back + q[0] - (q[4] - self.rest.attitude[2]) * centre[2] + q[5] * centre[1])
 
     def set_back(self, distance: float) -> None:
-        """Put the stage back along its travel, moving and touching as it does: a run may go on beyond the travel.
+        """Shift the stage back along its travel with velocities and contacts kept, to continue beyond the travel.
 
-        `travel` and the record go on as though it had not been.
+        `travel` and the record are not affected.
 
         Args:
             distance: m.
@@ -55,7 +55,7 @@ class StageSimulation:
         self._set_back += distance
 
     def advance(self, commands: np.ndarray, stride: int = 10) -> np.ndarray:
-        """Go on under the commanded voltages.
+        """Continue under the commanded voltages.
 
         Args:
             commands: V at the middle of each step, shape (steps, actuators, 3).

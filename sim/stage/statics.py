@@ -61,7 +61,7 @@ def rest_at(machine: StageMachine, position: float, apex_heights: np.ndarray, pa
     """Rest with the tips at given heights over the unloaded drive surface.
 
     Raises:
-        InputError: the load's centre lies outside the pads: the stage falls off.
+        InputError: the load's centre is outside the pads: the stage tips over.
     """
     centre = np.asarray(machine.stage.centre, dtype=float)
     pads = np.asarray(machine.pads.places, dtype=float) - centre[:2]

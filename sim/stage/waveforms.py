@@ -43,7 +43,7 @@ def two_piezo_ellipse(machine: StageMachine, amplitude: float, phase: float) -> 
 
 
 def largest_stroke(machine: StageMachine, ellipse: Ellipse) -> float:
-    """Largest amplitude that the ellipse asks of a piezo, m."""
+    """Largest amplitude of a piezo over the ellipse, m."""
     c, s = math.cos(ellipse.direction), math.sin(ellipse.direction)
     reach = (machine.tip.piezo_places @ [c, s]) / machine.tip.height
     # Stretch i: normal sin(p) + reach_i along cos(p + lag); amplitude of the sum of two phasors.

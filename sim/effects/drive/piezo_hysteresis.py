@@ -105,7 +105,7 @@ _BOUC_WEN = replace(
             0.5,
             1.5,
             "decay of the hysteresis on unloading",
-            "0.5: linear unloading; 1: Duhem's (Dahl's) law, the same decay both ways; dissipative from 0.5 on",
+            "0.5: linear unloading; 1: Duhem's (Dahl's) law, equal decay in both directions; dissipative from 0.5 on",
             role="shape",
         ),
         _SETTLED,

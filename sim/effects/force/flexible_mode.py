@@ -25,12 +25,12 @@ def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
 
 _SMOOTH = Effect(
     name="flexible_mode",
-    meaning="a resonance of the structure between the drive and what is measured",
+    meaning="a resonance of the structure between the drive and the sensor",
     equation=(
         "y'' + 2 damping w y' + w^2 y = w^2 u,  w = 2 pi frequency; "
         "on an axis, a part r of the mass oscillates; a tip moves by u + r (y - u)"
     ),
-    shows="ringing at one frequency after every fast change",
+    shows="oscillation at one frequency after every fast change",
     source="Rankers, Machine Dynamics in Mechatronic Systems (1997)",
     acts_on="structure",
     coordinates=("frequency", "acceleration"),

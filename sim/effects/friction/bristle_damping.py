@@ -16,7 +16,7 @@ def _force(axis: Axis, p: Any) -> Any:
 
 
 def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
-    """In time the bristle yields along a steep curve instead of all at once, as those of Maxwell-slip do."""
+    """In time the bristle yields along a steep curve instead of abruptly, as those of Maxwell-slip do."""
     size = direction * z / p.stretch
     rate = v * (1.0 - size**8) if size > 0.0 else v
     return rate, p.damping * rate

@@ -34,7 +34,7 @@ def _fading(axis: Axis, p: Any) -> Any:
 
 
 def _logarithmic(axis: Axis, p: Any) -> Any:
-    # Half as long as log1p; what it rounds off is 1e-16 of the force.
+    # Half the run time of log1p; the rounding error is 1e-16 of the force.
     return p.force * np.log(1.0 + axis.contact_age / p.cut_off)
 
 

@@ -80,7 +80,7 @@ EFFECT = replace(
                     2.0,
                     100.0,
                     "distance of the second stage over that of the first",
-                    "two exponentials closer than a factor of two are hard to tell apart",
+                    "two exponentials closer than a factor of two are hard to distinguish",
                     role="shape",
                     scan=Scan("one", 4.0, 16.0, 2),
                     fixed=True,

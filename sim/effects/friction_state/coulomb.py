@@ -1,8 +1,8 @@
 """The Coulomb core: the level times the direction, through a bristle so stiff that its stretch stays below the
 resolution. So the force is defined at rest: it holds its last value in a dwell.
 
-The state is the bristle's force f itself. With the stretch s at the level and a relaxation time tau that keeps the
-landing from ringing, the bristle is the causal one of a0 = g/s, a1 = tau g/s:
+The state is the bristle's force f itself. With the stretch s at the level and a relaxation time tau that damps the
+oscillation after it, the bristle is the causal one of a0 = g/s, a1 = tau g/s:
 
     phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s = (g v - |v| f)/(s + tau |v|),   friction = phi
 

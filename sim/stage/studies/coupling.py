@@ -1,4 +1,4 @@
-"""What the stage does across its travel when the drive is not as it should be."""
+"""Motion of the stage across its travel under faults of the drive."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Fault:
     """A drive that is not as it should be.
 
     Args:
-        text: what is wrong, for people.
+        text: description of the fault.
         gains: of the three piezos' waves about the bias, shape (3,).
         delays: of the three piezos' waves, rad of the drive.
         offset: of the actuator across the travel, m.

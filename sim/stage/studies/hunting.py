@@ -28,7 +28,7 @@ class HoldingLoop:
 
     Args:
         text: description.
-        moves: what the loop's output does: `ellipse` scales the whole path, so that a small one does not touch the
+        moves: action of the loop's output: `ellipse` scales the whole path, so that a small one does not touch the
         drive surface;
             `travel` scales its travel along only; `lean` leans the pressed tip.
         proportional: output per metre, 1/m; integral: 1/(m s). For `lean` the output is in metres: 1 and 1/s.

@@ -43,7 +43,7 @@ class PlanarStudy:
     runs: dict[str, list[StageRun]] = field(repr=False)
 
     def ends(self, drive: str) -> np.ndarray:
-        """Where the stage gets to (x, y, yaw), m, m, rad, shape (n, 3)."""
+        """Final position of the stage (x, y, yaw), m, m, rad, shape (n, 3)."""
         return np.array([run.position[-1] for run in self.runs[drive]])
 
     def direction_errors(self, drive: str) -> np.ndarray:

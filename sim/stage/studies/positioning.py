@@ -1,7 +1,7 @@
 """Coarse run and fine settling in a closed loop.
 
-Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. A
-speed is asked for that falls with the square root of the distance left; the output is proportional to what it lacks.
+Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. The
+desired speed falls with the square root of the remaining distance; the output is proportional to the speed error.
 Fine: the tip stands still, pressed on the drive surface, and leans by the integral of the error; the stage follows
 through the contact within its presliding.
 """
@@ -28,9 +28,9 @@ TARGET = 0.5e-3
 COARSE_HEIGHT = -0.45
 """Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DECELERATION = 0.15
-"""m/s^2, of the speed asked for; a third of what the pads' friction gives."""
+"""m/s^2, of the desired speed; a third of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
-"""m/s lacking at which the output is full."""
+"""Speed error at which the output is full, m/s."""
 HAND_OVER = 0.5e-6
 STOPPED = 0.2e-3
 """m and m/s: the fine loop takes over within these of the target."""
@@ -132,7 +132,7 @@ def _sensor(name: str, machine: StageMachine, period: float) -> Any:
 
 
 class Actuation:
-    """Voltages of one period of the drive: an ellipse gone along by a part of its travel, a lift and a lean on top.
+    """Voltages of one period of the drive: an ellipse with a part of its travel, a lift and a lean on top.
 
     Args:
         machine: with one actuator.

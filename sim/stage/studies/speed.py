@@ -1,4 +1,4 @@
-"""Speed against frequency, beside the three laws of the ellipse: X f stopping, 2 X f coasting, pi X f at the apex."""
+"""Speed against frequency, with the three laws of the ellipse: X f stopping, 2 X f coasting, pi X f at the apex."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class SpeedStudy:
         return np.array([point.velocity[0] for point in self.points[height]])
 
     def swing(self, height: str) -> np.ndarray:
-        """X that the tip makes, m, shape (n,): near its resonance more than is asked, and less where current lacks."""
+        """X that the tip makes, m, shape (n,): more than commanded near its resonance, less at the current limit."""
         return np.array([point.swing for point in self.points[height]])
 
     def ratio(self, height: str) -> np.ndarray:

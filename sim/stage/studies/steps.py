@@ -19,7 +19,7 @@ from sim.stage.statics import Rest, rest_with_load
 from sim.stage.waveforms import knots_wave, step_times
 
 SIZES = {"1_count": None, "10nm": 10e-9, "100nm": 100e-9}
-"""Steps asked of the unloaded apex, m; none: one count of the converter on the two piezos, opposed."""
+"""Commanded steps of the unloaded apex, m; none: one count of the converter on the two piezos, opposed."""
 HOLD = 0.02
 RISE = 0.002
 STEPS_EACH_WAY = 6
@@ -33,7 +33,7 @@ class Staircase:
 
     Args:
         run: the motion.
-        asked: of the unloaded apex by the stacks' mean gain, m a step.
+        commanded_step: of the unloaded apex by the stacks' mean gain, m a step.
         levels: position along x at the end of each hold, m, shape (2 n + 1,).
     """
 
@@ -58,7 +58,7 @@ class Staircase:
 
     @property
     def lost(self) -> float:
-        """What the first step back lacks of the mean step, m."""
+        """Mean step less the first step back, m."""
         return self.mean_step + float(self.steps[STEPS_EACH_WAY])
 
     @property

@@ -1,4 +1,4 @@
-"""Where on the travel, and at what height of the tip, pads and tip lose contact, and where the stage tips over."""
+"""Positions on the travel and heights of the tip at which pads and tip lose contact or the stage tips over."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LIFTED = 0.01
 
 @dataclass(frozen=True)
 class DrivenPoint:
-    """What a drive does at one place: parts of the time that each pad and the tip are off, shape (pads,) and a number;
+    """Result of a drive at one position: parts of the time with each pad and the tip off, shape (pads,) and a number;
     mean tip load, N; mean acceleration, m/s^2."""
 
     lifted: np.ndarray
@@ -117,7 +117,7 @@ def pushed_over(case: tuple[StageMachine, float]) -> float:
 
 
 def load_centre(machine: StageMachine) -> np.ndarray:
-    """Where weight and preload act together, from the stage's middle, m, shape (2,)."""
+    """Point of action of weight and preload together, from the stage's middle, m, shape (2,)."""
     weight = machine.stage.mass * machine.gravity
     return weight * np.asarray(machine.stage.centre)[:2] / machine.load
 
@@ -142,7 +142,7 @@ def travel_map(
     cases = [(machine, Setting(ellipse, frequency, height, position)) for height in heights for position in positions]
     points: list[DrivenPoint] = run_all(_driven, cases)
     pushed = run_all(pushed_over, [(machine, position) for position in positions])
-    # The tip stands still: seen from the stage's middle it is at minus the stage's position.
+    # The tip is stationary: relative to the stage's middle it is at minus the stage's position.
     tip = machine.actuators[0]
     centre = load_centre(machine)
     limit = [tip_force_limit(machine.pads.places, centre, tip - [position, 0.0]) for position in positions]
