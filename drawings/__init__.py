@@ -1,1 +1,1 @@
-"""Drawing sheets made from the dimension declarations that stand beside the solids."""
+"""Drawing sheets made from the dimension declarations of the solids."""

@@ -1,7 +1,7 @@
 """Annotations of a sheet with their places: dimensions, callouts, tolerances, datums, marks, notes.
 
 Coordinates are either view coordinates (mm at 1:1, so that a DIMENSION entity measures the part's true size) or paper
-coordinates (mm). `names` are the declarations that an annotation stands for; each is on a sheet once.
+coordinates (mm). `names` are the declarations that an annotation shows; each is on a sheet once.
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class AngularDimension:
 
     Args:
         vertex, first, second: the vertex and a point in each direction, view coordinates.
-        arc_at: where the text is on the dimension arc, paper.
+        arc_at: position of the text on the dimension arc, paper.
         measured: value on the solid, degrees.
     """
 
@@ -100,8 +100,8 @@ class Callout:
 
     Args:
         at: the point on the feature, view coordinates.
-        elbow: where the leader becomes horizontal, paper.
-        lines: text by line; `{depth}`, `{counterbore}` and the like stand for a `Symbol`.
+        elbow: point from which the leader is horizontal, paper.
+        lines: text by line; `{depth}`, `{counterbore}` and the like are a `Symbol`.
         leftward: whether the text is left of the elbow.
     """
 
@@ -177,7 +177,7 @@ class Balloon:
 
 @dataclass(frozen=True)
 class SectionMark:
-    """Where a section is taken: thick ends of the cutting line, arrows in the direction of sight, letters (ISO 128-3).
+    """Cutting plane of a section: wide ends of the cutting line, arrows in the direction of sight, letters (ISO 128-3).
 
     Args:
         view: that shows the cutting line.

@@ -84,12 +84,12 @@ def _piece_width(text: str, symbol: Symbol | None, height: float) -> float:
 
 @cache
 def symbol_text_width(text: str, height: float = TEXT_HEIGHT) -> float:
-    """Width of a text in which `{depth}` and the like stand for symbols, mm."""
+    """Width of a text with symbols written as `{depth}` and the like, mm."""
     return sum(_piece_width(*piece, height) for piece in _pieces(text))
 
 
 def symbol_text_primitives(text: str, at: Point2, height: float = TEXT_HEIGHT) -> Iterator[Primitive]:
-    """A text in which `{depth}` and the like stand for symbols, from its left end on the base line."""
+    """A text with symbols written as `{depth}` and the like, from its left end on the base line."""
     x, y = at
     for piece, symbol in _pieces(text):
         if symbol:

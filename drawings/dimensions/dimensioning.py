@@ -1,8 +1,8 @@
 """Dimension specifications of a sheet from the declarations of a part: each once, verified on the solid.
 
 View of a dimension: the one that its declaration names, if the dimension is in true size there, a detail of that view
-before the view itself; else any view that shows it in true size. What no view shows in true size, as the depth of a
-hole seen from above, becomes a line of a callout.
+before the view itself; else any view that shows it in true size. A dimension that no
+view shows in true size, as the depth of a hole seen from above, becomes a line of a callout.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ EXACT = 1e-6
 """Greatest difference of the solid from a declared value, before rounding, mm."""
 
 LONGEST_BESIDE = 12
-"""Length of the longest note printed beside its dimension, characters; a longer one is a numbered note of the sheet."""
+"""Length of the longest note printed at its dimension, characters; a longer one is a numbered note of the sheet."""
 
 
 @dataclass(frozen=True)
 class SheetDimensions:
-    """What the views of a sheet must show, and its notes.
+    """Dimensions and tolerances to be shown in the views of a sheet, and its notes.
 
     Args:
         specs: in the order of the declarations.

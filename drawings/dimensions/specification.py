@@ -22,7 +22,7 @@ class DistanceSpec:
         angle: direction of measurement, degrees from u.
         text: as printed.
         measured: value on the solid, mm.
-        names: declarations it stands for.
+        names: declarations it shows.
     """
 
     view: str

@@ -1,6 +1,6 @@
 """A sheet as a DXF document: the part in model space at 1:1, the sheet in paper space with a viewport for each scale.
 
-Model space holds the views side by side as they stand on the paper, at the part's true size: a point p of the paper is
+Model space holds the views in their positions on the paper, at the part's true size: a point p of the paper is
 at p / scale there, and views of another scale are moved sideways. So a shop can measure the part in the file, and each
 DIMENSION measures its value. The block of a dimension is written from the primitives of the sheet, so that it looks
 the same in every program.

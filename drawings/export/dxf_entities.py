@@ -126,7 +126,7 @@ def add_dimension(doc: Any, group: PrimitiveGroup, mapping: ModelMapping) -> Non
 
 def _definition(d: MeasuredDimension, view: View) -> dict[str, Any]:
     """Type and definition points of a DIMENSION, points on paper."""
-    # 32: the block belongs to this dimension alone; 128: the text has a place of its own.
+    # 32: the block belongs to this dimension alone; 128: the position of the text is user-defined.
     own = 32 | 128
     if isinstance(d, LinearDimension):
         return {
@@ -178,7 +178,7 @@ def _middle(text: Text) -> Point2:
 
 
 def _foot(d: LinearDimension, view: View) -> Point2:
-    """Where the extension line of the second point meets the dimension line."""
+    """Intersection of the second point's extension line and the dimension line."""
     angle = math.radians(d.angle)
     u = (math.cos(angle), math.sin(angle))
     point = view.to_paper(d.second)

@@ -1,4 +1,4 @@
-"""What a sheet's DXF document shows on paper, read from the document alone: texts, lines, symbols, dimensions.
+"""Contents of a sheet on paper, read from its DXF document alone: texts, lines, symbols, dimensions.
 
 Model space is seen through the viewports of the paper space; a dimension is seen as its block.
 """
@@ -20,7 +20,7 @@ from drawings.views.view import Arc, Box2, Point2
 PART = ("VISIBLE", "HIDDEN", "CENTRE", "HATCH", "PHANTOM")
 """Layers of the part's own lines."""
 SYMBOL = 6.0
-"""Closed or bent lines beside the views that are smaller than this are symbols, mm on paper."""
+"""Closed or bent lines outside the views that are smaller than this are symbols, mm on paper."""
 
 
 @dataclass(frozen=True)

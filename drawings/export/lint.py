@@ -32,7 +32,7 @@ class Hit:
     Args:
         kind: of check that failed.
         what: description.
-        at: where on the paper, mm from the lower left corner.
+        at: position on the paper, mm from the lower left corner.
     """
 
     kind: Kind

@@ -38,7 +38,7 @@ ACROSS_COST, ACROSS_SPAN_COST = 10.0, 0.3
 OFF_MIDDLE_COST, OFF_MIDDLE_DISTANCE_COST = 1.5, 0.02
 """Of a text off the middle of its dimension line: cost at the end of the line, mm, and cost per mm off the middle."""
 BESIDE_COST, BESIDE_DISTANCE_COST = 0.5, 0.25
-"""Of a text beside its dimension line: cost, mm, and cost per mm away from it."""
+"""Of a text outside its dimension line: cost, mm, and cost per mm away from it."""
 LEADER_COST = 0.4
 """Cost of a leader per mm."""
 FRAME_LEADER_COST, FRAME_SHIFT_COST, OFF_CENTRE_COST = 0.5, 0.3, 2.0
@@ -49,9 +49,9 @@ OBLIQUE_COST = 0.05
 INSIDE_OUTLINE_COST = 9.0
 """Cost of a text within the outline of the part, mm."""
 AXIS_PARALLEL_COST, AXIS_PARALLEL_ANGLE = 2.5, 12.0
-"""Cost of a leader that looks like a line of the part, mm: less than so many degrees off horizontal or vertical."""
+"""Cost of a leader that resembles a line of the part, mm: less than so many degrees off horizontal or vertical."""
 COLUMN_BONUS = 2.0
-"""What a callout in the column at either side of the view costs less, mm."""
+"""Reduction of the cost of a callout in the column at either side of the view, mm."""
 ARC_TEXT_COST = 4.0
 """Cost of an angle's text at an end of its arc instead of at its middle, mm per length of the arc."""
 CUTTING_LINE_STEP = 3.0
@@ -120,7 +120,7 @@ def distance_candidates(
 
 
 def _text_positions(text: str, low: float, high: float, extended: bool) -> Iterator[tuple[float, float]]:
-    """Cost and middle of a text along its dimension line: between the arrows where it fits, else beside them."""
+    """Cost and middle of a text along its dimension line: between the arrows where it fits, else outside them."""
     width, span = symbol_text_width(text), high - low
     middle = (low + high) / 2
     if width + 2 * GAP < span:

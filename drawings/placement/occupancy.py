@@ -54,8 +54,8 @@ class Footprint:
         texts: bounding boxes of the texts.
         lines: all other lines.
         dimension_lines: those of `lines` that need distance from parallel dimension lines.
-        own_text_checked: whether an own line that meets an own text is a conflict. Not of a text at an angle, whose
-            bounding box is larger than the text, nor where text and lines cannot meet.
+        own_text_checked: whether an own line that meets an own text is a conflict. False for a text at an angle,
+            whose bounding box is larger than the text, and where text and lines cannot meet.
     """
 
     texts: list[Box2]
@@ -70,7 +70,7 @@ class Footprint:
 
 
 class Occupancy:
-    """What is drawn around a view at the origin of the paper so far."""
+    """Elements drawn so far around a view at the origin of the paper."""
 
     def __init__(self, view: View) -> None:
         self.outline_lines = SegmentIndex(view_lines(view, OUTLINE))
@@ -175,7 +175,7 @@ def footprint_of(annotation: Annotation, view: View) -> Footprint:
 
 
 def attachment_point(annotation: Annotation, view: View) -> Point2 | None:
-    """Where the arrow or the datum triangle of an annotation must meet a line of the part; None where it need not."""
+    """Point at which the arrow or datum triangle of an annotation must meet a line of the part; None if it need not."""
     match annotation:
         case RadialDimension():
             turn = math.radians(annotation.towards)
@@ -235,7 +235,7 @@ def _lines(item: Primitive) -> list[Line]:
 
 
 def _too_near(one: Line, other: Line) -> bool:
-    """Whether a dimension line runs beside or along another one, nearer than `DIMENSION_LINE_SPACING`."""
+    """Whether a dimension line is parallel or collinear to another one, nearer than `DIMENSION_LINE_SPACING`."""
     dx, dy = one[2] - one[0], one[3] - one[1]
     ex, ey = other[2] - other[0], other[3] - other[1]
     size, length = math.hypot(dx, dy), math.hypot(ex, ey)

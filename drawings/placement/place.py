@@ -39,7 +39,7 @@ CROSSING = 3.0
 PART_CROSSING = 0.3
 """Cost of each crossing of a line with a line of the part, mm."""
 ON_PART_LINE, ON_PART_DISTANCE = 12.0, 1.5
-"""Cost of each line of the part beside a dimension line, and the distance below which it counts, mm."""
+"""Cost of each line of the part close to a dimension line, and the distance below which it counts, mm."""
 KEEP_OUT = 1.5
 """Cost of each keep-out line that a text covers, mm."""
 SHARED_TIP, TIP_DISTANCE = 6.0, 3.0
@@ -75,7 +75,7 @@ def place_annotations(view: View, specs: Sequence[DimensionSpec], marks: Sequenc
 
     Args:
         view: with curves and scale; its place is ignored.
-        specs: what the view must show.
+        specs: dimensions and tolerances to be shown in the view.
         marks: cutting lines and circles of details, for the view at the origin.
     """
     view = replace(view, place=(0.0, 0.0))
@@ -115,7 +115,7 @@ class _Run:
     """One run of the greedy placement.
 
     Attributes:
-        occupancy: what is drawn so far.
+        occupancy: elements drawn so far.
         placed: annotations in place.
         unplaced: specifications that got no position free of conflicts.
         conflicts: number of conflicts.
@@ -149,7 +149,7 @@ class _Run:
         self._place_label()
 
     def _extension_lines(self, spec: DimensionSpec) -> list[Line]:
-        """Keep-out lines of a distance that is not placed yet: where its extension lines may have to run."""
+        """Keep-out lines of a distance that is not placed yet: possible paths of its extension lines."""
         if not isinstance(spec, DistanceSpec) or spec.angle not in (0.0, 90.0):
             return []
         x0, y0, x1, y1 = self.outline

@@ -28,7 +28,7 @@ OUTSIDE = 6.0
 
 @dataclass(frozen=True)
 class SheetArea:
-    """Where views and annotations may be.
+    """Area available for views and annotations.
 
     Args:
         space: inside of the frame, less a margin.

@@ -86,7 +86,7 @@ def _written(part: str, solid: cq.Shape, verifier: DimensionVerifier, pmi: PartP
     XCAFApp_Application.GetApplication_s().InitDocument(document)
     shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
     # Features of a pattern share their faces up to the place, and the writer looks up faces without their place: in a
-    # copy each face and edge is a shape of its own.
+    # copy each face and edge is a separate shape.
     unique = BRepBuilderAPI_Copy(solid.wrapped, False, False)
     label = shapes.AddShape(unique.Shape(), False)
     TDataStd_Name.Set_s(label, TCollection_ExtendedString(part))
@@ -198,7 +198,7 @@ class _Annotated:
                 f"XCAFDimTolObjects_GeomToleranceType_{tolerance.characteristic.capitalize()}",
             )
         )
-        # The axis of a round face lies in a cylinder; everything else between two faces.
+        # The axis of a round face is inside a cylinder; everything else between two faces.
         zone = "Diameter" if tolerance.round and tolerance.characteristic == "perpendicularity" else "None"
         content.SetTypeOfValue(
             getattr(

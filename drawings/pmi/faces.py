@@ -99,7 +99,7 @@ def faces_at(verifier: DimensionVerifier, points: Iterable[Point], normal: Point
     """The faces of a datum or a geometrical tolerance, one for each point.
 
     Args:
-        points: on the faces, or on the axis beside a round one.
+        points: on the faces, or on the axis of a round one.
         normal: of a flat face; along the axis of a round one.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The sheet of the assembly procedure: a table of steps in two columns, and pictures beside it."""
+"""The sheet of the assembly procedure: a table of steps in two columns, and pictures next to it."""
 
 from __future__ import annotations
 

@@ -149,7 +149,7 @@ def _mark(top: View) -> SectionMark:
 
 
 def balloons(shown: Picture, rows: Sequence[Row]) -> Iterator[Balloon]:
-    """Balloons of rows of the parts list, in two columns beside a view, in the order of the heights of their parts.
+    """Balloons of rows of the parts list, in two columns next to a view, in the order of the heights of their parts.
 
     Args:
         shown: with its view placed.

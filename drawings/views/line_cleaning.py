@@ -1,4 +1,4 @@
-"""Coincident curves of a view merged: each line is drawn once, and no hidden line lies under a visible one.
+"""Coincident curves of a view merged: each line is drawn once, and no hidden line is under a visible one.
 
 Hidden-line removal gives the edges of the solid one by one: pieces of one line, and edges of the near and the far side
 that coincide in projection. A visible line takes precedence over a hidden one (ISO 128-2).

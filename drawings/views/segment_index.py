@@ -21,7 +21,7 @@ CHORD = 0.05
 
 
 class SegmentIndex:
-    """Straight lines as arrays, with their bounding boxes, for queries on all of them at once."""
+    """Straight lines as arrays, with their bounding boxes, for vectorised queries."""
 
     def __init__(self, lines: Sequence[Line] = ()) -> None:
         # Rows: x0, y0, x1, y1, then the bounding box: low x, low y, high x, high y.
@@ -69,7 +69,7 @@ class SegmentIndex:
     def collinear_run(self, point: Point2, direction: Point2, near: float = 0.05) -> tuple[float, float]:
         """The stretch without gaps that lines cover on the line through a point, as distances from the point.
 
-        Both are 0 where no line lies there.
+        Both are 0 where there is no line.
         """
         u, v = direction
         ends = self._rows[:4]
@@ -83,7 +83,7 @@ class SegmentIndex:
         return low, high
 
     def count_parallel(self, line: Line, distance: float) -> int:
-        """Number of lines that run beside a line, nearer than a distance, for more than a millimetre."""
+        """Number of lines parallel to a line, nearer than a distance, for more than a millimetre."""
         x0, y0, x1, y1 = line
         near = self._near(enlarged(line_box(line), distance))
         length = math.hypot(x1 - x0, y1 - y0)
@@ -133,7 +133,7 @@ def polyline_lines(points: Sequence[Point2]) -> list[Line]:
 
 
 def arc_points(arc: Arc, scale: float = 1.0) -> list[Point2]:
-    """Points along an arc whose chords leave it by no more than `CHORD` on the paper."""
+    """Points along an arc whose chords deviate from it by at most `CHORD` on the paper."""
     radius = max(arc.radius * scale, 1e-9)
     step = 2 * math.acos(max(1 - CHORD / radius, 0.0))
     turn = math.radians((arc.end_angle - arc.start_angle) % 360.0 or 360.0)

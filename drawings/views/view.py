@@ -118,7 +118,7 @@ class Cut:
     letter: str
 
     def holds(self, point: Point, near: float = 1e-6) -> bool:
-        """Whether a point lies in the plane."""
+        """Whether a point is in the plane."""
         return abs(sum(n * (a - b) for n, a, b in zip(self.normal, point, self.point))) < near
 
 
