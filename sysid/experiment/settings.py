@@ -59,7 +59,7 @@ def check_effects(
     found: dict[str, Effect] = {}
     for name in names:
         if name in found:
-            raise InputError(f"{model.where('effects')}: '{name}' stands twice")
+            raise InputError(f"{model.where('effects')}: '{name}' is given twice")
         try:
             found[name] = find(name, own)
         except InputError as error:

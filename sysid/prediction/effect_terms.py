@@ -1,4 +1,4 @@
-"""Terms of a model along a prepared record: friction level, and forces beside the friction."""
+"""Terms of a model along a prepared record: friction level, and forces other than the friction."""
 
 from __future__ import annotations
 
@@ -81,14 +81,14 @@ def friction_level(balance: ForceBalanceRecord, effects: Sequence[Effect], value
 
 
 def axis_force(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
-    """Sum (n,) of the forces that act on the axis beside the core, N."""
+    """Sum (n,) of the forces that act on the axis in addition to the core, N."""
     total = np.zeros(balance.size)
     for effect in effects:
         if effect.force is not None:
             p = values_of(effect, values)
             total = total + TERMS.get(balance, ("force", effect.name, p), partial(effect.force, balance.axis, p))
         if effect.acts_on == "structure" and effect.signal is not None and balance.acceleration is not None:
-            # What rides on a mode keeps pulling while friction holds the body: a force as any other.
+            # The mass of a mode exerts its force also while friction holds the body: an external force.
             p = values_of(effect, values)
             own = balance.axis.acceleration
             ride = partial(effect.signal, np.ascontiguousarray(own), balance.step, p)

@@ -39,7 +39,7 @@ class Scales:
     """Scales of a set of records, in which initial values, search ranges and steps of parameters are expressed. SI
     units.
 
-    `rest` is the longest rest, or a hundredth of the time where there is none to speak of. `sliding` is the speed
+    `rest` is the longest rest, or a hundredth of the time where there is none. `sliding` is the speed
     between the tip and the stage of a friction drive; zero where there is none.
     """
 

@@ -34,7 +34,7 @@ REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
 def candidate_effects(problem: Problem, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
     """Effects to try on top of a model whose effects are named `present`, in the order of the interface.
 
-    An effect of the model is not tried again, nor is another law of its family. A friction effect that multiplies the
+    Effects of the model and other laws of their families are excluded. A friction effect that multiplies the
     level needs a level to multiply.
     """
     taken = {public_name(name) for name in present}
@@ -116,7 +116,7 @@ def _varies(records: Sequence[object], name: str) -> bool:
 
 
 def _on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
-    """A sensor effect on each measured channel and, for an actuator tip, on all alike; other effects unchanged."""
+    """A sensor effect on each measured channel and, for an actuator tip, on all together; other effects unchanged."""
     if effect.acts_on != "sensor":
         return [effect]
     channels = list(problem.fit_records[0].measured)

@@ -71,7 +71,7 @@ def load_problem(path: str | Path, design: DesignValues | None = None) -> Proble
     """Read an experiment and build its identification problem.
 
     Raises:
-        InputError: one line that says what is wrong with a file.
+        InputError: one line on the fault in a file.
     """
     experiment = load_experiment(path, design)
     if experiment.rig.kind not in FORMS:

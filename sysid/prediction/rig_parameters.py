@@ -114,7 +114,7 @@ def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, n
 
 
 def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
-    """Mass that would need all of the force: its size over that of the acceleration, where that stands off its noise.
+    """Mass that would need all of the force: its size over that of the acceleration, where that exceeds its noise.
 
     An upper guess: it sets how wide a filter the first estimate of the mass begins with.
     """

@@ -81,7 +81,7 @@ class _Terms:
 
     Args:
         level: of the friction, N, (n,).
-        forces: beside it, N, (n,).
+        forces: all others, N, (n,).
     """
 
     level: np.ndarray
@@ -121,7 +121,7 @@ def _friction(
             resolved_friction = _event_resolved(balance, effects, values, forces, level, usual, core)
             part = unseen
             if balance.stick_phases is not None and balance.stick_fraction is not None:
-                # How the body gives way at rest is scored as a displacement, from rest to rest.
+                # The presliding displacement of the body at rest is scored from rest to rest.
                 part = np.where(
                     balance.stick_fraction > FULLY_AT_REST, min(1.0, unseen / DISPLACEMENT_SUFFICES), unseen
                 )
@@ -153,7 +153,7 @@ def unobservable_part(balance: ForceBalanceRecord, core: Effect, usual: float, p
     balance.
 
     With the force's noise s_F and the position's, s_x, a bristle of stiffness k is known along the motion to k s_x, and
-    from the balance to s_F: what is left of the difference is s_F / hypot(s_F, k s_x) of it.
+    from the balance to s_F: the part s_F / hypot(s_F, k s_x) of the difference remains.
     """
     assert core.friction_state is not None
     if balance.stick_fraction is None or core.friction_state.name == "coulomb":
@@ -300,7 +300,7 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
 def _as_driven(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> np.ndarray:
     """The applied force (n,) at the time of the logged motion, which friction balances while sticking.
 
-    A pulling spring's is the force before its sensor: what that does comes later, with every other force.
+    For a pulling spring, the force before its sensor: the sensor's effects are applied later, to all forces.
     """
     assert balance.applied is not None
     if balance.force_channel != "position":

@@ -47,7 +47,7 @@ class _Signal(NamedTuple):
 
 
 class _Motion(NamedTuple):
-    """What the axis of a driven mass is computed from: time, position and its noise, gaps, load and temperature."""
+    """Inputs of the axis of a driven mass: time, position and its noise, gaps, load and temperature."""
 
     time: np.ndarray
     position: _Signal

@@ -1,8 +1,8 @@
 """A record as a force balance: measured force on one side, motion that every effect is evaluated along on the other.
 
-Force, acceleration and every term of the model pass through the same Gaussian filter, so that what is left between
-them is noise and missing physics, not filtering. The width of the filter follows from the position's noise: wide
-enough that mass times acceleration is no noisier than the force.
+Force, acceleration and every term of the model pass through the same Gaussian filter, so that the residual
+contains noise and missing physics, not filtering. The width of the filter follows from the position's noise: wide enough
+that mass times acceleration is no noisier than the force.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
 
 PREFILTER_SHARE = 0.4
-"""Part of the whole filter's width that the motion has passed before a law sees it."""
+"""Part of the whole filter's width that is applied to the motion before a law is evaluated."""
 
 EDGE_WIDTHS = 4.0
-"""Samples this many filter widths from the ends or from a gap are not scored: they lean on a guess."""
+"""Samples this many filter widths from the ends or from a gap are not scored: they depend on the extrapolation."""
 
 
 @dataclass(eq=False)
@@ -32,14 +32,14 @@ class ForceBalanceRecord:
     `measured` has the force channel, filtered (spring force, drive force or friction force), and, on a spring-pull rig
     with both, the position. `noise` is the standard deviation that sensor noise leaves in each channel's residual.
 
-    `complementary_filter` takes what a law says of the lightly filtered motion to the measured channels' filter.
-    `full_filter` is that filter in one, for what is sharp: Coulomb friction of a driven mass, which flips with
+    `complementary_filter` is applied to a law's value for the lightly filtered motion, to match the measured channels.
+    `full_filter` is that filter in one, for discontinuous terms: Coulomb friction of a driven mass, which flips with
     `direction` and at `reversals`, and equals `applied`, the unfiltered force, while the body rests (`stick_fraction`,
     the part of each step). Each of the `slip_phases` is put where the model's own momentum ends; `prefilter_samples` is
     the width of the light filter in samples. `velocity_sign` is the sign of a velocity that was given, at the sample;
     zero where it is not sure. `half_width_variant` makes the axis from a motion filtered half as much, and the rest of
-    the filter: what differs is the price of filtering. `stick_phases` has the displacements while friction holds the
-    body, scored beside the measured channels. `raw_position` is the position as it was logged, gaps bridged where
+    the filter: the difference is the error by filtering. `stick_phases` has the displacements while friction holds the
+    body, scored in addition to the measured channels. `raw_position` is the logged position, gaps bridged where
     anything was `interpolated`.
     """
 
@@ -81,7 +81,7 @@ class ForceBalanceRecord:
 
     @property
     def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
-        """What a model is scored on, by name: values (n,), the samples that count (n,), and their noise."""
+        """Signals compared with a model, by name: values (n,), the samples that count (n,), and their noise."""
         out = {channel: (y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
         if self.stick_phases is not None:
             out[STICK_DISPLACEMENT] = (

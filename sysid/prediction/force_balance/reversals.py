@@ -149,7 +149,7 @@ def resolve_events(
     """
     n = velocity.size
     sign = np.where(resting, 0.0, np.sign(velocity))
-    # Noise at rest looks like motion for a sample or two.
+    # Noise at rest is detected as motion for a sample or two.
     for start, stop in runs(sign != 0.0):
         if stop - start < settings.shortest:
             sign[start:stop] = 0.0

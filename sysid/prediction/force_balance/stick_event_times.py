@@ -3,11 +3,11 @@
 The smoothed velocity is disturbed within some filter widths of a kink of the motion. From outside that range the
 balance m v' = applied - friction is integrated to v = 0. The error of that time is an error of momentum, no larger
 than the velocity's noise and the model's own misfit over the distance: the filtered balance across a sticking onset is
-then as good as beside it, whatever force it ends.
+then as accurate as away from it, for any force.
 
 After the onset a presliding contact lets the mass oscillate on its bristles. The position's noise hides their stretch;
 the force does not need it: with all bristles stretched one way at the onset, m x'' = push - friction(x) is integrated
-in small steps, the bristles being parallel ideal springs that each yield at a stretch of their own (Iwan, J. Appl.
+in small steps, the bristles being parallel ideal springs that each yield at an individual stretch (Iwan, J. Appl.
 Mech. 33 (1966) 893), until all have yielded and the mass slips.
 """
 
@@ -119,7 +119,7 @@ def _extrapolate(out: np.ndarray, motion: SmoothedMotion, start: int, limit: int
 def restored_kinks(motion: SmoothedMotion, phases: SlipPhases) -> np.ndarray:
     """Velocity (n,), per sample, with its kinks at sticking onsets and break-aways, which a filter rounds off.
 
-    From some filter widths beside a kink the acceleration is continued as it was there, but for the change of the
+    From some filter widths off a kink the acceleration is continued unchanged, except for the change of the
     drive: friction is taken as constant over so short a distance. Between the two sides the body rests.
     """
     out, clear, n = motion.velocity.copy(), _undisturbed(motion.width), motion.velocity.size
@@ -190,7 +190,7 @@ def sticking_onsets(
 def break_away_times(phases: SlipPhases, forces: Forces, search: float) -> np.ndarray:
     """Times (k,) from which friction no longer holds the body, in samples.
 
-    A stick phase lasts at least until the push reaches the level: the smoothed velocity starts before.
+    A stick phase continues at least until the push reaches the level: the smoothed velocity starts before.
 
     Args:
         phases: of sliding motion.
@@ -230,7 +230,7 @@ class Onsets(NamedTuple):
 
 
 class Slip(NamedTuple):
-    """What shows that a mass slips: mean sign of the motion over each step, 0 while it sticks, and smoothed position,
+    """Signs that a mass slips: mean sign of the motion over each step, 0 while it sticks, and smoothed position,
     m, each (n,); and the displacement, m, at which the position shows it whatever the balance."""
 
     direction: np.ndarray
@@ -260,7 +260,7 @@ def write_presliding_friction(
     Args:
         out: friction, N, mean over the step around each sample, (n,).
         onsets: of the stick phases.
-        slip: what ends them.
+        slip: their end.
         forces: on the mass.
         springs: the bristles.
         scale: step^2 / mass.

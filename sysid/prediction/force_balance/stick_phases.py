@@ -20,7 +20,7 @@ from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
 from sysid.signals.masks import runs
 
 STICK_DISPLACEMENT = "rest"
-"""Name under which displacements at rest are predicted and scored, beside the measured channels."""
+"""Name under which displacements at rest are predicted and scored, in addition to the measured channels."""
 
 LEAST_SAMPLES = 10
 """Least scored samples of a stick phase."""

@@ -106,10 +106,10 @@ def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, fl
         if slip_side != 0.0:
             limit = contact_limit_at(constants, now, slip_side, sliding)
             force = slip_side * limit
-            # A limit that rises at once, because the slip slows down, is not followed by the spring.
+            # A limit that rises immediately, because the slip slows down, is not followed by the spring.
             below = below or slip_side * spring < limit * (1.0 - 1e-12)
             if slip_side * sliding < 0.0:
-                # A tip that reverses from row to row ends the slip at once.
+                # A tip that reverses from row to row ends the slip immediately.
                 spring = slip_side * min(slip_side * spring, limit)
                 slip_side, force, below = 0.0, spring + constants.damping * sliding, True
             elif below and slip_side * elastic <= limit:

@@ -128,7 +128,7 @@ def _contact_load(record: ForceBalanceRecord, load: np.ndarray) -> np.ndarray:
 
 
 def _contact_axis(record: ForceBalanceRecord, along: np.ndarray, load: np.ndarray) -> Axis:
-    """The axis of the contact: the tip's motion over the measured one of the stage, both filtered alike."""
+    """The axis of the contact: the tip's motion over the measured one of the stage, both with the same filter."""
 
     def computed() -> Axis:
         prefilter = GaussianFilter(PREFILTER_STEPS * record.step, record.step, record.size)

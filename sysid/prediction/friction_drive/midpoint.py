@@ -97,7 +97,7 @@ def _scaled(contact: Contact, bristles: Bristles, stiffness: float, limit: float
     """Stiffness, limit and force of the contact's bristles at a friction limit, N, written in place."""
     for e in range(contact.force.size):
         if bristles.weights.size > 1:
-            # Elements that yield at a stretch of their own keep their stretch when the limit changes.
+            # Elements that yield at an individual stretch keep their stretch when the limit changes.
             cap = limit * bristles.weights[e]
             contact.force[e] = contact.force[e] * cap / contact.limit[e] if contact.limit[e] > 0.0 else 0.0
             contact.stiffness[e], contact.limit[e] = cap / bristles.stretches[e], cap
@@ -205,7 +205,7 @@ def _simulate(
     stretch = np.zeros(pads.weights.size)  # stretch of each pad bristle, m
     x, v, side = 0.0, 0.0, 0.0
     for i in range(1, out.size):
-        # Limits are linear from row to row; where one is infinite, or the tip off, the new row's holds at once.
+        # Limits are linear from row to row; where one is infinite, or the tip off, the new row's applies immediately.
         changes = 0.0 < contact.limit[i] < np.inf and 0.0 < contact.limit[i - 1] < np.inf
         done, parts, coarse = 0, substeps, True
         while done < parts:

@@ -24,11 +24,11 @@ CONTACT_DAMPING = 0.03
 MASS = 1.0
 """kg, where a fit of the mass begins."""
 MOST_DAMPING = 10.0
-"""Times its start, a third of critical, that the dashpot may grow: a fit that wants more wants something else."""
+"""Times its start, a third of critical, that the dashpot may grow; a fit at this bound indicates a missing effect."""
 GUIDE = 0.01
 """Of the contact's stiffness: the size in which a guide across the travel (teeth, a flexure) is fitted."""
 MOST_TURN = 0.3
-"""rad that the sensors may stand turned to the tip."""
+"""Largest rotation of the sensors against the tip, rad."""
 GOES_UP = 0.02
 """Range of the tip's rise over the swing of its lean from which the rise counts."""
 
@@ -76,12 +76,12 @@ def friction_drive_parameters(
 
 
 def contact_damping(stiffness: float, mass: float) -> float:
-    """Where a fit of the contact's dashpot begins, N s/m."""
+    """Start of a fit of the contact's dashpot, N s/m."""
     return CONTACT_DAMPING * 2.0 * float(np.sqrt(stiffness * mass))
 
 
 def gain_and_indentation(known: Mapping[str, Known], records: Sequence[Record]) -> tuple[float, float | None]:
-    """Where a fit begins: the gain that makes the tip's travel the stage's, m/V, and the preload indentation of the
+    """Start of a fit: the gain that makes the tip's travel the stage's, m/V, and the preload indentation of the
     tip, m.
 
     The indentation is none where the tip does not move up and down: then it is not identifiable.

@@ -3,7 +3,7 @@
     m x'' = T - P v/|v| + push,   |T| <= limit   (vectors along and across; pads at rest hold up to P in any direction)
 
 A guide (teeth, or nothing) pulls back across. Position Verlet at a fixed step: half a step, the forces there, and half
-a step; friction takes away what speed it can, and no more. Second order between events.
+a step; friction reduces the speed, at most to zero. Second order between events.
 """
 
 from __future__ import annotations

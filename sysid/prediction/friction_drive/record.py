@@ -14,7 +14,7 @@ The motion of the stage is simulated from rest and compared with the measured po
 sticks and slips: rigid for `coulomb`, as parallel elasto-plastic bristles for `presliding`, whose stretch follows the
 simulated motion, as a friction limit does that depends on the velocity. Other dependences of a limit (position, load,
 distance) are evaluated along the measured motion: it is known far better than any limit changes with it, and one
-simulation suffices. Where a limit grows with the time at rest, a second one takes the motion of the first.
+simulation suffices. If a limit grows with the time at rest, a second simulation uses the motion of the first.
 
 The motion determines forces and mass over the contact stiffness k only (`friction_drive_parameters`).
 """
@@ -54,7 +54,7 @@ from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
 
 TRANSVERSE = "position_y"
-"""The channel across the travel: where it is measured, the motion is simulated in the plane."""
+"""The channel across the travel: if it is measured, the motion is simulated in the plane."""
 GRAVITY = 9.80665
 PAD_FRICTION = 0.05
 """Friction over weight of a run-in pad: initial value of the pads' friction level."""
@@ -142,7 +142,7 @@ def tip_motion(
     up = gain * np.mean(stretches, axis=0)
     across = np.zeros(record.size)
     if len(stretches) > 2:
-        # The third stack stands at the top of an equilateral triangle.
+        # The third stack is at the apex of an equilateral triangle.
         across = -record.lever * gain * (stretches[2] - 0.5 * (first + second)) / (0.5 * np.sqrt(3.0))
     for effect in effects:
         if effect.acts_on == "structure" and effect.signal is not None:
@@ -170,7 +170,7 @@ def _sensed_from_start(
     ok = record.valid
     begun = {name: x + record.measured[name][int(np.argmax(ok[name]))] for name, x in moved.items()}
     seen = sensed(effects, values, begun, record.step)
-    # Where a record begins is read with the noise of one sample; its mean is read with all of them.
+    # The first position has the noise of one sample; the mean averages the noise of all samples.
     return {name: x + float(np.mean((record.measured[name] - x)[ok[name]])) for name, x in seen.items()}
 
 

@@ -99,7 +99,7 @@ def _limit(table: VelocityTable, limit: float, factor: float, side: float, veloc
 
 @inlined
 def velocity_force(table: VelocityTable, velocity: float) -> float:
-    """Velocity-dependent force beside the friction limit, N."""
+    """Velocity-dependent force in addition to the friction limit, N."""
     if table.values.shape[1] == 0:
         return 0.0
     return _looked_up(table.values[4 if velocity > 0.0 else 5], velocity, table.top)
@@ -181,7 +181,7 @@ def _runge_kutta(constants: Constants, now: Inputs, state: State, t: float) -> t
     x, v, q = state.x, state.v, state.spring
     sticks = state.touching and state.slip_side == 0.0
     if sticks:
-        # A tip that reverses from row to row may lower the limit at once.
+        # A tip that reverses from row to row may lower the limit immediately.
         q = _limited_spring(constants, now, q, now.tip_velocity - v)
     for n in range(count):
         begin, middle, end = inputs_after(now, n * h), inputs_after(now, n * h + 0.5 * h), inputs_after(now, n * h + h)

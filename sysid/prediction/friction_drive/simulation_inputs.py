@@ -95,7 +95,7 @@ def resolved_stage(stage: DrivenStage, guide: float = 0.0) -> DrivenStage:
     that rows can show, and falls with the square of the frequency.
 
     Args:
-        stage: as it is.
+        stage: with its own mass and damping.
         guide: further stiffness, N/m.
     """
     frequency = np.sqrt((stage.stiffness + guide) / stage.mass)
@@ -117,7 +117,7 @@ def velocity_table(effects: Sequence[Effect], values: Values, axis: Axis, top: f
     Args:
         effects: of one contact.
         values: of their parameters.
-        axis: of the record; its means stand for the other quantities of a law.
+        axis: of the record; its means replace the other quantities of a law.
         top: m/s.
     """
     if not effects:
