@@ -132,7 +132,7 @@ def _friction(
 
 
 def _usual(core: Effect, level: np.ndarray) -> float:
-    """Usual friction level of a core with bristles, N; one without asks for none."""
+    """Usual friction level of a core with bristles, N; zero for one without."""
     return 0.0 if core.friction_state is not None and core.friction_state.name == "coulomb" else median_level(level)
 
 

@@ -1,8 +1,8 @@
 """A record as a force balance: measured force on one side, motion that every effect is evaluated along on the other.
 
-Force, acceleration and every term of the model pass through the same Gaussian filter, so that the residual
-contains noise and missing physics, not filtering. The width of the filter follows from the position's noise: wide enough
-that mass times acceleration is no noisier than the force.
+Force, acceleration and every term of the model pass through the same Gaussian filter, so that the residual contains
+noise and missing physics, not filtering. The width of the filter follows from the position's noise: wide enough that
+mass times acceleration is no noisier than the force.
 """
 
 from __future__ import annotations
