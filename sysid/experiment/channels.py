@@ -128,7 +128,7 @@ def choose_columns(
                 f"{nearest(wanted, [column.name for column in columns])}"
             )
         if len(found) > 1:
-            notes.append(f"column '{wanted}' stands {len(found)} times; the first serves")
+            notes.append(f"column '{wanted}' is given {len(found)} times; the first is used")
         if found:
             by_channel[channel] = found[0]
     _check_present(by_channel, rig, columns, file)

@@ -4,8 +4,8 @@
 000 is the model before anything was added. Nothing is deleted: an undone rung moves to `ladder/undone/`.
 
 Order of writes: a note of what is about to happen (`ladder/pending.json`), the rung, `experiment.toml`, the note away.
-Each file is written atomically. A run that is stopped in between leaves the note, and `experiment.toml` tells how far
-it came: if it holds the new model, the change stands, if not, the rung is set aside. Readers come to the same
+Each file is written atomically. A run that is stopped in between leaves the note, and `experiment.toml` shows its
+progress: if it contains the new model, the change is kept, if not, the rung is set aside. Readers come to the same
 conclusion without writing.
 """
 

@@ -117,7 +117,7 @@ def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
             _set(table, key, value)
         edited = tomlkit.dumps(document)
         if model_hash(model_of(edited)) != model_hash(model):
-            # A layout that cannot be edited piece by piece (dotted keys across tables) is written anew.
+            # A layout that cannot be edited piece by piece (dotted keys across tables) is rewritten.
             document["model"] = tomlkit.item(dict(model))
             edited = tomlkit.dumps(document)
     except (TOMLKitError, KeyError, TypeError) as error:

@@ -66,7 +66,7 @@ class Record:
 def load_records(experiment: Experiment) -> list[Record]:
     """Read every record of an experiment.
 
-    Without a record that validates, the last 30 % in time of each record is held out as a record of its own that
+    Without a record that validates, the last 30 % in time of each record is held out as a separate record that
     continues the first part, and both say so in their notes.
 
     Raises:
@@ -165,7 +165,7 @@ def _check_values(
         gaps = int(np.count_nonzero(np.isnan(array)))
         if gaps == array.size:
             # An optional channel may be empty; a required one may not, unless its alternative is recorded.
-            notes.append(f"column '{label}' holds no number; left out")
+            notes.append(f"column '{label}' contains no numbers; left out")
             continue
         if gaps:
             notes.append(f"column '{label}' has {gaps} gap{'s' if gaps > 1 else ''} in {array.size} rows")
@@ -175,7 +175,7 @@ def _check_values(
     for group in (*rig.inputs, *rig.measured):
         if not any(channel in kept for channel in group):
             columns = " and ".join(f"'{spec.sources[c].column.label.strip()}'" for c in group if c in spec.sources)
-            raise InputError(f"{name}: column {columns}: holds no number; {rig.name} needs it")
+            raise InputError(f"{name}: column {columns}: contains no numbers; {rig.name} needs it")
     return kept
 
 

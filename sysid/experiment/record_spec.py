@@ -133,7 +133,7 @@ def _resolve_continues(records: list[RecordSpec]) -> tuple[RecordSpec, ...]:
                 raise InputError(f"{record.where}: continues = '{record.continues}': a record cannot continue itself")
             if other not in [earlier.name for earlier in resolved]:
                 raise InputError(
-                    f"{record.where}: continues = '{record.continues}' stands below; "
+                    f"{record.where}: continues = '{record.continues}' is defined below; "
                     "put the earlier record above the later"
                 )
             record = replace(record, continues=other)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Prior:
-    """What is known of a number before the fit: its value and standard deviation."""
+    """Prior knowledge of a value before the fit: its value and standard deviation."""
 
     value: float
     std: float

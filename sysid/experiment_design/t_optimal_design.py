@@ -104,7 +104,7 @@ def suggest(
 ) -> Suggestion:
     """Diagnose an experiment, and find the motion that would best settle what its records leave open.
 
-    Where nothing is missing (any more), the effect added last is weighed against what could stand in its place. With
+    Where nothing is missing (any more), the effect added last is compared with its alternatives. With
     a single model there is nothing to discriminate, and only the space-filling motion remains.
 
     Raises:

@@ -54,7 +54,7 @@ class Noise:
         source: where the value comes from.
         correlation: correlation of neighbouring samples (first-order autoregression); zero for white noise.
         correlation_time: s, -step / log(correlation); zero for white noise.
-        filtered: the log was low-passed: differences of neighbours say nothing about the noise.
+        filtered: the log was low-passed: differences of neighbours contain no information on the noise.
         quantisation_step: step of the grid the values lie on, SI; none where they lie on no grid.
         note: for people, one line.
         without_quantisation: deviation without the steps of the grid, SI, where `value` counts them in; none where it
@@ -72,7 +72,7 @@ class Noise:
     without_quantisation: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """As it stands in the output: a quantity with `from`."""
+        """JSON output: a quantity with `from`."""
         return {**as_json(self.value, self.unit), "from": self.source}
 
 
@@ -202,7 +202,7 @@ def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
 def _input_idle(
     records: Sequence[Record], channel: str, overall: Autoregression, quantisation_step: float | None
 ) -> Autoregression | None:
-    """The noise where the input stands still, if that is long enough and free of motion that goes on."""
+    """The noise where the input stands still, if that is long enough and free of residual motion."""
     pieces: list[np.ndarray] = []
     for record in records:
         inputs = [name for name in _inputs(record) if name != channel and name in record.channels]

@@ -15,7 +15,7 @@ BAND = 0.1325
 """Frequency at which a Gaussian filter lets half the power through, times its width: sqrt(ln 2) / (2 pi)."""
 
 CUT_SMOOTHING = 6.0
-"""The same where nothing is differentiated and only some samples are wanted: what is cut off weighs 2e-9."""
+"""The same for smoothing at some samples only: the weight of the truncated part is 2e-9."""
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
@@ -52,7 +52,7 @@ def _smoothed_at(signal: np.ndarray, kernel: np.ndarray, index: np.ndarray) -> n
 class GaussianFilter:
     """Convolution with a Gaussian of standard deviation `width` (s), or its first or second derivative.
 
-    The ends are continued by odd reflection; within `margin` samples of them the result leans on that guess.
+    The ends are continued by odd reflection; within `margin` samples of them the result depends on that extrapolation.
     A `width` of zero leaves signals as they are.
     """
 

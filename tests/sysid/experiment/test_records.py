@@ -67,7 +67,7 @@ def test_other_names_units_of_the_experiment_and_notes_on_the_rest(tmp_path):
     assert np.allclose(record.channels["position"], X[: record.size])
     assert np.allclose(record.channels["friction_force"], F[: record.size])
     text = "\n".join(record.notes)
-    assert "column 'force' stands 2 times" in text and "column 'spare [m]' is not known" in text
+    assert "column 'force' is given 2 times" in text and "column 'spare [m]' is not known" in text
 
 
 def test_window_keeps_both_ends_and_the_logged_time(tmp_path):
@@ -93,7 +93,7 @@ def test_gaps_stay_gaps_whatever_they_are_written_as(tmp_path):
     assert np.allclose(_whole(records, "friction_force"), gaps, equal_nan=True)
     assert "temperature" not in records[0].channels
     notes = "\n".join(records[0].notes)
-    assert "has 3 gaps in 100 rows" in notes and "'temperature [degC]' holds no number" in notes
+    assert "has 3 gaps in 100 rows" in notes and "'temperature [degC]' contains no numbers" in notes
 
 
 def test_parquet_and_mat_give_the_same_record_as_csv(tmp_path):
