@@ -39,7 +39,7 @@ Completed = Generator[tuple[int, Any], None, None]
 """Index and result of each item in the order of completion; closing it ends the workers."""
 
 MAX_FORKED = 4
-"""Most processes of `fork_map`: each has its own copy of the memory that it changes."""
+"""Largest number of processes of `fork_map`: each has its own copy of the memory that it changes."""
 POLL = 0.5
 """Interval at which the processor time of the workers is read, s."""
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -118,13 +118,13 @@ def fork_map(
 ) -> list[Result]:
     """`[function(item) for item in items]`, in forked processes: function and items are inherited.
 
-    What a worker cannot return, since it does not pickle or the worker ended, is computed in this process. So is
-    everything where forking is not safe: on other systems than Linux, and outside of the main thread.
+    Results that a worker cannot return (not picklable, or the worker ended) are computed in this process. All items
+    are computed in this process if forking is not safe: on systems other than Linux, and outside the main thread.
 
     Args:
-        function: any callable that changes nothing the caller uses.
+        function: any callable without side effects on objects of the caller.
         items: begun in this order.
-        identical: objects of the caller; where a result refers to one, it refers to the caller's own, not to a copy.
+        identical: objects of the caller that results refer to directly, not to a copy.
         progress: called in this process with each item once it is completed.
     """
     count = min(MAX_FORKED, processors(), len(items))
@@ -171,7 +171,7 @@ class _Pool:
 
     Args:
         method: how processes are started, `spawn` or `fork`.
-        count: most processes.
+        count: largest number of processes.
         function: applied to each item.
         limit: for each item.
         identical: objects that results refer to without a copy being sent.
@@ -250,7 +250,7 @@ class _Pool:
 
 
 class _Pickler(pickle.Pickler):
-    """Writes the place of an object in `identical` instead of the object."""
+    """Writes the index of an object in `identical` instead of the object."""
 
     def __init__(self, file: io.BytesIO, identical: Sequence[object]) -> None:
         super().__init__(file, pickle.HIGHEST_PROTOCOL)
@@ -261,7 +261,7 @@ class _Pickler(pickle.Pickler):
 
 
 class _Unpickler(pickle.Unpickler):
-    """Reads what `_Pickler` wrote."""
+    """Reads the output of `_Pickler`."""
 
     def __init__(self, file: io.BytesIO, identical: Sequence[object]) -> None:
         super().__init__(file)
@@ -281,7 +281,7 @@ class _Worker:
         self._limit = pool.limit
         self._process = context.Process(target=_serve, args=(other_end, pool, os.getpid()), daemon=True)
         with _interrupts_blocked(pool.method), warnings.catch_warnings():
-            # Python 3.12 warns of forks with threads; those that `fork_map` meets hold no lock that a worker needs.
+            # Python 3.12 warns of forks with threads; threads alive during `fork_map` hold no lock that a worker needs.
             warnings.simplefilter("ignore", DeprecationWarning)
             self._process.start()
         other_end.close()
@@ -318,12 +318,12 @@ class _Worker:
 
 @contextlib.contextmanager
 def _interrupts_blocked(method: str) -> Iterator[None]:
-    """Ctrl-C waits for the end of the block; processes started in it never receive it (the mask is inherited)."""
+    """SIGINT is blocked until the end of the block, and permanently in processes started in it (inherited mask)."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     if method == "spawn":
-        # A helper of `multiprocessing`, which would be started with the first process and unblock the signal again.
+        # Start this process of `multiprocessing` now: started with the first worker, it would unblock the signal.
         resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -342,11 +342,11 @@ def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
     _end_with_parent(parent)
     os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     threadpool_limits(1, user_api="blas")
-    # Collections would search all that the worker has loaded, for a fifth of its time.
+    # Exclude the loaded objects from garbage collection and collect rarely: it would take a fifth of the time.
     gc.freeze()
     gc.set_threshold(100_000)
     if pool.method == "fork":
-        # A thread of the parent's may have held the lock of a stream when it was copied.
+        # A thread of the parent process may have held the lock of a stream at the fork.
         sys.stdout = sys.stderr = io.StringIO()
     with contextlib.suppress(EOFError, OSError):
         while True:

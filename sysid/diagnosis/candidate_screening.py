@@ -24,19 +24,19 @@ from sysid.prediction.observable import candidate_effects
 from sysid.prediction.problem import Problem
 
 Progress = Callable[[str, int, int], None]
-"""Called with the name of the next step, the number of steps done, and their total; once more when all are done."""
+"""Called with the name of the next step, the number of completed steps, and the total; and again at the end."""
 
 
 LEAST_PROMISE = 0.02
 OF_THE_BEST = 0.1
-"""Predicted share of the squared residual, and its ratio to the best one, below which no short fit is made. A true
-second effect had at least 0.05, and 0.4 of the best (generated records)."""
+"""Predicted share of the squared residual, and its ratio to the largest one, below which no short fit is made. In
+generated records with two missing effects, the second one had at least 0.05, and 0.4 of the largest."""
 
 OF_THE_NEEDED = 0.25
-"""The same as a part of the share needed: a fit may remove several times the share that the linear score predicts."""
+"""The same limit relative to the share needed: a fit may remove several times the share predicted by the score."""
 
 ROWS_SEEN = 5000
-"""Least number of rows of the residual, if it has so many, at which the sensitivities are kept."""
+"""Least number of rows of the residual at which the sensitivities are kept; all rows if there are fewer."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +44,9 @@ class CandidateJacobians:
     """Changes of the residual by candidate effects; nearly unchanged if the model has one effect more or less.
 
     Args:
-        size: of the residual.
-        rows: of the residual at which the changes are kept.
-        grids: points of the shape grid, by name of the effect.
+        size: number of rows of the residual.
+        rows: indices of the rows at which the changes are kept.
+        grids: changes at the points of the shape grid, by name of the effect.
     """
 
     size: int
@@ -95,7 +95,7 @@ def screen_all(
     fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
     if jacobians is not None and (jacobians.size != size or any(isinstance(r, FrictionDriveRecord) for r in records)):
-        # With one effect more or less a driven stage slips at other times.
+        # On a driven stage one effect more or less changes the times of slip.
         jacobians = None
     rows = EVERY_ROW if jacobians is None else jacobians.rows
     kept = slice(None, None, max(1, size // ROWS_SEEN))

@@ -1,4 +1,4 @@
-"""Share of a residual explained by a coordinate: binned predictor, learned on some samples and tested on others.
+"""Share of a residual explained by a coordinate: binned predictor, estimated on some samples, tested on others.
 
 The predictor is the mean residual in bins of the coordinate, separately for the two directions of motion, shrunk
 towards zero in bins of few samples, and common to all records; per record for time and distance travelled, which do not
@@ -23,7 +23,7 @@ from sysid.prediction.model import Model, PreparedRecord, predict
 
 
 def coordinates_of(record: PreparedRecord) -> dict[str, np.ndarray]:
-    """Coordinates (n,) of a record by the names of the interface, except `frequency`."""
+    """Coordinates (n,) of a record by their public names, except `frequency`."""
     if isinstance(record, TipRecord):
         rate = np.gradient(np.mean(record.drives, axis=0), record.step)
         out = {"time": record.time, "input": np.mean(record.drives, axis=0), "velocity": rate}
@@ -53,7 +53,7 @@ _BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age"
 
 
 def edges_of(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
-    """Edges of the bins of a coordinate, the outer ones open: equidistant, or quantiles for unevenly spread
+    """Edges of the bins of a coordinate, the outer bins unbounded: equidistant, or quantiles for unevenly distributed
     coordinates."""
     if coordinate == "direction":
         return np.array([-np.inf, 0.0, np.inf])
@@ -66,28 +66,28 @@ def edges_of(values: np.ndarray, coordinate: str, bins: int) -> np.ndarray:
 
 
 def cells_of(values: np.ndarray, direction: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Cell of each sample (n,): its bin, numbered on for backward motion."""
+    """Cell of each sample (n,): its bin; for backward motion plus the number of bins."""
     index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, edges.size - 2)
     return index + (edges.size - 1) * (direction < 0)
 
 
 def means_of(cells: np.ndarray, residual: np.ndarray, count: int) -> np.ndarray:
-    """Mean residual per cell (count,), shrunk towards zero where a cell holds few samples."""
+    """Mean residual per cell (count,), shrunk towards zero in cells of few samples."""
     number = np.bincount(cells, minlength=count)
     return np.bincount(cells, residual, minlength=count) / (number + 3.0)
 
 
 BINS = 12
-"""Bins of the explained share, the same for every coordinate: with many, any residual is a function of time."""
+"""Bins of the explained share, the same for every coordinate: with many bins, time would explain any residual."""
 
 FINE_BINS = 96
-"""Bins of a second, cross-validated predictor over the position, for a texture that repeats within the travel."""
+"""Bins of a second, cross-validated predictor over the position, for patterns that are periodic in the position."""
 
 PER_RECORD = ("time", "distance_travelled")
 """Coordinates whose values do not recur, within a record or in another."""
 
 CROSS_VALIDATION_RATIO = 1.5
-"""Upper limit of the share over the cross-validated one: a single event is no dependence on the coordinate."""
+"""Largest ratio of the share to the cross-validated one: a single event is not a dependence on the coordinate."""
 
 DRAWN_BINS = 24
 KEPT_BELOW = 0.995
@@ -100,7 +100,7 @@ Samples = tuple[Mapping[str, np.ndarray], np.ndarray, np.ndarray]
 """Coordinates by name, residual and block number of the scored samples, each (n,)."""
 
 MONOTONIC_IN_TIME = 0.9
-"""Absolute rank correlation with time from which a coordinate is hardly distinguishable from time."""
+"""Absolute rank correlation with time above which a coordinate is not distinguishable from time."""
 
 
 def paired_samples(
@@ -119,7 +119,7 @@ def paired_samples(
 
 
 def common_coordinates(learn: Samples, judge: Samples) -> list[str]:
-    """Names of the coordinates that both sets of samples have."""
+    """Names of the coordinates in both sets of samples."""
     return [name for name in learn[0] if name != "_direction" and name in judge[0]]
 
 
@@ -132,7 +132,7 @@ def _worst_channels(model: Model, records: Sequence[PreparedRecord]) -> list[str
 def _samples(
     model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights, channel: str
 ) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray] | None:
-    """Coordinates, residual (n,) and block number (n,) at the scored samples of all records that hold the channel."""
+    """Coordinates, residual (n,) and block number (n,) at the scored samples of all records with the channel."""
     coordinates: dict[str, list[np.ndarray]] = {}
     residuals, block_numbers, start = [], [], 0
     for record, std, samples in zip(records, weights.std, weights.samples, strict=True):
@@ -218,7 +218,8 @@ def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:
 
 
 def share_beyond_time(predictor: Predictor) -> float:
-    """Share explained by a coordinate after time, less the share explained by time after the coordinate."""
+    """Share explained by a coordinate after removal of the time dependence, minus the share explained by time after
+    removal of the dependence on the coordinate."""
     residual = predictor.residual
     in_time = (
         cells_of(predictor.time, predictor.direction, edges_of(predictor.time, "time", BINS))
@@ -240,7 +241,7 @@ def share_beyond_time(predictor: Predictor) -> float:
 
 
 def _remainder(residual: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-    """A residual (n,) less its prediction, scaled by least squares with a factor of at least zero."""
+    """A residual (n,) minus its prediction times the least-squares factor >= 0."""
     own = float(predicted @ predicted)
     size = max(0.0, float(residual @ predicted)) / own if own > 0.0 else 0.0
     return residual - size * predicted
@@ -274,7 +275,7 @@ def _cross_validated(cells: np.ndarray, residual: np.ndarray, block: np.ndarray)
 
 
 def _share(residual: np.ndarray, predicted: np.ndarray) -> float:
-    """Share of the squared residual (n,) that a prediction explains, its scale free but not its sign."""
+    """Share of the squared residual (n,) that a prediction times any factor >= 0 explains."""
     total, own = float(residual @ residual), float(predicted @ predicted)
     if total <= 0.0 or own <= 0.0:
         return 0.0

@@ -13,14 +13,15 @@ from sysid.estimation.screening import RefittedEffect
 from sysid.prediction.problem import Problem, build_problem
 
 BELOW_THE_NOISE = 0.2
-"""Misfit over noise below which the stated noise cannot be in the values: they were rounded."""
+"""Misfit over noise below which the values cannot contain the stated noise: they were rounded."""
 
 
 def coarse_steps(problem: Problem, base: ReferenceFit, adequate: float) -> CandidateFit | None:
     """Quantisation as a candidate, where the least significant bit of a channel exceeds the noise that the user gave.
 
-    None where no channel is quantised so coarsely, where the misfit of the base model is `adequate`, or where it is
-    hardly reduced. A channel of very few levels may be fitted exactly: a misfit far below the noise shows quantisation.
+    None if no channel is quantised so coarsely, if the misfit of the base model is `adequate`, or if quantisation does
+    not reduce it sufficiently. A channel of very few levels may be fitted exactly: a misfit far below the stated noise
+    also indicates quantisation.
     """
     if any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
         return None

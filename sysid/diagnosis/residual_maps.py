@@ -32,8 +32,9 @@ class ResidualMap:
         coordinate: its name.
         share: cross-validated share of the residual's variance that the coordinate explains, in [0, 1].
         split_share: the same, tested on every other sample only; the decision uses it.
-        beside_time: share explained by the coordinate after time, less that by time after the coordinate.
-        p_value: of the cross-validated prediction, from sign flips of whole blocks of time.
+        beside_time: share explained by the coordinate after removal of the time dependence, minus the share explained
+            by time after removal of the dependence on the coordinate.
+        p_value: of the cross-validated prediction, by a sign-flip test over blocks of time.
         centres: of the bins, (k,), in the coordinate's SI unit.
         forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
     """
@@ -111,12 +112,12 @@ def compared_with_time(
 
 
 def order_maps(maps: Sequence[ResidualMap], nameless: bool = False) -> list[ResidualMap]:
-    """Largest weighted share first; a coordinate comes before time where it explains nearly as much.
+    """Maps by decreasing weighted share; a coordinate precedes time if its share is nearly as large.
 
     Args:
         maps: of one residual.
-        nameless: no effect of the library is missing. Then a coordinate of the motion comes after time where time
-            explains more after it than it does after time; so does the distance travelled.
+        nameless: no effect of the library is missing. Then coordinates of the motion with `beside_time` < 0, and the
+            distance travelled, follow time.
     """
 
     def weight(m: ResidualMap) -> float:
@@ -137,7 +138,7 @@ MOTION_COORDINATES = ("velocity", "direction", "acceleration", "distance_since_r
 
 
 _SHARE_WEIGHT = {"time": 0.85, "distance_travelled": 0.5, "frequency": 0.8}
-"""Weight of a share that has a predictor of its own per record, or is the largest of many spectral lines."""
+"""Weight of a share whose predictor is fitted per record, or that is the largest of many spectral lines."""
 
 
 def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) -> ResidualMap:
@@ -158,7 +159,7 @@ def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng: np.random.Generator) -> float:
-    """p value of a prediction: sign-flip test over whole blocks of time."""
+    """p value of a prediction: sign-flip test over blocks of time."""
     inner = np.bincount(block, residual * predicted)
     inner = inner[np.bincount(block) > 0]
     if inner.sum() <= 0.0:
@@ -185,7 +186,7 @@ def _spectrum_map(model: Model, records: Sequence[PreparedRecord], channel: str)
         # Below eight cycles per record a line is a drift.
         k = 8 + int(np.argmax(band[8:]))
         share = float(band[k] / total)
-        # Without a line, the largest of n exponentials: P(max > x) = 1 - (1 - exp(-x))^n, conservative for colour.
+        # Null hypothesis: maximum of n exponentials, P(max > x) = 1 - (1 - exp(-x))^n; conservative for coloured noise.
         local = float(np.median(power[max(8, k // 2) : 2 * k + 9])) / np.log(2.0) + 1e-300
         p = float(min(1.0, power.size * np.exp(-min(power[k] / local, 700.0))))
         if share > best.share:

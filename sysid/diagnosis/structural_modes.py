@@ -1,18 +1,19 @@
 """Detection of a structural mode above the filter band of a force balance by a matched filter.
 
-The filter of the force balance is as wide as the noise of the position requires. A mode above it leaves nothing in the
-balance, though it rings after every fast change. Its response is narrow, so each frequency is weighted by its own
-noise,
+The filter width of the force balance follows from the noise of the position. A mode above the filter band does not
+appear in the filtered balance, though every fast change of force excites it. Its response is narrow-band, so each
+frequency is weighted by its noise power spectrum,
 
     S(f) = S_F(f) + (m (2 pi f)^2)^2 S_x(f),
 
-and the response of a mode is looked for away from events: with the part r of the mass m on the mode,
+and the response of a mode is searched for outside the neighbourhoods of events: with the part r of the mass m on the
+mode,
 
     m r (R - 1) / (1 + r (R - 1)) T,    R(f) = f0^2 / (f0^2 - f^2 + 2i d f0 f),
 
-T being the acceleration of the whole mass under the applied force and friction. Errors in the mass and in the time of
-the force give m T and its derivatives, which are projected out. A mode must be significant on the records of the fit
-and on the held-out ones.
+where T is the acceleration of the total mass under the applied force and friction. Errors of the mass and of the time
+of the force give m T and its derivatives, which are projected out. A mode must be significant on the records of the
+fit and on the held-out ones.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ from sysid.signals.gaussian_filter import BAND
 from sysid.signals.masks import dilated, longer_than
 
 EVENT_WIDTHS = 3.0
-"""Filter widths around each event that are left out, since its uncertain time outweighs any mode."""
+"""Filter widths around each event that are left out, since the uncertainty of its time exceeds the response of a
+mode."""
 
 FROM, TO = 0.8, 8.0
 """Range of frequencies, over the upper limit of the filter band."""
@@ -50,24 +52,25 @@ DAMPINGS = (0.01, 0.02, 0.04)
 """Ratio of neighbouring frequencies that are tried, and the damping ratios."""
 
 LEAST_STATISTIC = 6.0
-"""Standard errors that a mode has to show on the records of the fit and on the held-out ones: with none it is the best
-of some hundred on the former, and 3.3 at the most on the latter (20 generated cases with nothing hidden)."""
+"""Least detection statistic, in standard errors, on the records of the fit and on the held-out ones. Without a mode it
+was at most 3.3 on the held-out records (20 generated cases); on those of the fit it is a maximum over about a hundred
+frequencies and damping ratios."""
 
 LEAST_PEAK = 1.3
-"""By how many times it has to stand out over frequencies half as high and half as high again."""
+"""Least ratio of the detection statistic to its values at 0.5 and 1.5 times the frequency."""
 
 LEAST_PART = 0.02
-"""Part of the mass below which what rides on the mode is no more than an error of the model may be."""
+"""Part of the mass on the mode below which it is not distinguishable from an error of the model."""
 
 MOST_DAMPING = 0.15
-"""Damping ratio from which it hardly rings: an error of the model looks like that."""
+"""Damping ratio from which the response is not distinguishable from an error of the model."""
 
 MODEL_ERROR = {"frequency": 0.03, "damping": 0.3, "mass_ratio": 0.3}
-"""Parts by which the values may be off beside their noise: a mass also rings while friction holds it, at another
-frequency, and starts from rest already ringing."""
+"""Relative model errors of the values, in addition to their noise: the mode also vibrates while the mass sticks, at
+another frequency, and is not at rest when sliding starts."""
 
 SIZE_RATIO = 1.6
-"""Ratio up to which its size on both kinds of records is the same."""
+"""Largest ratio of the sizes on the records of the fit and on the held-out ones."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +78,7 @@ class StructuralMode:
     """A mode detected above the filter band.
 
     Args:
-        values: frequency (Hz), damping ratio, and part of the mass that rides on it.
+        values: frequency (Hz), damping ratio, and part of the mass on the mode.
         stds: their standard deviations.
         fit, held_out: detection statistic, in standard errors.
         band: upper limit of the filter band, Hz.
@@ -89,7 +92,7 @@ class StructuralMode:
 
     @property
     def words(self) -> str:
-        """How it was detected, in words."""
+        """Frequency and detection statistics as text."""
         return (
             f"rings at {self.values['frequency']:.3g} Hz, above the {self.band:.3g} Hz that the filter lets through: "
             f"{self.fit:.0f} standard errors where each frequency counts by its own noise, "
@@ -99,15 +102,15 @@ class StructuralMode:
 
 @dataclass(frozen=True)
 class _WhitenedRecord:
-    """A whitened record: each frequency over its noise.
+    """A whitened record: each frequency divided by the root of its noise power spectrum.
 
     Args:
-        residual: what the rigid model leaves, in deviations, at the samples `seen`, (k,).
-        drive: spectrum of the mass times the acceleration foretold, over the noise.
-        frequencies: of it, Hz.
-        seen: samples that count, (k,).
-        beside: orthonormal columns that no mode is to be found in, (k, 3).
-        length, start: of the transformed signals, and where the record begins in them.
+        residual: of the model without a mode, in standard deviations, at `samples`, (k,).
+        drive: spectrum of the mass times the predicted acceleration, over the noise.
+        frequencies: of `drive`, Hz.
+        samples: indices of the samples used, (k,).
+        nuisance: orthonormal columns of errors of mass and time, which are projected out, (k, 3).
+        length, start: length of the transformed signals, and index of the record's first sample in them.
         band: upper limit of the filter band, Hz.
     """
 
@@ -133,7 +136,7 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
 
     Args:
         problem: the records.
-        fitted: a model of them without a mode.
+        fitted: model of the records without a mode.
     """
     if any(public_name(e.name) == "flexible_mode" for e in fitted.model.effects):
         return None
@@ -165,7 +168,7 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
 
 
 def with_structural_mode(problem: Problem, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
-    """The mode, and the fit of the model with it; its detected values enter as priors."""
+    """The mode, and the fit of the model with it; the detected values are the priors of the fit."""
     effect = find("flexible_mode", problem.custom)
     start = {f"{effect.name}.{name}": value for name, value in found.values.items()}
     model = with_effect(fitted.model, effect, problem.scales, start)
@@ -175,7 +178,7 @@ def with_structural_mode(problem: Problem, fitted: FittedModel, found: Structura
 
 
 SAME_MODE = 0.1
-"""Part by which two fits of one mode may differ in frequency."""
+"""Relative difference in frequency up to which two fits are of the same mode."""
 
 
 def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
@@ -200,7 +203,7 @@ def _whitened_records(problem: Problem, model: Model, records: Sequence[Prepared
 
 
 def _whitened_record(problem: Problem, model: Model, balance: ForceBalanceRecord) -> _WhitenedRecord | None:
-    """A record over its noise; none where too little of it is away from the turns."""
+    """The whitened record; None if too few samples are far from reversals."""
     assert balance.raw_position is not None and balance.full_filter is not None and balance.applied is not None
     mass = model.values.get("rig.mass", 0.0)
     width = balance.full_filter.width / balance.step
@@ -214,7 +217,7 @@ def _whitened_record(problem: Problem, model: Model, balance: ForceBalanceRecord
     turn = 2.0 * np.pi * f
     band = BAND / balance.full_filter.width
     noise = _noise_spectrum(problem, balance, mass, f)
-    # Below the filter's band the balance itself says more, and what the model lacks lies there.
+    # Frequencies within the filter band are suppressed: the force balance covers them, with other model errors.
     weight = (1.0 - np.exp(-((f / (0.5 * band)) ** 4))) / np.sqrt(noise)
 
     def spectrum(signal: np.ndarray) -> np.ndarray:
@@ -227,7 +230,7 @@ def _whitened_record(problem: Problem, model: Model, balance: ForceBalanceRecord
     drive = spectrum(force)
     residual = at_samples(weight * (drive + mass * turn**2 * spectrum(balance.raw_position)))
     nuisance, _ = np.linalg.qr(np.column_stack([at_samples(weight * drive * (1j * f / band) ** k) for k in range(3)]))
-    # A model that leaves more than noise is no better known than what it leaves.
+    # If the residual exceeds the noise, its own scale is taken as the standard deviation.
     scale = robust_scale(residual)
     residual = np.clip(residual / scale, -6.0, 6.0)
     residual -= nuisance @ (nuisance.T @ residual)
@@ -235,7 +238,7 @@ def _whitened_record(problem: Problem, model: Model, balance: ForceBalanceRecord
 
 
 def _away_from_events(balance: ForceBalanceRecord, width: float) -> np.ndarray:
-    """Samples (n,) in motion, away from turns, gaps and ends; widths in samples."""
+    """Mask (n,) of the samples in motion, away from reversals, gaps and ends; `width` in samples."""
     out = np.ones(balance.size, dtype=bool)
     assert balance.slip_phases is not None and balance.reversals is not None and balance.stick_fraction is not None
     reach = int(np.ceil(EVENT_WIDTHS * width))
@@ -250,7 +253,7 @@ def _away_from_events(balance: ForceBalanceRecord, width: float) -> np.ndarray:
 
 
 def _noise_spectrum(problem: Problem, balance: ForceBalanceRecord, mass: float, f: np.ndarray) -> np.ndarray:
-    """Power of the noise (k,) of force less mass times acceleration, N^2, whatever its scale over all frequencies."""
+    """Noise power spectrum (k,) of force minus mass times acceleration, N^2, up to a common factor."""
     turn = 2.0 * np.pi * f
     motion = (mass * turn**2) ** 2
     of_spring = balance.kind == "spring-pull"
@@ -288,12 +291,13 @@ def _detection_statistic(records: Sequence[_WhitenedRecord], frequency: float, d
 def _estimate(
     records: Sequence[_WhitenedRecord], frequency: float, damping: float, part: float
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """The mode's values and their deviations, by least squares from where a small one of it shows best."""
-    # Few records ring, and it takes half a second.
+    """Values of the mode and their standard deviations, by least squares from the maximum of the detection
+    statistic."""
+    # Imported here: the import takes half a second, and few records have such a mode.
     from scipy.optimize import least_squares
 
     part = min(part, 0.9)
-    # A mass part of which rides on a mode swings faster, free, than the part does on a mass that is held.
+    # The natural frequency of the mode on the free mass is that on a fixed mass over sqrt(1 - part).
     start = np.array([np.log(frequency * np.sqrt(1.0 - part)), np.log(damping), part])
 
     def left(point: np.ndarray) -> np.ndarray:

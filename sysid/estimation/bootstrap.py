@@ -4,11 +4,11 @@ Each draw makes records
 
     y* = f(best) + s_b e_b + sum_j g_j c_j,    s_b = +1 or -1 for each block b,   g_j standard normal
 
-and refits the model to them from its best values. Only the signs of whole blocks are random, so the errors of a draw
-are as correlated and as uneven as those measured. `e_b` is the residual of block b corrected for its leverage, (1 -
-H_b)^-1 times the residual (MacKinnon and Webb 2018). `c_j` are the changes of `sysid.estimation.systematic_errors`; the
-means of the priors are drawn too. Unlike `sysid.estimation.covariance`, no linearity is assumed, and values may lie
-near their bounds.
+and refits the model to them from its best values. Only one sign per block is random, so the errors of a draw have the
+correlation and the local variance of the measured ones. `e_b` is the residual of block b corrected for its leverage,
+(1 - H_b)^-1 times the residual (MacKinnon and Webb 2018). `c_j` are the changes of
+`sysid.estimation.systematic_errors`; the means of the priors are drawn too. Unlike `sysid.estimation.covariance`, the
+method does not assume linearity, and values may be near their bounds.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from sysid.prediction.model import Model, PreparedRecord
 from sysid.prediction.problem import Problem, build_problem
 
 ITERATIONS = 15
-"""Steps of a refit, at the most."""
+"""Largest number of steps of a refit."""
 LEAST_DRAWS = 20
 
 
@@ -46,13 +46,13 @@ class Refit:
     """A fitted problem as plain data that another process can refit: records, values, and unknowns.
 
     Args:
-        experiment: without its files.
+        experiment: without the contents of its files.
         records: as read.
         names: of the model's effects, with the selected variants.
         values: best values by key.
         unknowns: of the fit.
         weights: of the fit.
-        custom: texts of the user's own effects by file name.
+        custom: source texts of the user's own effects by file name.
     """
 
     experiment: Experiment
@@ -85,7 +85,7 @@ def _prepared(refit: Refit) -> _Prepared:
         experiment = replace(refit.experiment, custom=tuple(files))
         records = build_problem(experiment, refit.records, refit.names).fit_records
     model = Model(tuple(find(name, custom) for name in refit.names), refit.values, refit.unknowns).at({})
-    # One step, for the Jacobian at the best values.
+    # A single step, to obtain the Jacobian at the best values.
     result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
     residual = weighted_residual(model, records, refit.weights)
     columns = result.jacobian[:, np.linalg.norm(result.jacobian, axis=0) > 0.0]

@@ -15,7 +15,8 @@ from sysid.prediction.model import PreparedRecord
 BLOCKS_PER_RECORD = 40
 
 IDENTIFIABLE = 1e-9
-"""Eigenvalue of the scaled information matrix, over the largest, up to which its direction is not identifiable."""
+"""Eigenvalue of the scaled information matrix, relative to the largest, up to which its direction is not
+identifiable."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,7 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     count = int(np.unique(numbers).size)
     covariance = _covariance(fitted, records, information, numbers, count)
     free, root = information.free, information.root
-    # Not below the covariance of independent noise, which a few quiet blocks may undercut.
+    # Lower limit: the covariance of independent noise; with few blocks the estimate may be smaller.
     spread = np.maximum(np.diag(covariance), np.diag(root @ root.T))
     std = np.full(len(fit.keys), np.inf)
     std[free] = np.sqrt(spread) / information.size[free]
@@ -154,7 +155,7 @@ def _covariance(
 
 
 MOST_LEVERAGE = 0.98
-"""Leverage of one block in a direction up to which it is corrected."""
+"""Upper limit of the leverage of one block in the correction."""
 
 
 def _block_scores(columns: np.ndarray, inner: np.ndarray, influence: np.ndarray, numbers: np.ndarray) -> np.ndarray:

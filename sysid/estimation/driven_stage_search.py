@@ -1,13 +1,13 @@
 """Search for lower local minima of the cost of a driven stage.
 
 Slips, lift-offs and hysteresis give the cost of a driven stage many narrow local minima. A fit ends in the one near its
-start, though the friction limit of the contact may be off by a factor. Two remedies:
+start, where the friction limit of the contact may be wrong by a factor. Two methods find lower minima:
 
 - multistart: each value in turn is moved away from its fitted one, and the fit continues from there;
-- synchronisation (nudging): during the fit the stage is pulled part of the way to its measured motion after every row.
-  An error is then forgotten within some rows, and the cost has few minima, far apart (Abarbanel, Creveling, Farsian and
-  Kostuk, SIAM J. Applied Dynamical Systems 8 (2009) 1341). The noise of the measured motion passes through the stage,
-  so the result is a starting point, not an estimate.
+- synchronisation (nudging): during the fit the simulated position is corrected by a fraction of its deviation from the
+  measured one after every row. An error then decays within some rows, and the cost has few, widely separated minima
+  (Abarbanel, Creveling, Farsian and Kostuk, SIAM J. Applied Dynamical Systems 8 (2009) 1341). The correction feeds the
+  noise of the measured motion into the simulation, so the result is a starting point, not an estimate.
 
 The simulation takes as long as the record; long records are truncated during the search.
 """
@@ -26,10 +26,10 @@ from sysid.prediction.friction_drive.record import TRANSVERSE, FrictionDriveReco
 from sysid.prediction.model import Model, PreparedRecord
 
 TRUNCATED_ROWS = 3000
-"""Rows of each record that are kept, at the most."""
+"""Largest number of rows of each record that are kept."""
 
 NUDGING_GAIN = 0.3
-"""Part of the way to the measured position by which the stage is pulled per row: half an error is gone after two."""
+"""Fraction of the deviation from the measured position that is corrected per row: an error is halved in two rows."""
 
 SYNCHRONISED_STEPS = 15
 """Steps of a synchronisation fit."""
@@ -40,15 +40,15 @@ SHORT_STEPS = 6
 """Steps of the fit from a moved value, before it is compared."""
 STIFFNESS, DAMPING = "rig.contact_stiffness", "rig.contact_damping"
 ROUNDS = 3
-"""Rounds over all values, at the most."""
+"""Largest number of rounds over all values."""
 LOWER = 0.98
-"""Part of the cost below which another local minimum is lower."""
+"""Ratio of costs below which another local minimum counts as lower."""
 AT_THE_NOISE = 1.03
 """Root mean Huber loss at which the search ends."""
 
 
 def _along_one_axis(records: Sequence[PreparedRecord]) -> list[FrictionDriveRecord]:
-    """The records, if all are of stages driven along one axis; else none."""
+    """The records, if all are of stages driven along one axis; otherwise an empty result."""
     driven = [r for r in records if isinstance(r, FrictionDriveRecord) and TRANSVERSE not in r.measured]
     return driven if len(driven) == len(records) else []
 
@@ -56,12 +56,12 @@ def _along_one_axis(records: Sequence[PreparedRecord]) -> list[FrictionDriveReco
 def truncated(
     fitted: FittedModel, records: Sequence[PreparedRecord], rows: int = TRUNCATED_ROWS
 ) -> tuple[FittedModel, list[PreparedRecord]]:
-    """A fit and its records reduced to their first rows, where they are long ones of a stage driven along one axis.
+    """A fit and its records truncated to their first rows, if they are long and of a stage driven along one axis.
 
     Args:
-        fitted: on the records.
+        fitted: fit to the records.
         records: those fitted.
-        rows: of each record that are kept, at the most.
+        rows: largest number of rows of each record that are kept.
     """
     driven = _along_one_axis(records)
     if all(record.size <= rows for record in driven):
@@ -87,15 +87,15 @@ def synchronised_starts(
 ) -> list[Model]:
     """Results of synchronisation fits from several starts, lowest cost first.
 
-    None where some record is not of a stage driven along one axis, nor with presliding, whose displacement follows the
-    stage's own motion.
+    Empty if some record is not of a stage driven along one axis, or if the model has presliding, whose displacement
+    depends on the simulated motion and is not corrected.
 
     Args:
         starts: of one model.
         records: those fitted.
-        weights: of the fit that follows.
+        weights: residual weights of the fits.
         steps: of each fit.
-        count: of the models returned, at the most.
+        count: largest number of models returned.
     """
     synchronised = [replace(record, nudging_gain=NUDGING_GAIN) for record in _along_one_axis(records)]
     presliding = starts and any(
@@ -108,12 +108,12 @@ def synchronised_starts(
 
 
 def lowest_minimum(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: int = ROUNDS) -> FittedModel:
-    """The fit, or one that started with some value elsewhere and ended lower; as it is where nothing is driven.
+    """The fit, or one from another start that ended at a lower cost; unchanged if no stage is driven.
 
     Args:
         fitted: with its weights, which are kept.
         records: those fitted; long ones are truncated for the search.
-        rounds: over all values, at the most.
+        rounds: largest number of rounds over all values.
     """
     if not any(isinstance(record, FrictionDriveRecord) for record in records):
         return fitted
@@ -144,9 +144,9 @@ def _multistart(fitted: FittedModel, records: Sequence[PreparedRecord], rounds: 
 
 
 def _other_stiffnesses(model: Model) -> list[Model]:
-    """The model with a softer contact, a stiffer one, and the default one; all forces are scaled alike.
+    """The model with a softer, a stiffer, and the default contact; all forces are scaled by the same factor.
 
-    The motion determines forces over stiffness well, the stiffness itself through inertia only.
+    The motion determines ratios of force to stiffness well, but the stiffness itself only through inertia.
     """
     unknowns = {u.key: u for u in model.unknowns}
     if STIFFNESS not in unknowns:
@@ -162,7 +162,7 @@ def _other_stiffnesses(model: Model) -> list[Model]:
 
 
 def _fits_beside(fitted: FittedModel, key: str, records: Sequence[PreparedRecord]) -> list[FittedModel]:
-    """Short fits from either side of a value."""
+    """Short fits from a smaller and a larger value."""
     unknown = next(u for u in fitted.model.unknowns if u.key == key)
     value = fitted.model.values[key]
     moved = [min(max(factor * value, unknown.low), unknown.high) for factor in FACTORS]

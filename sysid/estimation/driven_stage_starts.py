@@ -1,8 +1,8 @@
 """Initial values of a friction drive: coarse search over gain, preload indentation, stiffness and friction limits.
 
-Slips and lift-offs accumulate, so a fit that starts on the wrong side of either stays there. A few hundred trial points
-are compared with the displacement of the stage from one stroke to the next, in which nothing accumulates; the best are
-refined and fitted.
+The effects of slips and lift-offs on the position accumulate, so a fit does not recover from a start with slip or
+lift-off where there is none, or without where there is some. A few hundred trial points are compared in the
+displacement of the stage from stroke to stroke, which does not accumulate; the best are refined and fitted.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ Point: TypeAlias = dict[str, float]
 """Values of the open parameters, by key."""
 
 QUANTILES = (0.5, 0.75, 0.9)
-"""Quantiles of the ratio of stage to tip motion that are tried as the gain: while the contact sticks they are equal."""
+"""Quantiles of the ratio of stage to tip motion that are tried as the gain: both motions are equal during sticking."""
 INDENTATIONS = (0.25, 0.45, 0.65, 0.85, 1.1)
-"""Preload indentations over the largest descent of the tip; above one the tip never leaves the stage."""
+"""Preload indentations over the largest descent of the tip; above one the tip never lifts off."""
 WIND_UPS = (0.01, 0.03, 0.1)
 """Elastic displacement of the contact when the pads start to slide, over the stroke."""
 FRICTION_LIMITS = (1.05, 1.4, 2.0, 3.0, 5.0, 9.0)
 """Friction limit of the contact over that of the pads."""
 STIFFNESSES = (0.15, 0.25, 0.4, 0.5, 0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 4.0)
-"""Contact stiffness over its start, forces scaled alike; for the best points only, where it is fitted."""
+"""Contact stiffness over its start, forces scaled by the same factor; for the best points only, if it is fitted."""
 FINE_FACTORS = (0.7, 0.84, 1.2, 1.4)
 """Factors on each other value of the best points, one after the other."""
 AMONTONS = 1.0
@@ -44,14 +44,14 @@ LOAD_KEY = f"{CONTACT}load_dependent_friction.sensitivity"
 ROWS = 6000
 """First rows of each record that are used."""
 SHORTEST_STROKE = 12
-"""Rows, at the least."""
+"""Least number of rows."""
 MOTION_THRESHOLD = 1e-4
-"""Change of the tip's inclination per row over its range below which the row belongs to a rest."""
+"""Change of the tip's inclination per row, over its range, below which the tip is at rest."""
 DISTINCT = 0.2
-"""Relative difference of some value from which two points are two starts."""
+"""Relative difference in some value from which two points are distinct starts."""
 
 SAME_ERROR = 1e-6
-"""Relative difference of the errors up to which two points predict the same."""
+"""Relative difference of the errors up to which two points count as equal."""
 
 
 @dataclass(frozen=True)
@@ -77,18 +77,18 @@ SMALL = SearchBudget(6, 4, 6, 1)
 def slipping_starts(
     base: Model, effect: Effect, records: Sequence[PreparedRecord], scales: Scales, far: bool, point: Point | None
 ) -> list[Model]:
-    """Models to start a fit with an effect that acts between tip and stage from; none for another effect.
+    """Starting models of a fit with an effect that acts between tip and stage; empty for other effects.
 
-    Where the contact of the base model hardly slips, its friction limit and load dependence have no gradient; where the
-    base model is far off, the values of its contact compensate for what is missing.
+    If the contact of the base model hardly slips, its friction limit and load dependence have no gradient; if the
+    error of the base model is large, its contact values compensate for missing effects.
 
     Args:
         base: the fitted model.
-        effect: tried on top of it.
+        effect: added to it.
         records: those fitted.
         scales: of the records.
-        far: whether the base model is far off.
-        point: starting values of the effect, where some are known.
+        far: whether the error of the base model is large.
+        point: starting values of the effect, if known.
     """
     if not in_contact(effect):
         return []
@@ -98,7 +98,7 @@ def slipping_starts(
     plain = with_effect(base, find(f"{CONTACT}coulomb"), scales) if effect.friction_state is not None else grown
     found = rough_starts(plain, records, ("rig.gain", "rig.contact_stiffness"), SMALL)
     if effect.friction_state is not None:
-        # The values of a contact that never slipped compensate for every slip: start from the default ones too.
+        # Fitted without slip, the contact values compensate for slips: start from the default values too.
         found += rough_starts(plain.at(_default_contact(plain)), records, ())
     # A contact with presliding starts from the best contact with plain slip.
     limits = {_limit_key(plain, True): _limit_key(grown, True)}
@@ -111,12 +111,12 @@ def slipping_starts(
 def rough_starts(
     model: Model, records: Sequence[PreparedRecord], given: Collection[str], budget: SearchBudget | None = None
 ) -> list[Model]:
-    """The model at the best points of the initial-value search, best first; none where nothing is open.
+    """The model at the best points of the initial-value search, best first; empty if there is no value to search.
 
     Args:
-        model: as the experiment states it.
+        model: model of the experiment file.
         records: those fitted.
-        given: keys whose start the experiment states.
+        given: keys of parameters with a start in the experiment file.
         budget: of the search.
     """
     budget = budget or SearchBudget()
@@ -133,7 +133,7 @@ def rough_starts(
     def ranked(points: list[Point]) -> list[Point]:
         near = np.array([np.mean(np.abs(stroke_residual({**model.values, **point}))) for point in points])
         order = np.argsort(near, kind="stable")
-        # Where a value has no influence (an indentation under which the tip never leaves), one point is kept.
+        # If a value has no influence (an indentation at which the tip never lifts off), one point is kept.
         differs = np.diff(near[order], prepend=-1.0) > SAME_ERROR * near[order]
         return [points[k] for k in order[differs]]
 
@@ -169,7 +169,7 @@ def rough_starts(
 
 
 def _distinct(points: Sequence[Point], count: int, part: float) -> list[Point]:
-    """The first points, each of which differs from those before it by a relative part of some value."""
+    """The first points that each differ from all earlier ones by a least relative difference in some value."""
     chosen: list[Point] = []
     for point in points:
         if len(chosen) == count:
@@ -188,7 +188,7 @@ def _grids(model: Model, records: Sequence[FrictionDriveRecord], free: Collectio
     if "rig.press" in free:
         fall = max(float(np.max(-np.mean(r.drives, axis=0))) for r in records)
         if fall > 0.0:
-            # Relative to the gain: a tip that descends twice as far leaves as soon with twice the indentation.
+            # Proportional to the gain: twice the descent with twice the indentation gives lift-off at the same time.
             grids["rig.press"] = [part * fall for part in INDENTATIONS]
     if LOAD_KEY in free:
         grids[LOAD_KEY] = [AMONTONS]
@@ -231,7 +231,7 @@ def _with_stiffness(model: Model, point: Point, stiffness: float, part: float) -
 
 
 def _default_contact(model: Model) -> Point:
-    """Default stiffness and damping of the contact, those of them that are fitted."""
+    """Default stiffness and damping of the contact, as far as they are fitted."""
     free = {u.key for u in model.unknowns}
     stiffness = model.values["rig.contact_stiffness"]
     if "rig.contact_stiffness" in free:
@@ -267,7 +267,7 @@ def _gains(records: Sequence[FrictionDriveRecord]) -> list[float]:
 
 
 def _stroke(record: FrictionDriveRecord) -> int:
-    """Rows of a stroke and its return: twice the mean between reversals of the inclination, rests left out."""
+    """Rows of a stroke and its return: twice the mean number between reversals of the inclination, without rests."""
     inclination = record.drives[1] - record.drives[0]
     change = np.diff(inclination)
     moves = np.abs(change) > MOTION_THRESHOLD * np.ptp(inclination)
@@ -277,7 +277,7 @@ def _stroke(record: FrictionDriveRecord) -> int:
 
 
 def _stroke_residual(record: FrictionDriveRecord, stroke: int, model: Model, values: Point) -> np.ndarray:
-    """Measured less predicted displacement from stroke to stroke, over its noise, (k,)."""
+    """Measured minus predicted displacement from stroke to stroke, over its noise, (k,)."""
     error = record.measured["position"] - predict_friction_drive(record, model.effects, values)["position"]
     ok = record.valid["position"][stroke:] & record.valid["position"][:-stroke]
     return (error[stroke:] - error[:-stroke])[ok] / (np.sqrt(2.0) * record.noise["position"])

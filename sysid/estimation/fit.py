@@ -37,19 +37,19 @@ def fit_model(
 ) -> FittedModel:
     """Fit the unknowns of a model to records.
 
-    Without `weights` the standard deviations follow from the model at its start, and once more from its first fit.
+    Without `weights` the standard deviations are computed from the model at its start, and again after a first fit.
 
     Args:
         model: with the values to start from.
         records: those fitted.
         weights: standard deviations and scored samples.
-        iterations: accepted steps at the most.
+        iterations: largest number of accepted steps.
         near: fit of the same records with the same `weights` near the start; its Jacobian columns are the first
             approximation of those of the same unknowns.
-        final_jacobian: measure the Jacobian at the end; without, it is as the last update left it.
+        final_jacobian: compute the Jacobian by differences at the end; otherwise it is the last Broyden update.
     """
     if weights is not None:
-        # On a driven stage another value moves the times of slip: a Jacobian from elsewhere is no approximation.
+        # On a driven stage the times of slip depend on the values: a Jacobian at other values is no approximation.
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
         residual = _residual_function(model, records, weights)
@@ -67,7 +67,7 @@ def fit_model(
 
 
 def _std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
-    """Standard deviations of the scored samples before over those after, (n,)."""
+    """Ratio of the former to the new standard deviations of the scored samples, (n,)."""
     parts = [
         earlier[channel] / later[channel]
         for earlier, later in zip(before.scored_std, after.scored_std, strict=True)

@@ -22,11 +22,12 @@ STRONG_CORRELATION = 0.9
 """Absolute correlation from which two fitted values are reported as strongly correlated."""
 
 LEAST_OWN = 1e-4
-"""Part of a sensitivity orthogonal to the base model below which it is no direction of its own."""
+"""Norm of the part of a sensitivity orthogonal to the base model, relative to the total, below which it is taken as
+linearly dependent."""
 
 
 def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
-    """Sentences on values that are not identifiable or strongly correlated; none where there are none."""
+    """Sentences on values that are not identifiable or strongly correlated."""
     words = [f"{public_key(key)} has no influence in these records." for key in fitted.fit.inactive]
     words += [f"{public_key(key)} is at its bound; it has no interval." for key in fitted.fit.at_bound]
     words += [

@@ -4,8 +4,8 @@ The objective is Huber's loss of the weighted residual plus the normal priors of
 
     F(p) = sum_i rho(r_i(p)) + sum_k (s / std_k)^2 (p_k - value_k)^2 / 2
 
-with s the scale of the residual, at least 1: where the model leaves more than the noise, residuals are a poor measure
-of the values, and the priors weigh more.
+with s the scale of the residual, at least 1: if the residual exceeds the noise, the priors have more weight relative to
+the records.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ class FitResult:
         inactive: keys of values with a zero column of the Jacobian at the start.
         iterations: accepted steps.
         converged: whether the last step was small.
-        exact: whether the Jacobian was measured by differences at the best values, not carried there by updates.
-        precision: what the priors add to the diagonal of J^T w J, (p,); zero where nothing was known.
+        exact: whether the Jacobian was computed by differences at the best values, not by Broyden updates.
+        precision: term of the priors on the diagonal of J^T w J, (p,); zero without a prior.
     """
 
     values: dict[str, float]
@@ -64,7 +64,7 @@ def huber_weights(residual: np.ndarray, scale: float) -> np.ndarray:
 
 
 def robust_scale(residual: np.ndarray) -> float:
-    """1.4826 times the median absolute residual; the rms where more than half the residual is exactly zero."""
+    """1.4826 times the median absolute residual; the rms if more than half of the residuals are exactly zero."""
     scale = 1.4826 * float(np.median(np.abs(residual)))
     return scale if scale > 0.0 else float(np.sqrt(np.mean(residual**2))) or 1.0
 
@@ -74,13 +74,13 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
     size = np.abs(residual)
     corner = HUBER * scale
     inner = np.minimum(size, corner)
-    # A step too long may overflow the residual: its cost is infinite, and the step is refused.
+    # Too long a step may overflow the residual: its cost is infinite, and the step is rejected.
     with np.errstate(over="ignore"):
         return float(np.sum(0.5 * inner**2 + corner * (size - inner)))
 
 
 LARGEST_SCALE = 1e100
-"""Limit of a scale, so that its square does not overflow."""
+"""Scale limited so that its square does not overflow."""
 
 
 class _Priors:
@@ -92,7 +92,7 @@ class _Priors:
         self.inverse = np.array([0.0 if std is None else std**-2 for std in stds])
 
     def precision(self, scale: float) -> np.ndarray:
-        """Precision (p,) of each prior beside residuals of this scale."""
+        """Precision (p,) of the priors at this scale of the residual."""
         return self.inverse * (min(max(scale, 1.0), LARGEST_SCALE) ** 2 if np.isfinite(scale) else 1.0)
 
     def cost(self, point: np.ndarray, scale: float) -> float:
@@ -111,9 +111,9 @@ def jacobian(
 
     Args:
         function: weighted residual (n,) at a point (p,).
-        point, base: where, and the residual there.
-        unknowns: what is moved.
-        known: columns (n,) that are taken as they are, by key.
+        point, base: values (p,), and the residual (n,) there.
+        unknowns: of the fit.
+        known: columns (n,) that need not be computed, by key.
     """
     out = np.empty((base.size, point.size), order="F")
     for k, unknown in enumerate(unknowns):
@@ -158,7 +158,7 @@ class _Objective:
 
 @dataclass(frozen=True)
 class _Problem:
-    """What is minimised: the residual function, the unknowns with bounds (p,) and priors, and the kind of loss."""
+    """Optimisation problem: the residual function, the unknowns with bounds (p,) and priors, and the kind of loss."""
 
     function: ResidualFunction
     unknowns: Sequence[Unknown]
@@ -174,7 +174,7 @@ class _Problem:
 
 @dataclass(frozen=True)
 class _Iterate:
-    """A point (p,) with its residual (n,) and Jacobian (n, p); `exact` where the Jacobian was measured there."""
+    """A point (p,) with its residual (n,) and Jacobian (n, p); `exact` if the Jacobian was computed there."""
 
     point: np.ndarray
     residual: np.ndarray
@@ -182,7 +182,7 @@ class _Iterate:
     exact: bool
 
     def measured(self, problem: _Problem) -> _Iterate:
-        """The same point with the Jacobian measured by differences."""
+        """The same point with the Jacobian by differences."""
         columns = jacobian(problem.function, self.point, self.residual, problem.unknowns)
         return _Iterate(self.point, self.residual, columns, True)
 
@@ -192,7 +192,7 @@ class _QuadraticModel:
     """Quadratic (Gauss-Newton) model of the objective near a point, of the values that are free to move.
 
     Args:
-        free: which values move, (p,).
+        free: mask of the values that change, (p,).
         norms: of all columns of the Jacobian, (p,).
         normal: J^T w J of the scaled free values, (f, f).
         right: its negative gradient, (f,).
@@ -204,7 +204,7 @@ class _QuadraticModel:
     right: np.ndarray
 
     def step(self, damping: float) -> tuple[np.ndarray, float] | None:
-        """Damped step (p,) to the minimum and the predicted reduction; none where the equations are singular."""
+        """Damped step (p,) to the minimum and the predicted reduction; None if the equations are singular."""
         try:
             scaled = np.linalg.solve(self.normal + damping * np.diag(np.diag(self.normal) + 1e-12), self.right)
         except np.linalg.LinAlgError:
@@ -215,10 +215,10 @@ class _QuadraticModel:
 
 
 def _quadratic_model(problem: _Problem, at: _Iterate, objective: _Objective) -> _QuadraticModel | None:
-    """The quadratic model at an iterate; none where no value is free to move.
+    """The quadratic model at an iterate; None if no value is free to move.
 
-    A value whose gradient pushes it through its bound is fixed for the step, and a zero column is left out. Both would
-    otherwise stall the fit.
+    A value at its bound with a descent direction out of the bound is fixed for the step, and zero columns are left out.
+    Either would stop the fit otherwise.
     """
     precision = problem.priors.precision(objective.scale)
     weighted = objective.weights(at.residual)[:, None] * at.jacobian
@@ -235,20 +235,21 @@ def _quadratic_model(problem: _Problem, at: _Iterate, objective: _Objective) -> 
 
 
 ATTEMPTS = 8
-"""Steps tried from one point, each with ten times the damping of the one before."""
+"""Largest number of steps tried from one point, each with ten times the damping of the previous one."""
 
 LEAST_GAIN_RATIO = 0.4
-"""Ratio of the predicted to the actual reduction, or the reverse, from which the Jacobian is updated, not measured."""
+"""Ratio of the smaller to the larger of predicted and actual reduction, above which the Jacobian is updated instead of
+computed."""
 
 NEGLIGIBLE_REDUCTION = 0.01
-"""Part of the tolerance below which a predicted reduction is tried only once."""
+"""Fraction of the tolerance below which only one step is tried for a predicted reduction."""
 
 
 def _trial_step(
     problem: _Problem, at: _Iterate, objective: _Objective, model: _QuadraticModel, damping: float, tolerance: float
 ) -> tuple[tuple[np.ndarray, np.ndarray, float] | None, float]:
-    """The first damped step that lowers the objective: its point, residual and cost, none where there is none; and
-    the damping to go on with. With an updated Jacobian only one step is tried."""
+    """Point, residual and cost of the first damped step that lowers the objective (None if no step does), and the
+    damping of the next step. With an updated Jacobian only one step is tried."""
     cost = objective(at.residual, at.point)
     for _ in range(ATTEMPTS):
         found = model.step(damping)
@@ -269,7 +270,7 @@ def _broyden_update(at: _Iterate, point: np.ndarray, residual: np.ndarray, norms
     moved = point - at.point
     predicted = at.residual + at.jacobian @ moved
     lengths = norms**2 * moved
-    # As a transpose: columns stay contiguous in memory.
+    # Computed as a transpose, so that columns stay contiguous in memory.
     updated = at.jacobian + np.outer(lengths / float(lengths @ moved), residual - predicted).T
     return _Iterate(point, residual, updated, False)
 
@@ -284,21 +285,21 @@ def least_squares(
     exact_jacobian: bool = False,
     final_jacobian: bool = True,
 ) -> FitResult:
-    """Minimise a weighted residual within bounds by Levenberg-Marquardt, Huber weights renewed at every step.
+    """Minimise a weighted residual within bounds by Levenberg-Marquardt, with new Huber weights at every step.
 
-    A prediction costs far more than a step. While the gain ratio (actual over predicted reduction of the objective)
-    stays near one, the Jacobian is carried along by Broyden's update (C. G. Broyden, Math. Comp. 19 (1965) 577);
-    otherwise, and before convergence is declared, it is measured by differences.
+    Predictions dominate the computing time. While the gain ratio (actual over predicted reduction of the objective) is
+    near one, the Jacobian is approximated by Broyden's update (C. G. Broyden, Math. Comp. 19 (1965) 577); otherwise,
+    and before convergence is declared, it is computed by differences.
 
     Args:
         function: weighted residual (n,) at a point (p,).
-        unknowns: what is moved.
-        robust: Huber's loss at a scale taken from the residual, else plain squares.
-        iterations: accepted steps at the most.
-        tolerance: relative reduction of the objective at which it stops.
+        unknowns: of the fit.
+        robust: Huber's loss at a scale estimated from the residual; otherwise squares.
+        iterations: largest number of accepted steps.
+        tolerance: relative reduction of the objective at which the iteration stops.
         known: columns (n,) of the Jacobian at a point near the start, by key.
-        exact_jacobian: the known columns are those of the start itself.
-        final_jacobian: measure the Jacobian that is returned; without, it is as the last update left it.
+        exact_jacobian: the known columns are exact at the start.
+        final_jacobian: compute the returned Jacobian by differences; otherwise it is the last Broyden update.
     """
     keys = tuple(u.key for u in unknowns)
     low, high = np.array([u.low for u in unknowns]), np.array([u.high for u in unknowns])

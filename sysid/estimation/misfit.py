@@ -14,7 +14,7 @@ from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, PreparedRecord, predict
 
 KEPT = 0.97
-"""Share of samples in the trimmed rms: single samples at a reversal between two samples are left out."""
+"""Share of samples in the trimmed rms; it leaves out single samples near reversals that occur between two samples."""
 
 _CORNER = 2.17009
 """Two-sided 97 % point of the normal distribution."""
@@ -51,8 +51,8 @@ class ChannelMisfit:
 
     Args:
         rms: over all scored samples, in the channel's unit.
-        over_noise: trimmed rms over the noise in the same residual after the same filter; 1 is noise alone. That of
-            the presliding displacements in stick phases, if it is larger.
+        over_noise: trimmed rms over the noise of the residual after the same filter (1 for noise alone); the same
+            ratio for the presliding displacements in stick phases, if it is larger.
         fit_percent: 100 (1 - |residual| / |measured - mean|).
         size: scored samples.
     """
@@ -64,8 +64,8 @@ class ChannelMisfit:
 
 
 def dominated_by_few_samples(before: ChannelMisfit, after: ChannelMisfit) -> bool:
-    """Whether the plain rms understates the reduction of the trimmed rms, since few samples at reversals dominate
-    it."""
+    """Whether the plain rms shows too small a reduction compared with the trimmed rms, since few samples at
+    reversals dominate it."""
     return after.rms * before.over_noise > 2.0 * after.over_noise * before.rms
 
 
@@ -77,7 +77,7 @@ def scored_channels(record: PreparedRecord) -> dict[str, tuple[np.ndarray, np.nd
 
 
 PRESLIDING_TIMING = 0.1
-"""Part of the timing uncertainty that remains with presliding under imposed motion: no force jumps within a step."""
+"""Part of the timing uncertainty that remains with presliding under imposed motion, where the force is continuous."""
 
 
 def sample_std(
@@ -141,7 +141,7 @@ def worst_over_noise(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelM
 class ResidualWeights:
     """Standard deviations (n,) and indices of the scored samples (k,), by record and channel.
 
-    Taken from one model and kept, so that residuals of other models are comparable with its own.
+    Computed from one model and used for others, so that their residuals are comparable.
     """
 
     std: tuple[dict[str, np.ndarray], ...]
@@ -159,7 +159,7 @@ class ResidualWeights:
 def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool = True) -> ResidualWeights:
     """Standard deviations along a model's prediction, and the scored samples.
 
-    A filtered record is thinned to one sample per filter width, since neighbours within it are dependent.
+    A filtered record is reduced to one sample per filter width, since neighbouring samples are correlated.
     """
     std, samples = [], []
     for record in records:

@@ -1,9 +1,8 @@
-"""Fit of the model that an experiment states: initial values, variants of its effects, and the reference for
-candidates.
+"""Fit of the model of an experiment file: initial values, variants of its effects, and the reference for candidates.
 
-A Stribeck velocity or a tooth pitch has no gradient where its effect is absent, or off by more than a fraction of
-itself. Shape parameters for which the experiment states no start are therefore searched on a grid by the score test;
-those of a driven stage by a coarse search and from further local minima.
+The cost has no useful gradient in a Stribeck velocity or a tooth pitch if the effect is absent or the value is wrong by
+more than a fraction of itself. Shape parameters without a start in the experiment file are therefore searched on a grid
+by the score test; those of a driven stage by a coarse search and a search for lower local minima.
 """
 
 from __future__ import annotations
@@ -45,8 +44,8 @@ class ReferenceFit:
 def reference_fit(
     problem: Problem, fitted: FittedModel, weights: ResidualWeights | None = None, laws: tuple[str, ...] = ()
 ) -> ReferenceFit:
-    """A fitted model as the reference of a problem, with weights of its own on the held-out records if none are
-    given."""
+    """A fitted model as the reference of a problem; residual weights of the held-out records are computed from it if
+    none are given."""
     weights = residual_weights(fitted.model, problem.validate_records) if weights is None else weights
     return ReferenceFit(fitted, weights, weighted_residual(fitted.model, problem.validate_records, weights), laws)
 
@@ -59,13 +58,13 @@ def fit_stated_model(problem: Problem) -> ReferenceFit:
 
 
 def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]) -> FittedModel:
-    """Fit of a model from its stated start and from searched starting points, whichever ends with the lowest error.
+    """The fit with the lowest error, from the stated start and from searched starting points.
 
     Args:
-        model: as the experiment states it.
+        model: model of the experiment file.
         records: those fitted.
         scales: of the records.
-        given: keys of parameters whose start the experiment states; their effects are not searched.
+        given: keys of parameters with a start in the experiment file; their effects are not searched.
     """
     direct = fit_model(model, records)
     for start in rough_starts(model, records, given):
@@ -83,7 +82,7 @@ def initial_fit(model: Model, records: Sequence[PreparedRecord], scales: Scales,
 
 
 def _has_lower_error(other: FittedModel, fitted: FittedModel, records: Sequence[PreparedRecord]) -> bool:
-    """Whether the root mean Huber loss of another fit is lower, with the weights of the present one."""
+    """Whether the root mean Huber loss of another fit is lower, both with the weights of the present fit."""
     after = root_mean_huber(weighted_residual(other.model, records, fitted.weights))
     return after < root_mean_huber(fitted.fit.residual)
 
@@ -91,7 +90,8 @@ def _has_lower_error(other: FittedModel, fitted: FittedModel, records: Sequence[
 def _start_from_screening(
     model: Model, records: Sequence[PreparedRecord], scales: Scales, given: Collection[str]
 ) -> Model | None:
-    """The model with shape parameters from the screening of its effects, one after the other; none without any."""
+    """The model with shape parameters from the screening of its effects, one after the other; None without effects to
+    search."""
     searched = [e for e in model.effects if has_shape(e) and not any(key.startswith(f"{e.name}.") for key in given)]
     if not searched:
         return None

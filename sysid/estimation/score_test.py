@@ -49,8 +49,8 @@ class ScoreStatistic:
         directions: parameter values of each candidate direction, one amplitude away from zero.
         columns: change of the residual by each direction, base Jacobian projected out, (n, k); empty for the grid
             points beyond the first `IN_PAIRS` of an effect.
-        blocked_reduction: share that only an amplitude beyond its bound (a negative drag) would take.
-        full_step_reduction: of a friction core, the share with the core as it stands, which cannot be scaled.
+        blocked_reduction: share that only an amplitude beyond its bound (a negative drag) would remove.
+        full_step_reduction: share with unit amplitude, for a friction core, which cannot be scaled.
     """
 
     predicted_reduction: float
@@ -84,7 +84,7 @@ class GridPoint:
     Args:
         shape: the grid point.
         directions: parameter values of each candidate direction, one amplitude away from zero.
-        changes: of the residual, at some of its rows, by each direction, (n, k).
+        changes: of the residual, at selected rows, by each direction, (n, k).
     """
 
     shape: dict[str, float]
@@ -119,7 +119,8 @@ def candidate_directions(
 
 
 def _directions(effect: Effect, scales: Scales) -> list[dict[str, float]]:
-    """One direction per amplitude, and another a quarter period on for each phase; as it stands for a friction core."""
+    """One direction per amplitude, and a second one shifted by a quarter period if it has a phase; for a friction core
+    the effect itself."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
     if not amplitudes or effect.friction_state is not None:
         return [{}]
@@ -173,7 +174,7 @@ def _least_squares(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> 
 
 
 def out_of_bounds(effect: Effect, directions: list[dict[str, float]], coefficients: np.ndarray) -> bool:
-    """Whether the only amplitude of an effect, with its bound at zero, would have to go beyond that bound."""
+    """Whether the estimate of the only amplitude of an effect is beyond its bound at zero."""
     amplitudes = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
     if effect.friction_state is not None or len(amplitudes) != 1 or len(directions) != 1:
         return False
@@ -212,8 +213,8 @@ def _amplitude_start(effect: Effect, directions: list[dict[str, float]], weights
 
 
 def profiled_residual(base: FittedModel, rows: slice = EVERY_ROW) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal basis (n, p) of the Jacobian of a fitted model at some rows, and its winsorised residual there (n,)
-    with that basis projected out."""
+    """Orthonormal basis (n, p) of the Jacobian of a fitted model at selected rows, and its winsorised residual (n,)
+    at these rows with that basis projected out."""
     basis = orthonormal(base.fit.jacobian[rows])
     corner = WINSOR * robust_scale(base.fit.residual)
     clipped = np.clip(base.fit.residual[rows], -corner, corner)

@@ -24,7 +24,7 @@ class RefittedEffect:
         effect: the candidate.
         predicted_reduction: share of the squared residual, by the score test.
         fitted: the model with it.
-        blocked_reduction: share that only amplitudes beyond their bounds would take.
+        blocked_reduction: share that only amplitudes beyond their bounds would remove.
     """
 
     effect: Effect
@@ -35,14 +35,14 @@ class RefittedEffect:
 
 @dataclass(frozen=True)
 class ScoredCandidate:
-    """A candidate effect with its score statistics over the shape grid, best first; not fitted yet."""
+    """A candidate effect with its score statistics over the shape grid, best first, before any fit."""
 
     effect: Effect
     scores: list[ScoreStatistic]
 
     @property
     def score(self) -> float:
-        """Largest predicted reduction; infinite without any score, where only a fit can decide."""
+        """Largest predicted reduction; infinite without any score, where only a fit shows the reduction."""
         return max((score.full_step_reduction for score in self.scores), default=np.inf)
 
     @property
@@ -77,13 +77,13 @@ SHORT = 4
 """Steps of a screening fit."""
 
 FAR = 5.0
-"""Root mean Huber loss of a driven stage from which the score test is a poor guide to starting points."""
+"""Root mean Huber loss on a driven stage above which the score test does not give reliable starting points."""
 STARTS_FROM_AFAR = 3
 STEPS_FROM_AFAR = 8
 """Grid points, and steps of the screening fit from each, in that case."""
 
 SHOWS_PROMISE = 0.5
-"""Part of the error of the base model below which lower minima near the fit of a driven stage are searched."""
+"""Fraction of the error of the base model below which lower minima near the fit of a driven stage are searched."""
 
 
 def screen_candidate(
@@ -94,7 +94,7 @@ def screen_candidate(
     basis: np.ndarray,
     target: np.ndarray,
 ) -> ScreeningFit | None:
-    """Score an effect over its grid and fit it shortly; none where it does not change the prediction."""
+    """Score an effect over its grid and make a short fit; None if it does not change the prediction."""
     scores = score_test(effect, candidate_directions(base, effect, records, scales), basis, target)
     return screen_scored(ScoredCandidate(effect, scores), base, records, scales, basis)
 
@@ -107,10 +107,10 @@ def screen_scored(
     basis: np.ndarray,
     rows: slice = EVERY_ROW,
 ) -> ScreeningFit | None:
-    """Short fit of a scored candidate from its best starting points; none where it does not change the prediction.
+    """Short fit of a scored candidate from its best starting points; None if it does not change the prediction.
 
     Args:
-        known: the candidate, scored at some rows of the residual.
+        known: the candidate, scored at selected rows of the residual.
         base: the fitted model.
         records: those fitted.
         scales: of the records.
@@ -126,7 +126,7 @@ def screen_scored(
     fits = [fit_model(start, records, base.weights, steps, near=base, final_jacobian=False) for start in starts]
     nearest = min(fits, key=lambda fitted: fitted.fit.cost)
     if not scores:
-        # No gradient at the start: the change found by the fit takes the place of the directions.
+        # No gradient at the start: the change of the residual by the fit replaces the directions.
         own = {key: value for key, value in nearest.model.values.items() if key.startswith(f"{effect.name}.")}
         change = project_out((base.fit.residual - nearest.fit.residual)[rows, None], basis)
         scores = [ScoreStatistic(0.0, own, own, [{}], change)]
@@ -136,11 +136,12 @@ def screen_scored(
 def _screening_starts(
     known: ScoredCandidate, base: FittedModel, records: Sequence[PreparedRecord], scales: Scales, far: bool
 ) -> list[Model]:
-    """Models with the candidate at the starting points of its screening fits; `far`: of a driven stage far off."""
+    """Models with the candidate at the starting points of its screening fits; `far`: on a driven stage, the error of
+    the base model is large."""
     effect, scores = known.effect, known.scores
     points = [score.start for score in (_distinct(scores, STARTS_FROM_AFAR) if far and scores else scores[:1])]
     if scores and effect.friction_state is not None:
-        # A fraction of a long presliding stretch may score best where a short one fits best as it stands.
+        # A long presliding displacement may have the best score with a small weight, a short one with unit weight.
         best = max(scores, key=lambda score: score.full_step_reduction).start
         points += [best] if best is not points[0] else []
     starts = [with_effect(base.model, effect, scales, point) for point in points]
@@ -158,8 +159,7 @@ def refit_candidate(
     starts: int = 2,
     iterations: int = 15,
 ) -> RefittedEffect:
-    """Refit of a screened effect: from its screening fit, and from other points of the grid; the lowest cost is
-    kept."""
+    """Refit of a screened effect from its screening fit and from other points of the grid; the fit of lowest cost."""
     best = fit_model(screened.fitted.model, records, base.weights, iterations, near=screened.fitted)
     others = _distinct(screened.scores, starts)[1:]
     if screened.effect.friction_state is not None:
@@ -179,9 +179,9 @@ def search_lower_minimum(
 
     Args:
         base: the fitted base model.
-        candidate: an effect on top of it; returned as it is if it leaves more than `SHOWS_PROMISE` of the error.
+        candidate: fit of an added effect; returned unchanged if its error exceeds `SHOWS_PROMISE` of that of `base`.
         records: those fitted.
-        of_contact: it acts between tip and stage: one round of the search in any case.
+        of_contact: the effect acts between tip and stage; one round of the search is made in any case.
     """
     promising = root_mean_huber(candidate.fitted.fit.residual) <= SHOWS_PROMISE * root_mean_huber(base.fit.residual)
     if not of_contact and not promising:
@@ -199,7 +199,7 @@ def screen_and_refit(
     starts: int = 2,
     iterations: int = 15,
 ) -> RefittedEffect | None:
-    """Screening and full refit of one effect; none where it does not change the prediction.
+    """Screening and full refit of one effect; None if it does not change the prediction.
 
     Args:
         base: the fitted base model.
@@ -207,7 +207,7 @@ def screen_and_refit(
         records: those fitted.
         scales: of the records.
         profiled: basis (n, p) and profiled residual (n,) of the base model (`profiled_residual`).
-        starts: grid points from which it is refitted.
+        starts: number of grid points from which it is refitted.
         iterations: steps of each refit.
     """
     screened = screen_candidate(base, effect, records, scales, *profiled)
@@ -221,7 +221,7 @@ def as_screened(screened: ScreeningFit, records: Sequence[PreparedRecord]) -> Re
 
 
 def _distinct(scores: list[ScoreStatistic], count: int) -> list[ScoreStatistic]:
-    """The best score, and further ones of at least half its reduction that start elsewhere on the grid."""
+    """The best score, and further ones of at least half its reduction with distinct starting values."""
     chosen = [scores[0]]
     for score in scores[1:]:
         if len(chosen) >= count:

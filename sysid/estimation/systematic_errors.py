@@ -1,9 +1,9 @@
-"""Systematic errors of the comparison of an axis, which the scatter of residuals does not show.
+"""Systematic errors of the comparison of an axis, which do not appear in the scatter of the residuals.
 
-Filtering: the motion is filtered before a force law is evaluated along it. A nonlinear law (a narrow Stribeck curve, a
-short pitch) is flattened by that. Its size is the change of the prediction if the motion is filtered half as much.
+Filtering: the motion is filtered before a force law is evaluated along it, which smooths a nonlinear law (a narrow
+Stribeck curve, a short pitch). The error is taken as the change of the prediction at half the filter width.
 
-Skew: the channels of a row are taken to be simultaneous, which holds to a few hundredths of a sampling step only.
+Skew: the channels of a row are assumed to be simultaneous, which is accurate to a few hundredths of a sampling step.
 
 Each is a change (n,) of the weighted residual by one standard deviation; it shifts the fitted values linearly.
 """

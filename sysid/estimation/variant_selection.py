@@ -1,7 +1,8 @@
 """Selection of the variant (constitutive law) of each effect of a model, and refits with one effect replaced.
 
-A fit that starts with a wrong shape does not leave it: a Stribeck curve ten times too wide loses its force, and with it
-the gradient of its width. A replaced effect therefore starts from the best point of its shape grid by the score test.
+A fit does not recover from a wrong initial shape: for a Stribeck curve ten times too wide the amplitude is fitted to
+zero, and the gradient in the width vanishes. A replaced effect therefore starts from the best point of its shape grid
+by the score test.
 """
 
 from __future__ import annotations
@@ -30,14 +31,15 @@ PENALTY = 4.0
 """Cost of one more fitted value when variants are compared: Huber's loss in standard deviations squared."""
 
 CLEARLY_LOWER = 0.97
-"""Part of the cost below which another variant fits better than the noise and its additional values explain."""
+"""Ratio of costs below which the better fit of another variant is not explained by noise and its additional
+values."""
 
 BETTER_HELD_OUT = 0.67
-"""Part of the held-out loss above the noise below which another variant is taken for that alone."""
+"""Ratio of the held-out losses above the noise level below which another variant is selected for its prediction."""
 
 
 def without_effect(model: Model, effect: str) -> Model:
-    """The model without one effect and its parameters, whatever variant of it acts on the effect's channel."""
+    """The model without the effect, or any other variant of it on the same channel, and its parameters."""
     return _without(model, [e.name for e in model.effects if variant_group(e.name) == variant_group(effect)])
 
 
@@ -54,7 +56,7 @@ def _without(model: Model, removed: Sequence[str]) -> Model:
 
 
 def with_bounds_of(model: Model, given: Model) -> Model:
-    """The model with the bounds, priors and fixed values of `given`, where it has the same unknown."""
+    """The model with the bounds, priors and fixed values of `given` for the unknowns in both models."""
     known = {u.key: u for u in given.unknowns}
     fixed = set(given.values) - set(known)
     values = {**model.values, **{key: given.values[key] for key in fixed if key in model.values}}
@@ -71,11 +73,11 @@ def fit_replacement(
     starting points.
 
     Args:
-        fitted: the model as it is.
-        effect: the variant to put in; not a friction core.
+        fitted: fit of the present model.
+        effect: the variant to insert; not a friction core.
         records: those fitted.
         scales: of the records.
-        place: the effect that it replaces, if that is not a variant of its own on its own channel.
+        place: the effect that it replaces, if that is not another variant of `effect` on the same channel.
     """
     rest = fit_model(without_effect(fitted.model, place or effect.name), records, fitted.weights, near=fitted)
     scores = score_test(effect, candidate_directions(rest, effect, records, scales), *profiled_residual(rest))
@@ -104,7 +106,7 @@ def predicts_clearly_better(problem: Problem, other: FittedModel, fitted: Fitted
 
 
 def selectable_effects(problem: Problem) -> tuple[str, ...]:
-    """Effects of the stated model whose variant is selected: named without one, and no value of theirs is given."""
+    """Effects of the stated model whose variant is selected: those named without variant and without given values."""
     given = {key.rpartition(".")[0] for key in problem.experiment.parameters}
     effects = [e for e in problem.start.effects if e.variants and e.name not in given]
     return tuple(e.name for e in effects if ":" not in e.name)
@@ -118,13 +120,13 @@ def select_variants(
 ) -> tuple[FittedModel, tuple[str, ...]]:
     """A fit in which effects have the variant that fits best.
 
-    The variant that bears the effect's own name is kept unless another is better.
+    The default variant (with the public name of the effect) is kept unless another is better.
 
     Args:
-        problem: whose records are fitted.
-        fitted: the model as it stands.
-        names: effects whose variant is selected; `selectable_effects` where left out.
-        better: when another variant is taken.
+        problem: with the records of the fit.
+        fitted: fit of the present model.
+        names: effects whose variant is selected; default `selectable_effects`.
+        better: criterion by which another variant replaces the present one.
 
     Returns:
         The fit, and the names of the variants that were selected.
@@ -146,11 +148,11 @@ def _penalised_cost(fitted: FittedModel) -> float:
 
 
 def _best_variant(problem: Problem, fitted: FittedModel, place: str, better: Better) -> FittedModel:
-    """A fit in which the effect at one place has its best variant."""
+    """A fit in which one effect has its best variant."""
     effect = find(place, problem.custom)
     before: list[FittedModel] = []
     if place not in {e.name for e in fitted.model.effects}:
-        # Another variant was selected while an effect was still missing: its fit competes with the new ones.
+        # If another variant was selected before an effect was added, its fit is compared with the new ones.
         before = [fitted]
         fitted = fit_replacement(fitted, effect, problem.fit_records, problem.scales)
     if effect.friction_state is not None:
@@ -166,7 +168,7 @@ def _best_variant(problem: Problem, fitted: FittedModel, place: str, better: Bet
 
 
 def _best_channel(problem: Problem, fitted: FittedModel, place: str, better: Better) -> FittedModel:
-    """A fit in which a sensor effect acts on its best channel; which that is may change as effects are added."""
+    """A fit in which a sensor effect acts on its best channel, which may change when effects are added."""
     present = {variant_group(e.name) for e in fitted.model.effects}
     channels = [name for name in problem.fit_records[0].measured if f"{public_name(place)}@{name}" not in present]
     places = [f"{public_name(place)}@{channel}" for channel in channels]
@@ -181,7 +183,7 @@ def _best_channel(problem: Problem, fitted: FittedModel, place: str, better: Bet
 
 
 SUFFICIENT = 1.2
-"""Root mean Huber loss up to which the hysteresis curve of a Maxwell-slip core is not refined."""
+"""Root mean Huber loss below which the hysteresis curve of a Maxwell-slip core is not refined."""
 
 SPANS = (10.0, 100.0)
 """Ratios of the longest to the shortest yield displacement from which the refined fit starts."""
@@ -190,7 +192,7 @@ SPANS = (10.0, 100.0)
 def core_variant_fits(
     fitted: FittedModel, core: Effect, records: Sequence[PreparedRecord], scales: Scales
 ) -> list[FittedModel]:
-    """Fits with the elements of a Maxwell-slip core of given curve left free; none where the core is sufficient.
+    """Fits of a Maxwell-slip core of given curve with free elements; empty if the given curve is sufficient.
 
     Args:
         fitted: the model with the core.
@@ -213,7 +215,7 @@ def core_variant_fits(
 
 
 def _equivalent_elements(model: Model, core: Effect, free: Effect, span: float) -> dict[str, float]:
-    """Values of the free elements with which they follow the hysteresis curve of the fitted core."""
+    """Values of the free elements that reproduce the hysteresis curve of the fitted core."""
     stretch, curvature = (model.values[f"{core.name}.{name}"] for name in ("stretch", "curvature"))
     stretches = free_stretches(stretch, span)
     shares = free_shares(stretches, 1.0 - (1.0 - np.minimum(stretches / stretch, 1.0)) ** curvature)

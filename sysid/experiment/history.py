@@ -1,12 +1,12 @@
-"""The ladder of an experiment: one file per rung, and `experiment.toml` in step with the last of them.
+"""The ladder of an experiment: one file per rung; `experiment.toml` has the model of the last rung.
 
 `ladder/NNN.json` holds the whole `[model]`, what was added, the fit, the errors, and the hashes of the records; rung
 000 is the model before anything was added. Nothing is deleted: an undone rung moves to `ladder/undone/`.
 
-Order of writes: a note of what is about to happen (`ladder/pending.json`), the rung, `experiment.toml`, the note away.
-Each file is written atomically. A run that is stopped in between leaves the note, and `experiment.toml` shows its
-progress: if it contains the new model, the change is kept, if not, the rung is set aside. Readers come to the same
-conclusion without writing.
+A change is made in this order: write a note of the intended change (`ladder/pending.json`), write the rung, write
+`experiment.toml`, delete the note. Each file is written atomically. If a run is interrupted, the note remains: when
+`experiment.toml` contains the new model, the change is kept; otherwise the rung is moved to `ladder/undone/`. Reading
+functions apply the same rule without writing.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ _RUNG = re.compile(r"(\d{3,})\.json")
 
 
 class Placed(Protocol):
-    """What the ladder needs of an experiment: where it lies."""
+    """Folder and file of an experiment, as the ladder functions require."""
 
     @property
     def folder(self) -> Path: ...
@@ -50,7 +50,7 @@ class Revision:
         number: 0 for the model before anything was added.
         path: its file.
         model: `[model]` as plain data.
-        document: the whole file: `effects`, `added`, `parameters`, `before` and what else the fit gave.
+        document: content of the file: `effects`, `added`, `parameters`, `before` and the other results of the fit.
     """
 
     number: int
@@ -66,7 +66,7 @@ class Revision:
 
 @contextmanager
 def history_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[None]:
-    """Keep other runs from writing to the experiment; may be taken again by whoever holds it.
+    """Lock the experiment against writes of other runs; reentrant within a process.
 
     Raises:
         InputError: another run holds it for longer than `timeout` seconds.
@@ -76,7 +76,7 @@ def history_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[
 
 
 def read_history(experiment: Placed) -> list[Revision]:
-    """The rungs from 000 up; empty where nothing was added yet. Writes nothing.
+    """The rungs in order of their number; empty if no effect was added yet. Writes nothing.
 
     Raises:
         InputError: a rung that cannot be read, or one missing between others.
@@ -110,11 +110,11 @@ def append_revision(
         effects: effects of the new model, in order.
         starts: fitted values by `effect.parameter`, SI with unit; they become the starts of the next fit.
         document: fit, errors and parameters of the new model (JSON data; `before` is its own error).
-        base_document: the same of the model as it stood; it becomes rung 000, or a rung of its own where `[model]` was
-            edited by hand since the last one.
+        base_document: the same for the model before the change; written as rung 000, or as an additional rung if
+            `[model]` was edited by hand since the last one.
         record_hashes: sha256 by record name.
         timeout: s to wait for another run.
-        known: what was known of them before the fit, SI: written in place of the fitted value.
+        known: prior of a parameter, SI, by `effect.parameter`; written instead of the fitted value.
 
     Returns:
         The new rung.
@@ -151,11 +151,11 @@ def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Revision, P
     """Go back to the rung before the last; the last one is kept in `ladder/undone/`.
 
     Args:
-        experiment: where it lies: a `[model]` edited by hand may be one that cannot be loaded.
+        experiment: its folder and file; it is not loaded, since a `[model]` edited by hand may be invalid.
         timeout: s to wait for another run.
 
     Returns:
-        The rung restored, and where the undone one lies now.
+        The restored rung, and the new path of the undone one.
 
     Raises:
         InputError: nothing to undo, `[model]` was edited by hand since, or another run holds the lock.
@@ -172,7 +172,7 @@ def undo(experiment: Placed, timeout: float = LOCK_SECONDS) -> tuple[Revision, P
         if edited_by_hand(experiment, rungs):
             raise InputError(
                 f"{experiment.path}: [model] was edited by hand since rung {last.number:03d}, so nothing is undone; "
-                f"make it say again what {last.path} says, or write the model you want by hand"
+                f"restore the model of {last.path} in [model], or edit [model] by hand to the model you want"
             )
         restored = last.document.get("experiment_before")
         if not isinstance(restored, str) or _sha(text) != last.document.get("experiment_sha256"):
@@ -271,12 +271,12 @@ def _pending(folder: Path) -> dict[str, Any] | None:
 
 
 def _is_current(experiment: Placed, rung: Revision) -> bool:
-    """Whether `experiment.toml` holds the model of `rung`, which a stopped run was about to write or to undo."""
+    """Whether `experiment.toml` contains the model of `rung`, which an interrupted run was to write or undo."""
     return model_hash(model_of(_current_text(experiment))) == model_hash(rung.model)
 
 
 def _recover(experiment: Placed) -> None:
-    """Bring a change that was stopped half way to one side or the other."""
+    """Complete or revert an interrupted change."""
     folder = experiment.folder
     pending = _pending(folder)
     if pending is not None:

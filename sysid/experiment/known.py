@@ -29,17 +29,17 @@ class DesignValue:
 
 
 DesignValues = Mapping[str, float | DesignValue] | Callable[[str], float | DesignValue]
-"""SI values that `"design"` stands for, by the name of the known quantity or by `effect.parameter`."""
+"""SI values of settings given as `"design"`, by the name of the known quantity or by `effect.parameter`."""
 
 
 @dataclass(frozen=True)
 class Known:
-    """A number known about the rig, SI.
+    """A known quantity of the rig, SI.
 
     Args:
         value: the number.
         std: its standard deviation; none where the user gave none.
-        origin: `given` in the file, or taken from the `design`.
+        origin: `given` (in the file) or `design`.
     """
 
     value: float
@@ -48,10 +48,10 @@ class Known:
 
 
 def known_axes(table: TomlTable, kind: RigKind) -> list[tuple[str, bool]]:
-    """Whether the axis is rotary, by the unit of each known value that shows it, with its place in the file.
+    """Whether the axis is rotary according to the unit of each known value that determines it, by place in the file.
 
     Raises:
-        InputError: a key the kind of rig does not know, or no quantity of its dimension on either axis.
+        InputError: a key that this kind of rig does not have, or a dimension that fits neither kind of axis.
     """
     table.allow(kind.known)
     if "mass" in table.data and "inertia" in table.data:
@@ -81,10 +81,10 @@ def read_known(table: TomlTable, kind: RigKind, rotary: bool, design: DesignValu
         table: `[rig.known]`.
         kind: kind of rig.
         rotary: whether the axis turns.
-        design: what `"design"` stands for.
+        design: values of settings given as `"design"`.
 
     Raises:
-        InputError: naming the key, the value and what would be right.
+        InputError: names the key, the value and the permitted input.
     """
     known: dict[str, Known] = {}
     for key, value in table.data.items():
@@ -109,10 +109,10 @@ def design_value(design: DesignValues | None, key: str, rotary: bool, where: str
     """The value of `key` in the design; `where` names its place in the file.
 
     Raises:
-        InputError: there is no design at hand, it is of another kind of axis, or has no such number.
+        InputError: no design is given, it is of another kind of axis, or has no such number.
     """
     if design is None:
-        raise InputError(f"{where}: 'design' needs a parameter file, and none is at hand; write the quantity")
+        raise InputError(f"{where}: 'design' needs a parameter file, and none is given; write the quantity")
     if rotary:
         raise InputError(f"{where}: the design is of a linear axis; write the quantity")
     if callable(design):

@@ -1,4 +1,4 @@
-"""The `[model]` table of an experiment file, changed in place with everything around it kept."""
+"""Editing of the `[model]` table of an experiment file; all other content of the file is kept."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def model_of(text: str) -> dict[str, Any]:
 
 
 def model_hash(model: Mapping[str, Any]) -> str:
-    """Hash of the content of a `[model]`; comments, order of keys and layout do not count."""
+    """Hash of the content of a `[model]`, independent of comments, order of keys and layout."""
     return hashlib.sha256(json.dumps(json_data(model), sort_keys=True, default=str).encode()).hexdigest()
 
 
@@ -43,17 +43,17 @@ def grown_model(
     starts: Mapping[str, tuple[float, str]],
     known: Mapping[str, Prior] | None = None,
 ) -> dict[str, Any]:
-    """`model` with other effects, and starts where the fit ended.
+    """`model` with other effects, and with fitted values as starts.
 
     Args:
-        model: `[model]` as it stands; bounds and fixed values in it stay.
+        model: the present `[model]`; its bounds and fixed values are kept.
         effects: the effects of the new model, in order.
         starts: by `effect.parameter`, fitted value in SI and its unit (empty where it has none).
-        known: what was known of them before the fit, SI: that is written, or the records would count twice.
+        known: prior of a parameter, SI; written instead of the fitted value, which would count the records twice.
 
     Returns:
-        The new `[model]`; settings of effects that are gone go with them. A start that is a prior (the design's, or one
-        with its deviation) stays: it says what was known before the fit.
+        The new `[model]`, without the settings of removed effects. A start that is a prior (from the design, or with a
+        standard deviation) is not replaced by the fitted value.
     """
     grown = copy.deepcopy(dict(model))
     grown["effects"] = list(effects)
@@ -87,7 +87,7 @@ def _is_prior(setting: Any) -> bool:
 
 
 def _flat(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """`coulomb.force = {...}` written as nested tables, under one dotted key."""
+    """Settings by dotted key, where nested tables (`coulomb.force = {...}`) are flattened."""
     flat: dict[str, Any] = {}
     for key, value in parameters.items():
         nested = isinstance(value, Mapping) and value and not {"start", "low", "high", "fixed"} & set(value)
@@ -99,12 +99,12 @@ def _flat(parameters: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
-    """The experiment file's text with `[model]` saying `model`; comments and everything else stay.
+    """The experiment file's text with `[model]` replaced by `model`; comments and all other content are kept.
 
     Raises:
-        InputError: the file cannot be edited so that it says so.
+        InputError: the table cannot be edited without changing other content.
     """
-    # tomlkit takes 0.04 s to load, and only what writes an experiment needs it.
+    # Imported here: tomlkit takes 0.04 s to load, and only functions that write an experiment need it.
     import tomlkit
     from tomlkit.exceptions import TOMLKitError
 
@@ -117,7 +117,7 @@ def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
             _set(table, key, value)
         edited = tomlkit.dumps(document)
         if model_hash(model_of(edited)) != model_hash(model):
-            # A layout that cannot be edited piece by piece (dotted keys across tables) is rewritten.
+            # A layout that cannot be edited key by key (dotted keys across tables) is rewritten.
             document["model"] = tomlkit.item(dict(model))
             edited = tomlkit.dumps(document)
     except (TOMLKitError, KeyError, TypeError) as error:
@@ -125,7 +125,7 @@ def with_model(text: str, model: Mapping[str, Any], file: str) -> str:
     rest = {key: value for key, value in tomllib.loads(text).items() if key != "model"}
     after = {key: value for key, value in tomllib.loads(edited).items() if key != "model"}
     if model_hash(model_of(edited)) != model_hash(model) or rest != after:
-        raise InputError(f"{file}: [model] cannot be edited as it is laid out; write it as one table [model]")
+        raise InputError(f"{file}: [model] cannot be edited in its present layout; write it as one table [model]")
     return edited
 
 
@@ -145,7 +145,7 @@ def _set(table: Any, key: str, value: Any) -> None:
         return
     present = table[key]
     plain = present.unwrap() if hasattr(present, "unwrap") else present
-    # An infinite bound is kept as text in a rung, and may stand bare in the file.
+    # An infinite bound is stored as text in a rung, but may be a TOML number in the file.
     if json_data(plain) == json_data(value):
         return
     if isinstance(value, list) and isinstance(plain, list):

@@ -26,10 +26,10 @@ class Setting:
     """Setting of one parameter in the file, SI; none where it is not given.
 
     Args:
-        start: start of the fit, or the value held.
+        start: initial value of the fit, or the fixed value.
         low, high: bounds.
-        fixed: held at `start`, not fitted.
-        std: deviation to which `start` was known before the fit (`start = "1.2 +- 0.1 N"`, or the design's): a prior.
+        fixed: kept at `start`, not fitted.
+        std: standard deviation of the prior with mean `start` (from `start = "1.2 +- 0.1 N"`, or from the design).
     """
 
     start: float | None = None
@@ -80,7 +80,7 @@ def check_effects(
 
 
 def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> None:
-    """Refuse a second friction state model at one place: one friction level becomes one force."""
+    """Refuse a second friction state model on one channel, since each turns one friction level into one force."""
     if found[name].friction_state is None:
         return
     in_contact = name.startswith("contact.")
@@ -95,11 +95,11 @@ def _check_core(name: str, found: Mapping[str, Effect], model: TomlTable) -> Non
 def read_settings(
     table: TomlTable, effects: Mapping[str, Effect], rig: RigKind, rotary: bool, design: DesignValues | None = None
 ) -> dict[str, Setting]:
-    """Read `[model.parameters]`; `design` is what `"design"` stands for.
+    """Read `[model.parameters]`; `design` has the values of settings given as `"design"`.
 
     Raises:
-        InputError: an effect the model lacks, a parameter the effect lacks, a wrong unit, bounds the wrong way round, a
-            start outside them, a fixed value without its value.
+        InputError: an effect that is not in the model, a parameter that the effect does not have, a wrong unit, a
+            lower bound above the upper one, a start outside the bounds, `fixed` without a value.
     """
     settings: dict[str, Setting] = {}
     for key, value in _flat(table.data, effects):
@@ -123,7 +123,7 @@ def read_settings(
 
 
 def _flat(data: Mapping[str, Any], effects: Mapping[str, Effect]) -> list[tuple[str, Any]]:
-    """`"coulomb.force" = {...}` and `coulomb.force = {...}` alike, as dotted keys."""
+    """Settings by dotted key, whether written as `"coulomb.force" = {...}` or as `coulomb.force = {...}`."""
     flat: list[tuple[str, Any]] = []
     for key, value in data.items():
         if isinstance(value, dict) and value and not set(value) & set(_KEYS):
@@ -165,8 +165,7 @@ def _setting(
     for bound, key in ((low, "low"), (high, "high")):
         if start is not None and bound is not None and (start < bound if key == "low" else start > bound):
             raise InputError(
-                f"{table.where()}: start = {_text(table, 'start', start)} lies outside {key} = "
-                f"{_text(table, key, bound)}"
+                f"{table.where()}: start = {_text(table, 'start', start)} is outside {key} = {_text(table, key, bound)}"
             )
     _within_declared(table, parameter, start, low, high, fixed)
     return Setting(start, low, high, fixed, None if fixed else std)
@@ -175,10 +174,10 @@ def _setting(
 def _within_declared(
     table: TomlTable, parameter: Parameter, start: float | None, low: float | None, high: float | None, fixed: bool
 ) -> None:
-    """Refuse a start beyond the effect's own bounds, unless the file moves them; a fixed value may lie anywhere."""
+    """Refuse a start outside the effect's own bounds, unless the file gives other bounds; fixed values are exempt."""
     if start is None or fixed:
         return
-    # A start that a fit left at a bound is written with nine digits.
+    # A fitted value at a bound is written with nine digits, so it may exceed the bound by rounding.
     room = 1e-6 * abs(start)
     for beyond, given, bound, key in (
         (start < parameter.low - room, low, parameter.low, "low"),
@@ -186,13 +185,13 @@ def _within_declared(
     ):
         if beyond and given is None:
             raise InputError(
-                f"{table.where()}: start = {_text(table, 'start', start)} lies outside the effect's own {key} = "
+                f"{table.where()}: start = {_text(table, 'start', start)} is outside the effect's own {key} = "
                 f"{bound:g}; give {key} with it if it is meant"
             )
 
 
 def _text(table: TomlTable, key: str, value: float) -> str:
-    """A value as the file writes it; in SI where it is the design's."""
+    """A value as written in the file; in SI if it comes from the design."""
     return shown(table.data[key]) if table.data.get(key, "design") != "design" else f"{value:g} (the design's)"
 
 
@@ -209,7 +208,7 @@ def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: boo
 def _value(
     table: TomlTable, key: str, parameter: Parameter, effect: str, rig: RigKind, rotary: bool
 ) -> tuple[float | None, float | None]:
-    """A value and, of a start, its standard deviation; none where it is not given."""
+    """A value and, for a start, its standard deviation; None where not given."""
     if key not in table.data:
         return None, None
     value, where = table.data[key], table.where(key)

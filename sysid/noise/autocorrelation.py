@@ -1,5 +1,5 @@
-"""Standard deviation and autocorrelation of the noise on a smooth signal, from differences of rising order and windows
-of growing length."""
+"""Standard deviation and autocorrelation of the noise on a smooth signal, from differences of increasing order and
+windows of increasing length."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ LOCAL = 256
 """Differences from which the local standard deviation of the noise is estimated."""
 
 UNEVEN = 0.15
-"""Deviation of the logarithm of that size from which the noise is uneven: even white noise has 0.08 by chance."""
+"""Standard deviation of the logarithm of that size above which the noise is uneven; stationary white noise has 0.08."""
 
 LEAST_LEVEL = 0.1
-"""Of the usual size, the least taken of any stretch: values that stand still have none."""
+"""Lower limit of the local size relative to the usual size; constant values have size zero."""
 
 UNSEEN_UNDER_STEP = 0.1
-"""Noise below a tenth of a sensor's step leaves no trace in its readings; it is taken to be that tenth."""
+"""Noise below a tenth of a sensor's step does not affect its readings; it is taken to be that tenth."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Autoregression:
     Args:
         value: standard deviation.
         correlation: of neighbouring samples.
-        filtered: the log has no white part, `value` is a lower bound.
+        filtered: the log has no white part, so `value` is a lower bound.
         white: standard deviation of white noise that would give the same differences of neighbours.
     """
 
@@ -76,12 +76,12 @@ def fit_autoregression(
 
     Args:
         pieces: stretches, each of shape (n,).
-        quantisation_step: grid the values lie on; medians are no measure on a coarse grid, whose own noise is taken
-        off.
-        flat: the stretches hold noise and slow drift alone, so that long windows determine its correlation too.
+        quantisation_step: step of the values; on a coarse grid medians are not used, and the quantisation noise is
+            subtracted.
+        flat: the stretches contain only noise and slow drift, so that long windows determine the correlation too.
 
     Returns:
-        None where the stretches are too short altogether (fewer than 64 samples).
+        None where the stretches are too short in total (fewer than 64 samples).
     """
     if sum(piece.size for piece in pieces) < 64:
         return None
@@ -104,7 +104,7 @@ def fit_autoregression(
 
 
 def _levels(pieces: Sequence[np.ndarray], order: int, white: float) -> list[np.ndarray]:
-    """Size of the noise along each piece (n,), over its usual size, by differences; one where it is even."""
+    """Local size of the noise along each piece (n,) relative to its usual size, from differences; 1 for even noise."""
     spans = [piece.size - order for piece in pieces]
     differences = np.concatenate([np.diff(piece, order) for piece in pieces]) / np.sqrt(comb(2 * order, order))
     parts = np.array_split(differences, max(1, differences.size // LOCAL))
@@ -122,7 +122,7 @@ def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:
 
 
 def _under_quantum(pieces: Sequence[np.ndarray], quantisation_step: float) -> float:
-    """Noise of a channel with coarse steps, without the noise of the steps themselves."""
+    """Noise of a coarsely quantised channel without the quantisation noise."""
     total = min(
         trimmed_rms(np.concatenate([np.diff(piece, order) for piece in pieces])) / np.sqrt(comb(2 * order, order))
         for order in (2, 3, 4)
@@ -132,7 +132,7 @@ def _under_quantum(pieces: Sequence[np.ndarray], quantisation_step: float) -> fl
 
 
 def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
-    """Lone samples far from the median of the five about them are put on that median."""
+    """Replace outliers by the running median of five samples."""
     around = np.lib.stride_tricks.sliding_window_view(np.pad(piece, 2, mode="edge"), 5)
     middle = np.median(around, axis=1)
     return np.where(np.abs(piece - middle) > 6.0 * scale, middle, piece)
@@ -141,7 +141,7 @@ def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
 def _correlated(
     pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], order: int, white: float, flat: bool
 ) -> Autoregression:
-    """Compare the scatter in windows with the differences, and find the autoregression that gives both."""
+    """First-order autoregression that agrees with both the scatter in windows and the differences."""
     measured = {}
     for length in WINDOWS:
         scatter = _window_scatter(pieces, levels, length)
@@ -166,11 +166,11 @@ def _correlated(
         best = min(spread, key=lambda correlation: spread[correlation])
         size = float(np.exp(np.mean([0.0, *errors[best].values()])))
     else:
-        # A curved signal adds to every window, the more the longer it is: the least correlation that agrees is nearest.
+        # A curved signal adds to the scatter, more so in longer windows: take the smallest correlation that agrees.
         sizes = {c: max(abs(error[length]) for length in used) for c, error in errors.items()}
         best = next(c for c, size in sizes.items() if size <= max(AGREES, min(sizes.values())))
     misfit = errors[best]
-    # A bend grows with the fourth power of the window, far faster than any autoregression; and no window holds less.
+    # The scatter of a curved signal grows with the fourth power of the window, that of an autoregression slower.
     levels_off = misfit[2 * SHORT] < 0.4 and all(value > -0.25 for value in misfit.values())
     if max(abs(misfit[length]) for length in used) > 0.2 or not levels_off:
         return Autoregression(white, 0.0, False, white)
@@ -178,9 +178,10 @@ def _correlated(
 
 
 def _window_scatter(pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], length: int) -> float | None:
-    """Standard deviation about a cubic in windows of `length`, from the quieter half of the windows.
+    """Standard deviation about a cubic in windows of `length`, from the lower quartile of the windows' variances.
 
-    Quieter by what is beside noise: where the noise itself is uneven, each window counts in terms of its own level.
+    The variance of each window is divided by the square of the local noise level, so that for uneven noise the lower
+    quartile selects windows with little signal, not windows with little noise.
     """
 
     def windows_of(parts: Sequence[np.ndarray]) -> list[np.ndarray]:
@@ -198,7 +199,7 @@ def _window_scatter(pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], 
 
 
 def _quarter(freedom: float) -> float:
-    """Quarter point of a chi-square over its mean (Wilson and Hilferty 1931)."""
+    """Lower quartile of a chi-square variable over its mean (Wilson and Hilferty 1931)."""
     return (1.0 - 2.0 / (9.0 * freedom) - 0.67449 * np.sqrt(2.0 / (9.0 * freedom))) ** 3
 
 
@@ -212,9 +213,9 @@ def _difference_share(order: int, correlation: float) -> float:
 
 @cache
 def _seen(length: int, correlation: float) -> float:
-    """What `_window_scatter` gives for an autoregression of unit size.
+    """Result of `_window_scatter` for an autoregression of unit size.
 
-    Correlated samples have fewer degrees of freedom (Welch and Satterthwaite), and so a lower quarter point.
+    Correlated samples have fewer degrees of freedom (Welch and Satterthwaite), and hence a lower quartile.
     """
     basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), DEGREE + 1))
     lags = np.abs(np.subtract.outer(np.arange(length), np.arange(length)))

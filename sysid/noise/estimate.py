@@ -1,13 +1,13 @@
 """Noise of a measured channel, found before any model is fitted.
 
-The order of trust: what the user gives; the scatter from cycle to cycle of a periodic motion; stretches where the input
-stands still; differences of neighbouring samples. Never the residual of a model, which would take a missing effect for
-noise.
+Sources in order of preference: the value given by the user; the scatter from cycle to cycle of a periodic motion;
+stretches of constant input; differences of neighbouring samples. The residual of a model is never used, since it
+contains the missing effects.
 
-Differences contain only the fastest part of the noise. Correlated noise is found by comparing them with the scatter
-in windows of growing length; a log that was filtered, by differences that keep falling from order to order without
-reaching a floor, or by cycles that differ far more than neighbours do where neighbours agree better than any sensor
-could. A filtered log without periodic repeats is reported, since the estimate is then a lower bound only.
+Differences contain only the fastest part of the noise. Correlated noise is detected by comparing them with the scatter
+in windows of increasing length. A filtered log is detected by differences that keep decreasing with their order, or by
+differences of neighbouring samples that are smaller than the noise of any sensor while the cycles scatter far more. A
+filtered log without periodic repeats is reported, since the estimate is then only a lower bound.
 
 Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625
 (differences); Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
@@ -32,16 +32,16 @@ from sysid.noise.repeats import cycle_scatter
 
 NoiseSource = Literal["given", "repeats", "quiet", "difference"]
 BEST_SENSOR = 1e-4
-"""Noise over signal below which a force log is taken to be filtered when its cycles differ more: no sensor of force is
-better than 80 dB from sample to sample."""
+"""Ratio of noise to signal below which a force log whose cycles scatter more is taken to be filtered: no force sensor
+has a signal-to-noise ratio above 80 dB from sample to sample."""
 
 
 LEAST = 1e-9
-"""Noise over the largest value below which there is none: what rounding to nine digits leaves."""
+"""Ratio of noise to largest value below which the noise is taken as zero: the error of rounding to nine digits."""
 
 
 UNEVEN = 2.5
-"""How many times stronger the noise of a record may be than where its input stands still, and yet be the same noise."""
+"""Largest ratio of the noise of a record to that at constant input at which both are taken as the same noise."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,8 @@ class Noise:
         filtered: the log was low-passed: differences of neighbours contain no information on the noise.
         quantisation_step: step of the grid the values lie on, SI; none where they lie on no grid.
         note: for people, one line.
-        without_quantisation: deviation without the steps of the grid, SI, where `value` counts them in; none where it
-        does not.
+        without_quantisation: standard deviation without quantisation noise, SI; None where `value` does not include
+            quantisation noise.
     """
 
     value: float
@@ -80,7 +80,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     """Standard deviation of the noise on `channel`.
 
     Args:
-        records: of one experiment; those without the channel are passed over.
+        records: of one experiment; those without the channel are ignored.
         channel: measured channel.
         given: standard deviation given by the user, SI.
 
@@ -88,7 +88,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         The noise. With `given`, only its correlation and quantisation are estimated from the records.
 
     Raises:
-        InputError: no record holds the channel, or none has a stretch long enough.
+        InputError: no record contains the channel, or none has a long enough stretch.
     """
     holding = [record for record in records if channel in record.channels]
     if not holding:
@@ -100,7 +100,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     if quantisation_step is None:
         fitted = fit_autoregression([piece for record in holding for piece in _pieces(record, channel)])
     else:
-        # A record on a grid and one that is not are two sensors, or one that was worked on.
+        # Records may differ in quantisation (two sensors, or processed data): each is evaluated with its own step.
         apart = [fit_autoregression(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
         fitted = _together([found for found in apart if found is not None])
     irregular = fitted is None
@@ -116,7 +116,8 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         cycles = sum(item.cycles for item in repeats)
         note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
         if filtered:
-            note += f"; the log was filtered, so the {fitted.value:.2g} {unit} between neighbours says nothing"
+            note += f"; the log was filtered, so the difference of neighbouring samples ({fitted.value:.2g} {unit}) "
+            note += "is no estimate of the noise"
             memory = float(np.median([item.correlation for item in repeats]))
             fitted = Autoregression(scatter, memory, True, fitted.white)
         return _noise(scatter, unit, "repeats", fitted, step, quantisation_step, note)
@@ -139,7 +140,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     if fitted.filtered:
         note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
     elif repeats:
-        # Cycles that differ by more than a sensor's noise hold an effect that changes from cycle to cycle.
+        # Cycles that differ by more than sensor noise contain an effect that changes from cycle to cycle.
         note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
     return _noise(fitted.value, unit, "difference", fitted, step, quantisation_step, note)
 
@@ -183,7 +184,8 @@ def _time(correlation: float, step: float) -> float:
 
 
 def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
-    """Residuals from the straight line between the two neighbours, each divided by its own spread."""
+    """Residuals from the straight line between the two neighbours, each divided by its standard deviation for unit
+    noise."""
     parts = []
     for record in records:
         good = np.flatnonzero(~np.isnan(record.channels[channel]))
@@ -202,7 +204,7 @@ def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
 def _input_idle(
     records: Sequence[Record], channel: str, overall: Autoregression, quantisation_step: float | None
 ) -> Autoregression | None:
-    """The noise where the input stands still, if that is long enough and free of residual motion."""
+    """The noise in stretches of constant input, if they are long enough and free of residual motion."""
     pieces: list[np.ndarray] = []
     for record in records:
         inputs = [name for name in _inputs(record) if name != channel and name in record.channels]
@@ -225,9 +227,9 @@ def _input_idle(
     if 0.8 < uneven < 1.0 / 0.6:
         return fitted
     if 1.0 / UNEVEN < uneven < UNEVEN:
-        # Noise of one correlation that is stronger at some times: its standard deviation is that of the whole record.
+        # Noise of equal correlation but uneven size: the standard deviation of the whole record applies.
         return replace(fitted, value=uneven * fitted.value, white=overall.white)
-    # Where neighbours differ far otherwise than in the whole record, the stretches do not hold the same noise.
+    # If the differences of neighbours deviate strongly from those of the whole record, the noise is not the same.
     return None
 
 
@@ -243,7 +245,7 @@ def _inputs(record: Record) -> tuple[str, ...]:
 
 
 def measured_channels(experiment: Experiment, records: Sequence[Record]) -> list[str]:
-    """Channels of the records that a sensor's noise enters on this kind of rig."""
+    """Channels of the records that contain sensor noise on this kind of rig."""
     rig = experiment.rig
     names = list(rig.declaration.measured_channels)
     if rig.kind == "force-drive":
@@ -262,7 +264,7 @@ def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple
         per_record = [r.noise[channel] for r in records if channel in r.noise]
         if given is None and per_record:
             given = float(np.sqrt(np.mean(np.square(per_record))))
-        # A known input: only its smoothness matters, and only where the velocity has to be taken from it.
+        # A known input: its noise matters only where it is differentiated to obtain the velocity.
         imposed = channel == "position" and experiment.rig.kind == "velocity-drive" and given is None
         if imposed and any("velocity" in r.channels for r in records):
             continue
@@ -282,7 +284,7 @@ def with_quantisation(noise: Mapping[str, Noise], names: Sequence[str]) -> dict[
             if found.quantisation_step is None or (wanted and wanted != channel):
                 continue
             step = found.quantisation_step / np.sqrt(12.0)
-            # Steps well above the noise come and go with the motion, not from sample to sample: as good as white.
+            # Quantisation errors well above the noise change with the motion; they are treated as white.
             value = float(np.hypot(found.value, step))
             out[channel] = replace(found, value=value, correlation=0.0, without_quantisation=found.value)
     return out

@@ -1,4 +1,4 @@
-"""The grid that a channel's values lie on, when a sensor or a log reports whole steps."""
+"""Detection of the quantisation step of a channel."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 
 SHARPNESS = 0.995
-"""Mean resultant of the values' phases on the grid: 1 on the grid, 0 when they lie anywhere; rounding costs little."""
+"""Least mean resultant length of the values' phases on the grid: 1 for exact multiples, 0 for uniform phases."""
 
 
 def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
-    """Step of the grid that the values of a channel lie on.
+    """Quantisation step of the values of a channel.
 
-    The step is estimated from the smallest changes between neighbours, then refined over ever wider ranges, since an
-    error of one part in a thousand is a whole step after a thousand.
+    The step is estimated from the smallest changes between neighbours, then refined over increasing ranges of values,
+    since a relative error of 1/1000 amounts to a full step after 1000 steps.
 
     Args:
         arrays: the channel in each record, shape (n,), gaps as NaN.
 
     Returns:
-        The step in the channel's unit; none where the values lie on no grid.
+        The step in the channel's unit; None where the values are not quantised.
     """
     values = np.concatenate([array[~np.isnan(array)] for array in arrays])
     if values.size < 20:
@@ -29,7 +29,7 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
     changes = changes[changes > 1e-9 * np.max(np.abs(values), initial=0.0)]
     if changes.size < 10:
         return None
-    # The smallest change that occurs more than a few times by itself is one step.
+    # The smallest change that occurs repeatedly is one step.
     small = np.sort(changes)
     step = float(np.median(small[: max(5, small.size // 1000)]))
     near = small[small < 1.5 * step]

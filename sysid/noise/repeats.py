@@ -1,4 +1,4 @@
-"""Scatter from cycle to cycle of a motion that repeats."""
+"""Scatter from cycle to cycle of a periodic motion."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from sysid.experiment.record import Record
 
 SAME = 2e-3
-"""Mean squared change of the input from one cycle to the next, over twice its variance, below which it repeats."""
+"""Mean squared change of the input from cycle to cycle, over twice its variance, below which it is periodic."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class CycleScatter:
     Args:
         scatter: standard deviation of one cycle about its neighbours, in the channel's unit.
         period: s.
-        cycles: how many were compared.
+        cycles: number of cycles compared.
         correlation: of neighbouring samples of that scatter.
     """
 
@@ -30,12 +30,12 @@ class CycleScatter:
 
 
 def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
-    """Scatter of `channel` between neighbouring cycles, where what is imposed on the rig repeats at least three times.
+    """Scatter of `channel` between neighbouring cycles, where an imposed channel has at least three periods.
 
-    Neighbours are compared, so that slow drift counts for little; 3 % of the samples, those beside jumps, are left out.
+    Differences of neighbouring cycles suppress slow drift; the 3 % largest ones, at jumps, are left out.
 
     Returns:
-        None where nothing imposed repeats, or the load changes from cycle to cycle.
+        None where no imposed channel is periodic, or the load changes from cycle to cycle.
     """
     if not record.uniform:
         return None
@@ -50,7 +50,7 @@ def cycle_scatter(record: Record, channel: str) -> CycleScatter | None:
     scatter = trimmed_rms(change) / np.sqrt(2.0)
     if scatter == 0.0 or not _load_repeats(record, values, scatter, lag):
         return None
-    # All of it here: the jumps carry what changes fast.
+    # No samples are left out here: the jumps contain the fast changes.
     whole = float(np.nanmean(change**2))
     correlation = float(np.clip(1.0 - 0.5 * np.nanmean(np.diff(change) ** 2) / whole, 0.0, 0.999))
     return CycleScatter(scatter, lag * record.step, values.size // lag, correlation)
@@ -60,7 +60,7 @@ def trimmed_rms(values: np.ndarray) -> float:
     """Root mean square of the smaller 97 % of `values`, scaled to give the standard deviation of normal noise.
 
     Returns:
-        Zero where there is nothing; gaps are passed over.
+        Zero without samples; gaps are ignored.
     """
     sizes = np.sort(np.abs(values[~np.isnan(values)]))
     kept = sizes[: int(np.ceil(0.97 * sizes.size))]
@@ -69,7 +69,7 @@ def trimmed_rms(values: np.ndarray) -> float:
 
 
 def _load_repeats(record: Record, values: np.ndarray, scatter: float, lag: int) -> bool:
-    """Whether the load is steady enough from cycle to cycle not to make the scatter by itself."""
+    """Whether the load changes so little from cycle to cycle that it does not cause the scatter."""
     load = record.channels.get("normal_load")
     if load is None or not np.nanmean(np.abs(load)) > 0.0:
         return True
