@@ -58,11 +58,19 @@ def print_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any])
     run.console.print(rich_table(parameter_table(document["parameters"], f"Parameters of the model{added}")))
     if document["detectable"] and near_noise(diagnosis):
         run.console.print(rich_table(detectable_table(document["detectable"])))
-    run.echo(diagnosis_statement(diagnosis))
+    run.echo(_decision_line(diagnosis))
     lines = [equivalence_statement(diagnosis), *replacement_statements(diagnosis), *unphysical_statements(diagnosis)]
     for line in (*lines, *document["not_identifiable"]):
         if line:
             run.echo(line)
+
+
+def _decision_line(found: Diagnosis) -> str:
+    """The decision (`missing`, `adequate` or `unexplained`), a colon, and its statement."""
+    statement = diagnosis_statement(found)
+    if found.effect:
+        return f"missing: {statement.replace(' is missing', '', 1)}"
+    return f"{found.verdict}: {statement}"
 
 
 def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:
