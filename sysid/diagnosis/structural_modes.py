@@ -94,8 +94,8 @@ class StructuralMode:
     def words(self) -> str:
         """Frequency and detection statistics as text."""
         return (
-            f"rings at {self.values['frequency']:.3g} Hz, above the {self.band:.3g} Hz that the filter lets through: "
-            f"{self.fit:.0f} standard errors where each frequency counts by its own noise, "
+            f"oscillates at {self.values['frequency']:.3g} Hz, above the {self.band:.3g} Hz of the filter: "
+            f"{self.fit:.0f} standard errors with each frequency weighted by its noise, "
             f"{self.held_out:.0f} on the held-out records"
         )
 

@@ -99,7 +99,7 @@ class _Named:
         return Verdict("missing-effect", self.trial, self.ties, self.left, reason)
 
 
-EXPLAINS_ALL = "explains what can be explained"
+EXPLAINS_ALL = "explains the residual"
 
 
 def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
@@ -134,7 +134,7 @@ def verdict_on(evidence: Evidence, quantised: CandidateFit | None) -> Verdict:
         partner = pair.partner(first.public_name)
         beside = tied_beside(evidence.problem, evidence.base, pair, pairs, partner)
         ties = tuple(dict.fromkeys(name for name in (*beside, *named.ties) if name != partner))[:2]
-        return replace(named, ties=ties).missing(f"explains its share; {partner} the rest")
+        return replace(named, ties=ties).missing(f"explains its share; {partner} explains the rest")
     return _of_a_part(evidence, named, bent)
 
 
@@ -156,18 +156,18 @@ def _nothing_gains(evidence: Evidence, best: CandidateFit | None) -> Verdict:
     """The verdict where no single effect lowers the held-out loss significantly."""
     at_the_noise = evidence.over <= evidence.allowance or evidence.error <= NOISE_ALONE
     if at_the_noise and not evidence.in_spells:
-        return _adequate("what is left is noise; no effect lowers it by more than chance")
+        return _adequate("the residual is noise; no effect lowers the error significantly")
     if evidence.over <= UNDERRATED and not evidence.patterned:
         return _adequate(
-            "no effect lowers what is left, and it follows no coordinate: noise, though more than was thought"
+            "no effect lowers the residual and no coordinate explains it: noise, with a larger deviation than estimated"
         )
     for pair in _only_together(evidence, best):
         first = next((trial for trial in evidence.ranked if trial.public_name in pair.names), None)
         if first is not None and _explains(evidence, pair):
-            reason = f"does little alone; with {pair.partner(first.public_name)} it explains what can be explained"
+            reason = f"explains little alone; with {pair.partner(first.public_name)} it explains the residual"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
-    where = "above the noise in stretches" if at_the_noise else "above the noise"
-    return _unexplained(1.0, f"the misfit is {where}, and no effect lowers it on held-out records by more than chance")
+    where = "above the noise in some stretches" if at_the_noise else "above the noise"
+    return _unexplained(1.0, f"the residual is {where}, and no effect lowers it significantly on the held-out records")
 
 
 def _only_noise(evidence: Evidence, named: _Named) -> str | None:
@@ -186,9 +186,9 @@ def _only_noise(evidence: Evidence, named: _Named) -> str | None:
     nothing_above = evidence.balance and evidence.over <= NOTHING_ABOVE and evidence.error <= 1.0 and not certain
     little = nothing_above or named.share < 0.5 or (of_starts and not to_the_noise)
     if evidence.over <= evidence.allowance and little:
-        return "what is left is noise; no effect is worth its parameters"
+        return "the residual is noise; no effect justifies its parameters"
     if evidence.balance and of_starts and not to_the_noise and (evidence.error <= 1.0 or not evidence.patterned):
-        return "what is left follows no coordinate: the timing of the axis's turns and starts"
+        return "the residual depends on no coordinate: it is caused by the timing of reversals and starts"
     return None
 
 
@@ -205,31 +205,31 @@ def _of_a_part(evidence: Evidence, named: _Named, bent: bool) -> Verdict:
     at_rest = best.share_at_rest >= AT_REST
     beside_turns = little_left or named.away is None or named.away >= SHARE_OF_A_PART or at_rest
     if took_the_pattern or (named.part >= SHARE_OF_A_PART and quiet and beside_turns):
-        return named.missing("explains its share; what it leaves follows no coordinate closely")
+        return named.missing("explains its share; its residual does not depend closely on a coordinate")
     apart = _apart_from_patterns(evidence)
     if apart is not None:
-        reason = "explains what is left apart from the patterns of effects added before"
+        reason = "explains the residual except its dependence on the coordinates of effects added before"
         return Verdict("missing-effect", apart, (), evidence.left_by(apart), reason)
     patterned = evidence.patterned
     for first in _as_good(evidence, best, bent) if patterned else []:
         above = evidence.on_top(first)[:1]
         if above and _explains(evidence, above[0], bent):
-            reason = f"explains its share; {above[0].partner(first.public_name)} the rest"
+            reason = f"explains its share; {above[0].partner(first.public_name)} explains the rest"
             return Verdict("missing-effect", first, (), evidence.left_by(first), reason)
     if not patterned and evidence.over <= UNDERRATED and named.share < SHARE_OF_NOISE:
         return _adequate(
-            "no effect explains what is left, and it follows no coordinate: noise, though more than was thought"
+            "no effect explains the residual, nor does a coordinate: noise, with a larger deviation than estimated"
         )
     if bent:
         return _unexplained(
             named.left,
-            f"{best.public_name} takes {100 * named.part:.0f} % of the misfit, but what it leaves still follows "
-            f"{best.effect.coordinates[0]}: the law is another than its own",
+            f"{best.public_name} explains {100 * named.part:.0f} % of the misfit, but its residual still depends on "
+            f"{best.effect.coordinates[0]}: its law has another form",
         )
     return _unexplained(
         1.0 - max(named.share, 0.0),
-        f"the best effect, {best.public_name}, takes only {100 * named.share:.0f} % of the misfit, "
-        "and no second one the rest",
+        f"the best effect, {best.public_name}, explains only {100 * named.share:.0f} % of the misfit, "
+        "and no second effect explains the rest",
     )
 
 

@@ -70,7 +70,7 @@ def _decision_line(found: Diagnosis) -> str:
     statement = diagnosis_statement(found)
     if found.effect:
         return f"missing: {statement.replace(' is missing', '', 1)}"
-    return f"{found.verdict}: {statement}"
+    return f"adequate: {found.reason}." if found.verdict == "adequate" else f"{found.verdict}: {statement}"
 
 
 def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:

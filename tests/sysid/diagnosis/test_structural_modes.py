@@ -86,8 +86,8 @@ def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixt
     folder = _write(tmp_path / "rig", 0.15, noise=1e-5)
     assert run(["diagnose", str(folder), "--no-figures", "--out", str(tmp_path / "out")]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "flexible_mode is missing" in said
-    assert "rings at" in said
+    assert "missing: flexible_mode" in said
+    assert "oscillates at" in said
     problem, base = _fitted(folder)
     add_effects(folder, ["flexible_mode"])
     known = load_experiment(folder).parameters["flexible_mode.frequency"]
