@@ -1,4 +1,4 @@
-"""Columns of a record: their names and units as written, and the channel of each."""
+"""Columns of a record: names, units, and assignment to channels."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Column:
     """One column of a file.
 
     Args:
-        index: place in the file, from 0.
+        index: position in the file, from 0.
         label: header as written.
         name: text before the unit.
         unit: text in brackets; none without brackets.
@@ -33,7 +33,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a channel comes from: its column, and what turns the cell into SI units (value * factor + offset)."""
+    """Column of a channel, and the conversion of its cells to SI units (value * factor + offset)."""
 
     channel: str
     column: Column
@@ -44,7 +44,7 @@ class Source:
 
 
 def parse_label(index: int, label: str) -> Column:
-    """A header cell `name [unit]` taken apart; brackets that do not close stay part of the name."""
+    """Name and unit of a header cell `name [unit]`; unclosed brackets are part of the name."""
     match = _LABEL.fullmatch(label)
     if match is None:
         return Column(index, label, label.strip(), None)
@@ -63,7 +63,7 @@ def conversion(unit: str, si_unit: str) -> tuple[float, float]:
 
 
 def same_dimension(unit: str, other: str) -> bool:
-    """Whether two units measure the same thing; radians count as a thing of their own.
+    """Whether two units have the same dimension, where the radian counts as a dimension.
 
     Raises:
         InputError: unknown unit.
@@ -72,10 +72,10 @@ def same_dimension(unit: str, other: str) -> bool:
 
 
 def unit_for(unit: str, linear: str, rotary: str, where: str) -> tuple[str, bool | None]:
-    """The SI unit that `unit` converts to, and whether it shows a rotary axis (none when it shows nothing).
+    """The SI unit that `unit` converts to, and whether the axis is rotary (None if the unit does not determine it).
 
     Raises:
-        InputError: naming `where`, the unit, and the units that would do.
+        InputError: names `where`, the unit, and the permitted units.
     """
     try:
         if same_dimension(unit, linear):
@@ -107,11 +107,11 @@ def choose_columns(
         where: the record's place in the experiment file, for messages about `columns` and `units`.
 
     Returns:
-        The source of each channel; for those whose unit shows it, whether the axis is rotary; notes on columns not
-        used.
+        The source of each channel; whether the axis is rotary, for channels whose unit determines it; notes on unused
+        columns.
 
     Raises:
-        InputError: a channel the rig needs is missing, a column has no unit, or one of another dimension.
+        InputError: a required channel is missing, or a column has no unit or one of another dimension.
     """
     columns = [parse_label(index, label) for index, label in enumerate(labels)]
     notes: list[str] = []
@@ -120,7 +120,7 @@ def choose_columns(
     for channel in rig.channels:
         wanted = renamed.get(channel, channel)
         found = [column for column in columns if wanted in (column.name, column.label.strip())]
-        # A variable inside a MAT structure answers to its whole path too.
+        # A variable inside a MAT structure may also be named by its full path.
         found = found or [column for column in columns if column.name and wanted.endswith(f".{column.name}")]
         if channel in renamed and not found:
             raise InputError(
@@ -149,7 +149,7 @@ def choose_columns(
             )
         declared = CHANNELS[channel]
         place = f"{file}: column '{column.label.strip()}'"
-        # A load on a rotary axis may be logged as a force or torque: its unit does not show the kind of axis.
+        # A load on a rotary axis may be a force or a torque: its unit does not determine the kind of axis.
         torque = "N*m" if channel == "normal_load" else declared.rotary_unit
         si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
         if is_rotary is not None and declared.shows_axis:

@@ -25,9 +25,9 @@ class Rig:
 
     Args:
         kind: name of the kind of rig (`sysid.experiment.rigs`).
-        known: what is known; `inertia` is filed under `mass`.
-        rotary: whether the axis turns.
-        input_hold: how the logged input goes from row to row: held, or linear.
+        known: known quantities by key; `inertia` has the key `mass`.
+        rotary: whether the axis is rotary.
+        input_hold: interpolation of the logged input between rows: held, or linear.
     """
 
     kind: str
@@ -37,7 +37,7 @@ class Rig:
 
     @property
     def declaration(self) -> RigKind:
-        """What this kind of rig imposes and measures."""
+        """The kind of rig with its channels."""
         return find_rig(self.kind, "rig.kind")
 
 
@@ -46,15 +46,15 @@ class Experiment:
     """An experiment as read.
 
     Args:
-        folder: where `experiment.toml` lies.
-        path: the file.
-        rig: kind, known numbers, axis.
+        folder: folder of `experiment.toml`.
+        path: of `experiment.toml`.
+        rig: kind, known quantities, axis.
         effects: the model's effects in order.
         custom: files of the user's own effects.
         parameters: start, bounds, or fixed value by `effect.parameter`, SI.
         records: the records.
         noise: standard deviation by channel, SI.
-        text: the file, to edit it with its comments.
+        text: content of the file, with its comments.
         sha256: of the file's bytes.
     """
 
@@ -79,13 +79,13 @@ class Place:
 
 
 def find_experiment(path: str | Path) -> Place:
-    """The place of an experiment whose file is TOML, and need not be a valid experiment.
+    """Folder and file of an experiment whose file is TOML, but not necessarily a valid experiment.
 
     Args:
         path: the folder, or its `experiment.toml`.
 
     Raises:
-        InputError: no such file, or no TOML.
+        InputError: the file does not exist or is not TOML.
     """
     file = _experiment_file(Path(path))
     read_toml(file, shown_path(str(file)))
@@ -97,11 +97,11 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
 
     Args:
         path: the folder, or its `experiment.toml`.
-        design: what a value of `"design"` stands for, SI, by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a
-            table, or a function that is called only for the names the file asks for.
+        design: values of settings given as `"design"`, SI, by name (`mass`, `piezo_spacing`, ..., `coulomb.force`): a
+            table, or a function that is called only for the names in the file.
 
     Raises:
-        InputError: one line with file, key, value, and what would be right.
+        InputError: one line with file, key, value, and the permitted input.
     """
     file = _experiment_file(Path(path))
     name = shown_path(str(file))
@@ -164,7 +164,7 @@ def _experiment_file(path: Path) -> Path:
 
 
 def _meant(name: str, folder: Path) -> str:
-    """Ending of a message that names what lies in `folder` under nearly this name; empty where nothing does."""
+    """End of a message that names a file in `folder` with a similar name; empty if there is none."""
     near = nearest(name, [other.name for other in folder.iterdir()]) if folder.is_dir() else ""
     return near if "did you mean" in near else ""
 

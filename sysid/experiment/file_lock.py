@@ -1,4 +1,4 @@
-"""A lock between processes, held on a file; the system lets go of it when its holder ends, however it ends."""
+"""A file lock between processes; the system releases it when the process ends for any reason."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ POLL_SECONDS = 0.05
 
 @contextmanager
 def file_lock(path: Path, timeout: float, busy: str) -> Iterator[None]:
-    """Hold the lock on `path`; a process that holds it already goes straight on.
+    """Hold the lock on `path`; reentrant within a process.
 
     Args:
-        path: lock file, made where it is missing and left in place.
+        path: lock file, created if it does not exist, and not deleted.
         timeout: s to wait for another process.
-        busy: what is being kept busy, for the message.
+        busy: name of the locked object in the message.
 
     Raises:
-        InputError: another process still holds it after `timeout`, or the file cannot be made.
+        InputError: another process still holds the lock after `timeout`, or the file cannot be created.
     """
     key = path.absolute()
     if _held.get(key, 0):
@@ -65,7 +65,7 @@ if sys.platform == "win32":
 
     def _try(handle: IO[str]) -> bool:
         try:
-            # A byte far beyond the text, so that the holder's number stays readable.
+            # A byte beyond the text is locked, so that the process number in the file remains readable.
             handle.seek(1 << 20)
             msvcrt.locking(handle.fileno(), msvcrt.LK_NBLCK, 1)
         except OSError:

@@ -1,4 +1,4 @@
-"""Records as arrays: read, turned into SI units, cut to their window, checked, and split where nothing is held out."""
+"""Records as arrays: reading, conversion to SI units, time window, checks, and a held-out part if none is given."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.rigs import RigKind
 
 MINIMUM_ROWS = 10
-"""Least rows of a record."""
+"""Least number of rows of a record."""
 HELD_OUT_SHARE = 0.3
-"""Share of a record's time that is held out when no record validates."""
+"""Share of a record's time that is held out if no record has the role `validate`."""
 
 
 @dataclass(frozen=True)
@@ -29,17 +29,17 @@ class Record:
         name: unique.
         role: `fit` or `validate`.
         file: as written in the experiment.
-        time: s, shape (n,), strictly increasing; as logged, not necessarily from zero.
+        time: s, shape (n,), strictly increasing, as logged (not necessarily from zero).
         channels: SI values of shape (n,) by channel, NaN in gaps; `time` is not among them.
         units: SI unit by channel.
-        rotary: whether the axis turns.
-        notes: for the user: columns left out, gaps, rows left out, a split.
+        rotary: whether the axis is rotary.
+        notes: for the user: unused columns, gaps, omitted rows, a held-out part.
         sha256: of the file's bytes.
         step: median of the time steps, s.
-        uniform: whether every step equals the median within a hundredth.
-        continues: name of the record whose end this one starts from; none for a fresh start.
+        uniform: whether every step equals the median within 1 %.
+        continues: name of the record that this one continues; None if there is none.
         noise: standard deviation by channel as given for this record or the experiment, SI.
-        held_out_split: cut from a record of the fit because no record validates.
+        held_out_split: part of a record of the fit, held out since no record has the role `validate`.
     """
 
     name: str
@@ -66,8 +66,8 @@ class Record:
 def load_records(experiment: Experiment) -> list[Record]:
     """Read every record of an experiment.
 
-    Without a record that validates, the last 30 % in time of each record is held out as a separate record that
-    continues the first part, and both say so in their notes.
+    Without a record of role `validate`, the last 30 % in time of each record is held out as a separate record that
+    continues the first part; the notes of both records state this.
 
     Raises:
         InputError: one line with file, row and column.
@@ -88,7 +88,7 @@ def _load(experiment: Experiment, spec: RecordSpec) -> Record:
     values: dict[str, np.ndarray] = {}
     for (channel, source), array in zip(sources.items(), arrays):
         factor = source.factor * spec.sign.get(channel, 1)
-        # A factor of one leaves the logged digits as they are.
+        # No rounding for a factor of one: the values are those logged.
         converted = array if factor == 1.0 and source.offset == 0.0 else array * factor
         values[channel] = converted + source.offset * spec.sign.get(channel, 1) if source.offset else converted
     time = values.pop("time")
@@ -164,7 +164,7 @@ def _check_values(
         label = spec.sources[channel].column.label.strip()
         gaps = int(np.count_nonzero(np.isnan(array)))
         if gaps == array.size:
-            # An optional channel may be empty; a required one may not, unless its alternative is recorded.
+            # An optional channel may be empty; a required one only if its alternative is recorded.
             notes.append(f"column '{label}' contains no numbers; left out")
             continue
         if gaps:

@@ -1,4 +1,4 @@
-"""`[[record]]`: which file, in which role, under which names, units and signs, and which stretch of it."""
+"""`[[record]]` tables: file, role, column names, units, signs and time window of each record."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from sysid.experiment.toml_table import TomlTable, quantity, shown
 
 @dataclass(frozen=True)
 class RecordSpec:
-    """One `[[record]]` as written, its columns found.
+    """One `[[record]]` table with the columns of its channels.
 
     Args:
         name: `name` in the file, else the stem of `file`; unique.
         file: as written.
-        path: where it lies.
+        path: of the file.
         role: `fit` or `validate`.
         sources: channel to column.
         sign: channel to 1 or -1.
-        start, stop: window on the time column, s; none where open.
-        continues: name of the record whose end this one starts from.
-        noise: standard deviations of this record, SI.
-        notes: columns not used.
-        where: place in the experiment file, for messages.
+        start, stop: window on the time column, s; None if unbounded.
+        continues: name of the record that this one continues.
+        noise: standard deviations of the noise of this record, SI.
+        notes: on unused columns.
+        where: position in the experiment file, for messages.
     """
 
     name: str
@@ -50,15 +50,15 @@ class RecordSpec:
 def read_record_specs(
     top: TomlTable, kind: RigKind, file: Path
 ) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
-    """Every `[[record]]` with its columns found, and whether the axis is rotary by the units of columns that show it.
+    """Every `[[record]]` with its columns, and whether the axis is rotary according to the units of its columns.
 
     Args:
-        top: the whole experiment file.
+        top: the experiment file as a table.
         kind: kind of rig.
-        file: path of the experiment file; records lie beside it.
+        file: path of the experiment file; paths of records are relative to its folder.
 
     Raises:
-        InputError: a fault in a table, or in the header of a record's file.
+        InputError: an error in a table, or in the header of a record's file.
     """
     tables = top.tables("record")
     if not tables:

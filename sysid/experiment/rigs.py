@@ -1,4 +1,4 @@
-"""What each kind of rig imposes, measures and may know about itself."""
+"""Kinds of rig: imposed channels, measured channels and known quantities of each."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from stagecad.parameters.errors import InputError, nearest
 
 @dataclass(frozen=True)
 class Channel:
-    """A quantity that a record may hold, in SI units (temperature in degC).
+    """A quantity that a record may contain, in SI units (temperature in degC).
 
     Args:
         name: the column's name.
         unit: SI unit on a linear axis.
         rotary_unit: SI unit on a rotary axis.
-        shows_axis: its unit shows whether the axis is linear or rotary.
+        shows_axis: whether its unit determines if the axis is linear or rotary.
     """
 
     name: str
@@ -45,7 +45,7 @@ CHANNELS: dict[str, Channel] = {
         Channel("tip_x", "m", "m"),
         Channel("tip_y", "m", "m"),
         Channel("tip_z", "m", "m"),
-        # On a rotary axis a load may be logged as a force or as a torque; either is kept as it is.
+        # On a rotary axis a load may be a force or a torque; it is not converted.
         Channel("normal_load", "N", "N"),
         Channel("temperature", "degC", "degC"),
     )
@@ -56,7 +56,7 @@ ALWAYS_ALLOWED = ("time", "normal_load", "temperature")
 
 @dataclass(frozen=True)
 class KnownQuantity:
-    """A number the user may know about the rig: SI unit on a linear and a rotary axis, whether it must be positive."""
+    """A known quantity of a rig: SI unit on a linear and a rotary axis, and whether it must be positive."""
 
     unit: str
     rotary_unit: str
@@ -79,10 +79,10 @@ class RigKind:
     Args:
         name: the name in `[rig] kind`.
         inputs: groups of input channels; of each group at least one must be recorded.
-        optional_inputs: inputs that may be recorded besides.
+        optional_inputs: further inputs that may be recorded.
         measured: groups of measured channels; of each group at least one must be recorded.
-        optional_measured: measured channels that may be recorded besides.
-        known: what may stand in `[rig.known]`.
+        optional_measured: further measured channels that may be recorded.
+        known: permitted keys of `[rig.known]`.
     """
 
     name: str
@@ -94,17 +94,17 @@ class RigKind:
 
     @property
     def input_channels(self) -> tuple[str, ...]:
-        """Every channel the rig imposes."""
+        """Channels imposed on the rig."""
         return tuple(name for group in self.inputs for name in group) + self.optional_inputs
 
     @property
     def measured_channels(self) -> tuple[str, ...]:
-        """Every channel the rig measures."""
+        """Channels measured on the rig."""
         return tuple(name for group in self.measured for name in group) + self.optional_measured
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """Every channel a record of this rig may hold, `time` first."""
+        """Channels that a record of this rig may contain, `time` first."""
         return ALWAYS_ALLOWED + self.input_channels + self.measured_channels
 
 
@@ -154,7 +154,7 @@ def find_rig(name: str, where: str) -> RigKind:
     """The rig kind called `name`.
 
     Raises:
-        InputError: naming `where`, the value and the nearest kind.
+        InputError: names `where`, the value and the most similar kind.
     """
     if name not in RIGS:
         raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, RIGS)}")

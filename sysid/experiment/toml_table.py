@@ -1,4 +1,4 @@
-"""Tables of a TOML file and the quantities in them, with one error line for each way a key can be wrong."""
+"""Tables of a TOML file and the quantities in them, with an error message for each kind of invalid entry."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _KINDS = {
 
 
 def kind_of(value: Any) -> str:
-    """The TOML kind of `value` in words."""
+    """Name of the TOML type of `value`."""
     return _KINDS.get(type(value), "a date or time")
 
 
 def shown(value: Any) -> str:
-    """`value` as it would stand in the file, cut short."""
+    """`value` in TOML notation, truncated."""
     text = f"'{value}'" if isinstance(value, str) else str(value).lower() if isinstance(value, bool) else str(value)
     text = " ".join(text.split())
     return text if len(text) <= 60 else text[:57] + "..."
@@ -39,7 +39,7 @@ class TomlTable:
     Args:
         file: shown in messages.
         name: dotted name of the table, empty for the whole file.
-        data: what it holds.
+        data: its content.
     """
 
     def __init__(self, file: str, name: str, data: Any) -> None:
@@ -56,14 +56,14 @@ class TomlTable:
         return f"{self.file}: {dotted}" if dotted else self.file
 
     def allow(self, keys: Iterable[str]) -> None:
-        """Refuse every key but `keys`, naming the nearest."""
+        """Refuse keys other than `keys`; the message names the most similar one."""
         keys = tuple(keys)
         for key in self.data:
             if key not in keys:
                 raise InputError(f"{self.where()}: unknown key '{key}'{nearest(key, keys)}")
 
     def text(self, key: str, default: str | None = None) -> str:
-        """The text under `key`; an error where it is missing without a default, or no text."""
+        """The text under `key`; an error if it is missing without a default, or is not a text."""
         if key not in self.data:
             if default is None:
                 raise InputError(f"{self.where()}: '{key}' is missing")
@@ -81,14 +81,14 @@ class TomlTable:
         return value
 
     def flag(self, key: str) -> bool:
-        """True or false under `key`; false where it is missing."""
+        """The boolean under `key`; false if it is missing."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
             raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, true or false is wanted")
         return value
 
     def texts(self, key: str) -> tuple[str, ...]:
-        """The list of texts under `key`; empty where it is missing."""
+        """The list of texts under `key`; empty if it is missing."""
         value = self.data.get(key, [])
         if not isinstance(value, list):
             raise InputError(f'{self.where(key)}: {shown(value)} is {kind_of(value)}, a list is wanted: ["...", "..."]')
@@ -98,7 +98,7 @@ class TomlTable:
         return tuple(value)
 
     def table(self, key: str) -> TomlTable:
-        """The table under `key`; an empty one where it is missing."""
+        """The table under `key`; empty if it is missing."""
         return TomlTable(self.file, ".".join(part for part in (self.name, key) if part), self.data.get(key, {}))
 
     def tables(self, key: str) -> list[TomlTable]:
@@ -115,7 +115,7 @@ def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
     """Read a TOML file.
 
     Returns:
-        Its bytes, its text, and the whole of it as a table.
+        Its bytes, its text, and its content as a table.
 
     Raises:
         InputError: unreadable, not UTF-8, or not TOML, with line and column.
@@ -137,7 +137,7 @@ def quantity(table: TomlTable, key: str, unit: str, positive: bool = False) -> f
     """The quantity under `key` in SI.
 
     Raises:
-        InputError: not a text, no quantity, another dimension, or not positive where it must be.
+        InputError: not a text, not a quantity, of another dimension, or not positive although required.
     """
     value = parse_quantity(quantity_text(table, key, unit), unit, table.where(key))
     check_value(value, positive, table, key)
@@ -145,7 +145,7 @@ def quantity(table: TomlTable, key: str, unit: str, positive: bool = False) -> f
 
 
 def quantity_text(table: TomlTable, key: str, unit: str) -> str:
-    """The text under `key`, which has to be a quantity like one of `unit`; an error where it is no text."""
+    """The text under `key`, expected to be a quantity with the dimension of `unit`; an error if it is not a text."""
     value = table.data[key]
     if not isinstance(value, str):
         example = (
@@ -159,7 +159,7 @@ def quantity_text(table: TomlTable, key: str, unit: str) -> str:
 
 
 def check_value(value: float, positive: bool, table: TomlTable, key: str) -> None:
-    """Refuse a value that is not finite, or not above zero where it has to be."""
+    """Refuse a value that is not finite, or not positive although required."""
     if not math.isfinite(value):
         raise InputError(f"{table.where(key)}: '{table.data[key]}' is not finite")
     if positive and value <= 0.0:

@@ -1,4 +1,4 @@
-"""The unknowns of a fit: key, starting value, bounds, typical size and prior of each number that a fit adjusts."""
+"""The unknowns of a fit: key, starting value, bounds, typical size and prior of each fitted value."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Prior:
 
 @dataclass(frozen=True)
 class Unknown:
-    """One number a fit moves: its key, start, bounds, typical size, and what was known of it beforehand."""
+    """One unknown of a fit: key, start, bounds, typical size, and prior."""
 
     key: str
     start: float

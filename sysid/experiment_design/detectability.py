@@ -1,13 +1,13 @@
 """Minimum detectable effect size: the smallest effect that a diagnosis of these records would have found.
 
-A candidate counts if it takes a least share of the loss, significantly (`sysid.diagnose`). With s the change of the
-residual r per unit of the amplitude, parameters of the model profiled out, and Q the root of the sum of squares of s'r
-over blocks of time, both conditions hold from
+A candidate is detected if it removes a least share of the loss and this gain is significant (`sysid.diagnose`). With s
+the change of the residual r per unit of the amplitude, parameters of the model profiled out, and Q the root of the sum
+of squares of s'r over blocks of time, both conditions hold for amplitudes of at least
 
     amplitude = max( sqrt(LEAST_GAIN * loss / s's),  2 * LEAST_SIGNIFICANCE * Q / s's )
 
-the gain of a true effect of that size. Effects without an amplitude (lag, gap, presliding displacement) are inserted at
-rising sizes until they would count.
+Effects without an amplitude (lag, gap, presliding displacement) are inserted at increasing sizes until they are
+detected.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ class MinimumDetectableEffect:
     Args:
         effect: public name.
         key: of the parameter that is its size.
-        value: that size, at the most detectable shape; none where no size within its bounds would be detected.
-        at: its shape there, by key.
+        value: minimum detectable size at the most detectable shape; None if no size within the bounds is detectable.
+        at: shape parameters at that size, by key.
     """
 
     effect: str
@@ -52,7 +52,7 @@ class MinimumDetectableEffect:
 
 
 def minimum_detectable_effects(diagnosis: Diagnosis) -> list[MinimumDetectableEffect]:
-    """Minimum detectable sizes of the effects that a diagnosis did not find, beside the one it found."""
+    """Minimum detectable sizes of the effects that a diagnosis did not find, in a model with the one that it found."""
     problem, best = diagnosis.problem, diagnosis.best
     fitted = best.fitted if best is not None else diagnosis.base.fitted
     present = [*(e.name for e in diagnosis.base.fitted.model.effects), *([best.name] if best is not None else [])]
@@ -60,7 +60,7 @@ def minimum_detectable_effects(diagnosis: Diagnosis) -> list[MinimumDetectableEf
 
 
 class _DetectionLimit:
-    """Limit from which a change of the residual counts, with the parameters of the model profiled out."""
+    """Detection limit of a change of the residual, with the parameters of the model profiled out."""
 
     def __init__(self, fitted: FittedModel, records: Sequence[PreparedRecord]) -> None:
         self.residual = fitted.fit.residual
@@ -69,11 +69,11 @@ class _DetectionLimit:
         self.loss = LEAST_GAIN * float(huber_square(self.residual).sum())
         self.significance = 2.0 * LEAST_SIGNIFICANCE
         self.clipped = np.clip(self.residual, -8.0, 8.0)
-        # Beyond the corner the loss is linear: a small change there has no mean gain.
+        # Beyond the corner the loss is linear: a small change there does not reduce it on average.
         self.inner = np.abs(self.residual) <= LOSS_CORNER
 
     def needed(self, change: np.ndarray) -> float:
-        """Factor by which a change (n,) of the residual must be scaled to count; infinite where it is zero."""
+        """Factor by which a change (n,) of the residual must be scaled to be detectable; infinite for a zero change."""
         free = change - self.basis @ (self.basis.T @ change)
         square = float(free[self.inner] @ free[self.inner])
         if not isfinite(square) or square <= 1e-18 * float(change @ change) or square == 0.0:
@@ -93,7 +93,7 @@ def minimum_sizes(
 
     Args:
         fitted: the model, with the effect that was found.
-        effects: that could be missing; of each public name the first.
+        effects: candidates; only the first of each public name is used.
         records: those fitted.
         scales: of the records.
     """
@@ -136,7 +136,7 @@ def _by_amplitude(
     for shape in shape_grid(effect, scales, MOST_SHAPES):
         trial = with_effect(fitted.model, effect, scales, {**shape, **others, key: step})
         moves = [{}, *({phase: 0.5 * np.pi} for phase in phases)]
-        # The phase of a true effect is unknown: the least detectable one counts.
+        # The phase of a true effect is unknown: the least detectable phase is taken.
         needed = max(limit.needed(_change(fitted, trial, move, records)) for move in moves)
         if step * needed < best:
             best, at = step * needed, shape
@@ -151,7 +151,7 @@ def _by_shape(
 ) -> MinimumDetectableEffect | None:
     sizes = [p for p in effect.parameters if p.role == "shape" and p.scan is not None and not p.fixed]
     if not sizes or effect.name.partition(":")[0] == "flexible_mode":
-        # A mode without a mass ratio of its own vanishes as its frequency rises: there is no smallest one.
+        # The response of a mode without a mass ratio vanishes for high frequencies: there is no smallest size.
         return None
     key = f"{effect.name}.{sizes[0].name}"
     grid = sorted({shape[key] for shape in shape_grid(effect, scales, MOST_SHAPES)})
@@ -165,7 +165,7 @@ def _by_shape(
         trial = with_effect(fitted.model, effect, scales, {key: value})
         needed = limit.needed(absent - weighted_residual(trial, records, fitted.weights))
         if needed <= 1.0:
-            # Below the shortest displacement tried the noise of the position decides: no extrapolation.
+            # No extrapolation below the smallest displacement of the grid, where the noise of the position dominates.
             seen = value if effect.friction_state is not None and before is None else _between(before, (value, needed))
             return MinimumDetectableEffect(public_name(effect.name), key, seen, {})
         before = (value, needed) if isfinite(needed) else None

@@ -1,4 +1,4 @@
-"""Excitations: motions that are each sensitive to other effects, within travel, speed and voltages of the records."""
+"""Excitations: motions that are sensitive to different effects, within travel, speed and voltages of the records."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Envelope:
-    """What the records show an axis to be able to do. SI units.
+    """Ranges of the motion in the records of an axis. SI units.
 
     Args:
         low, high: ends of its travel.
-        speed: highest.
-        acceleration: high, single jumps aside.
-        fine: the smallest amplitude worth a reversal: well above the position's noise.
+        speed: highest speed.
+        acceleration: high quantile of the acceleration, without single jumps.
+        fine: smallest useful amplitude of a reversal, well above the noise of the position.
         load: range of the normal load, (low, high), where it was varied.
     """
 
@@ -33,10 +33,10 @@ class Motion:
     """A motion to run.
 
     Args:
-        name: for people.
-        reason: what it brings out.
-        signals: `position`, or `voltage_1`, `voltage_2` and on, (n,), SI; `normal_load` where it is to be varied.
-        step: s.
+        name: shown to the user.
+        reason: effects to which it is sensitive, as text.
+        signals: `position`, or `voltage_1`, `voltage_2`, ..., (n,), SI; `normal_load` if it is to be varied.
+        step: sampling step, s.
     """
 
     name: str
@@ -46,14 +46,14 @@ class Motion:
 
     @property
     def seconds(self) -> float:
-        """Duration."""
+        """Duration, s."""
         return self.step * (next(iter(self.signals.values())).size - 1)
 
 
 def axis_motions(envelope: Envelope, step: float, longest: float = 40.0, most: int = 4000) -> list[Motion]:
-    """The family for an axis. Sampled at `step` (s), or more coarsely where a motion would have over `most` samples.
+    """Excitations of an axis, sampled at `step` (s), or more coarsely if a motion would exceed `most` samples.
 
-    The last is the space-filling one: targets, speeds and rests of a low-discrepancy sequence.
+    The last one is space-filling: targets, speeds and rests from a low-discrepancy sequence.
     """
     e = envelope
     middle, span = 0.5 * (e.low + e.high), e.high - e.low
@@ -102,7 +102,7 @@ def axis_motions(envelope: Envelope, step: float, longest: float = 40.0, most: i
 def _within(
     legs: Sequence[tuple[float, float, float]], start: float, longest: float
 ) -> list[tuple[float, float, float]]:
-    """Legs (target, speed, rest after) up to the longest duration."""
+    """Legs (target, speed, subsequent rest) up to the longest duration."""
     kept, total, at = [], 0.0, start
     for target, speed, rest in legs:
         total += abs(target - at) / speed + rest
@@ -138,7 +138,7 @@ def _track(legs: Sequence[tuple[float, float, float]], start: float, step: float
 
 
 def _multisine(e: Envelope, step: float, most: int) -> Motion:
-    """Sines at eight frequencies a factor apart, phases after Schroeder, scaled to speed and travel."""
+    """Sum of sines at eight geometrically spaced frequencies with Schroeder phases, scaled to speed and travel."""
     seconds = 10.0
     own = max(step, seconds / most)
     t = np.arange(0.0, seconds, own)
@@ -168,7 +168,7 @@ def _space_filling(e: Envelope, count: int = 24) -> list[tuple[float, float, flo
     for k in range(1, count + 1):
         speed = e.speed * 10.0 ** (-2.0 * _halton(k, 3))
         target = e.low + (e.high - e.low) * (0.05 + 0.9 * _halton(k, 2))
-        # No leg longer than two seconds: a slow one does not cross the travel.
+        # Legs are limited to two seconds, so that a slow leg covers only part of the travel.
         target = at + float(np.clip(target - at, -2.0 * speed, 2.0 * speed))
         rest = 0.0 if k % 3 else 0.05 * 30.0 ** _halton(k, 5)
         legs.append((target, speed, rest))
@@ -177,7 +177,8 @@ def _space_filling(e: Envelope, count: int = 24) -> list[tuple[float, float, flo
 
 
 def tip_motions(low: Sequence[float], high: Sequence[float], step: float, most: int = 6000) -> list[Motion]:
-    """The family for an actuator's tip: voltages of each piezo within `low` and `high` (V), the last space-filling."""
+    """Excitations of an actuator's tip: voltages of each piezo within `low` and `high` (V); the last is
+    space-filling."""
     count = len(low)
     middle = [0.5 * (a + b) for a, b in zip(low, high, strict=True)]
     reach = [0.45 * (b - a) for a, b in zip(low, high, strict=True)]

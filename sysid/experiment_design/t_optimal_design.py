@@ -1,7 +1,7 @@
 """T-optimal design of the next experiment: the motion that best discriminates the competing models per second.
 
-The discrimination distance of two models j and k is what remains of their difference after either has been refitted to
-the other (Atkinson and Fedorov, Biometrika 62 (1975) 57, in prediction space):
+The discrimination distance of two models j and k is the difference of their predictions that remains after one is
+refitted to the other (Atkinson and Fedorov, Biometrika 62 (1975) 57):
 
     distance^2 = min over j, k of min over theta_k of sum_i (y_j(t_i) - y_k(t_i; theta_k))^2 / sigma_i^2
 
@@ -35,10 +35,10 @@ from sysid.signals.masks import dilated
 
 MOST_MODELS = 4
 COMPETING_ERROR = 2.0
-"""Held-out error over that of the best candidate up to which another is a competing model."""
+"""Largest ratio of the held-out error of a competing model to that of the best candidate."""
 
 SCORED = 4000
-"""Samples from which the distance on the present records is computed, at the most."""
+"""Largest number of samples from which the distance on the present records is computed."""
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Discrimination:
     """Discrimination distance of two competing models.
 
     Args:
-        effects: their names.
+        effects: names of the effects of the two models.
         deviations: distance on the motion, in standard deviations.
-        records: distance on the records of the fit.
+        records: distance on the records of the fit, in standard deviations.
     """
 
     effects: tuple[str, str]
@@ -61,9 +61,9 @@ class RankedMotion:
     """Design value of a motion.
 
     Args:
-        motion: to run.
+        motion: the motion.
         pairs: distances of the competing models, smallest first.
-        least: smallest distance of those models that some motion separates.
+        least: smallest distance among the models that at least one motion discriminates.
     """
 
     motion: Motion
@@ -78,15 +78,15 @@ class RankedMotion:
 
 @dataclass(frozen=True)
 class Suggestion:
-    """What to measure next.
+    """Ranked motions for the next experiment.
 
     Args:
-        problem: what was diagnosed.
-        diagnosis: of the model as it stands, or of the model before its last effect where nothing is missing now.
+        problem: the diagnosed problem.
+        diagnosis: of the present model, or, if no effect is missing, of the model without its last effect.
         competing: names of the effects compared, best first.
         motions: best first, the space-filling one last.
-        inseparable: models that no motion of the family discriminates from the first.
-        revisited: the effect added last, where it is compared with its alternatives.
+        inseparable: models that no motion discriminates from the first.
+        revisited: the effect added last, if it is compared with its alternatives.
     """
 
     problem: Problem
@@ -102,13 +102,13 @@ def suggest(
     design: DesignValues | None = None,
     progress: Progress | None = None,
 ) -> Suggestion:
-    """Diagnose an experiment, and find the motion that would best settle what its records leave open.
+    """Diagnose an experiment, and rank motions by how well they discriminate the models that its records do not.
 
-    Where nothing is missing (any more), the effect added last is compared with its alternatives. With
-    a single model there is nothing to discriminate, and only the space-filling motion remains.
+    If no effect is missing, the effect added last is compared with its alternatives. With a single model only the
+    space-filling motion is returned.
 
     Raises:
-        InputError: a fault in a file, in one line.
+        InputError: an error in a file, in one line.
     """
     problem = source if isinstance(source, Problem) else load_problem(source, design)
     found = diagnose(problem, progress=progress)
@@ -142,7 +142,7 @@ def rank_motions(
         found_pairs.append([Discrimination((names[0], n), a, h) for n, a, h in zip(names[1:], apart, now, strict=True)])
     if progress is not None:
         progress("", len(motions), len(motions))
-    # Models that no motion discriminates do not count in the value of a motion.
+    # Models that no motion discriminates are left out of the design value.
     same = [n for k, n in enumerate(names[1:]) if max(pairs[k].deviations for pairs in found_pairs) < 1.0]
     values = []
     for motion, pairs in zip(motions, found_pairs, strict=True):
@@ -153,16 +153,16 @@ def rank_motions(
 
 
 def competing_models(found: Diagnosis) -> list[CandidateFit]:
-    """The best candidate, those tied with it, and others of similar error; none where nothing is missing."""
+    """The best candidate, those equivalent to it, and others of similar error; empty if no effect is missing."""
     best = found.best
     if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
-        # Quantisation is found from the values themselves: no motion is needed.
+        # Quantisation is detected in the values of a channel, whatever the motion.
         return []
     usable = [t for t in found.trials if t is not best and t.fitted.fit.keys and t.fit_gain > 0.0]
     tied = [t for t in usable if t.public_name in found.indistinguishable]
     others = [t for t in usable if t not in tied and t.gain > 0.3 * best.gain]
     near = [t for t in others if t.error <= COMPETING_ERROR * max(best.error, 1.0)]
-    # Without a similar one the runner-up alone is kept.
+    # Without one of similar error only the second-best candidate is kept.
     return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_MODELS]
 
 
@@ -218,12 +218,12 @@ def _distance_on_records(problem: Problem, one: Model, other: Model) -> float:
 
 
 def _near_reversals(record: ForceBalanceRecord, reach: int) -> np.ndarray:
-    """Samples (n,) at which an axis turns, `reach` on either side included; they are not scored."""
+    """Mask (n,) of the samples near a reversal (in samples or in distance) or at rest, which are not scored."""
     direction = record.axis.direction if record.direction is None else record.direction
     turns = np.concatenate([[False], direction[1:] != direction[:-1]])
     turning = dilated(turns, reach) | (record.axis.reversal_distance < 4.0 * record.stretch)
     if record.kind != "velocity-drive":
-        # At rest friction balances the drive force, whatever its law.
+        # At rest friction equals the drive force for any friction law.
         turning |= dilated(record.axis.contact_age > 0.0, reach)
     return turning
 
@@ -236,7 +236,7 @@ def _away_from_reversals(record: PreparedRecord, pick: np.ndarray) -> np.ndarray
 
 
 def motions_for(problem: Problem) -> list[Motion]:
-    """The family of motions for a problem's rig, within what its records have shown."""
+    """Excitations for a problem's rig, within the ranges of its records."""
     first = problem.fit_records[0]
     if isinstance(first, TipRecord | FrictionDriveRecord):
         drives = [
@@ -248,7 +248,7 @@ def motions_for(problem: Problem) -> list[Motion]:
 
 
 def envelope_of(problem: Problem) -> Envelope:
-    """Travel, speed and acceleration that the records of the fit have shown."""
+    """Ranges of travel, speed and acceleration in the records of the fit."""
     axes = [r.axis for r in problem.fit_records if isinstance(r, ForceBalanceRecord)]
     first = problem.fit_records[0]
     assert isinstance(first, ForceBalanceRecord)
@@ -272,9 +272,9 @@ def envelope_of(problem: Problem) -> Envelope:
 
 
 def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, float]:
-    """A prepared record of a motion, as if the rig had followed it, and the weight of its samples.
+    """A prepared record of a motion that the rig follows exactly, and the weight of its samples.
 
-    On a rig that drives a mass the motion is the reference the axis follows, and models are compared in the force.
+    On a rig that drives a mass the motion is the reference of the axis, and models are compared in the force.
     """
     first = problem.fit_records[0]
     n = next(iter(motion.signals.values())).size
@@ -330,13 +330,13 @@ def motion_record(problem: Problem, motion: Motion) -> tuple[PreparedRecord, flo
 
 
 def columns_of(problem: Problem, motion: Motion) -> dict[str, np.ndarray]:
-    """The motion as a table to run: `name [unit]` in SI, (n,) each, `time [s]` first."""
+    """The motion as a table: columns `name [unit]` in SI, (n,) each, `time [s]` first."""
     unit = "rad" if problem.experiment.rig.rotary else "m"
     n = next(iter(motion.signals.values())).size
     table = {"time [s]": np.arange(n) * motion.step}
     for name, values in motion.signals.items():
         if name == "position":
-            # The end of the pulling spring is what such a rig moves; the mass follows it.
+            # On this rig the motion is imposed on the end of the pulling spring.
             table[f"{'pull_position' if problem.kind == 'spring-pull' else 'position'} [{unit}]"] = values
             if problem.kind == "velocity-drive":
                 table[f"velocity [{unit}/s]"] = np.gradient(values, motion.step)

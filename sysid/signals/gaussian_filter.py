@@ -9,23 +9,24 @@ import numpy as np
 from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
 
 CUT = 8.0
-"""Half-length of the kernel in standard deviations. Cut at 4, the second derivative leaks by more than the noise."""
+"""Half-length of the kernel in standard deviations. At 4 the truncation error of the second derivative exceeds the
+noise."""
 
 BAND = 0.1325
-"""Frequency at which a Gaussian filter lets half the power through, times its width: sqrt(ln 2) / (2 pi)."""
+"""Half-power frequency of a Gaussian filter times its width: sqrt(ln 2) / (2 pi)."""
 
 CUT_SMOOTHING = 6.0
-"""The same for smoothing at some samples only: the weight of the truncated part is 2e-9."""
+"""Half-length for smoothing at selected samples, in standard deviations: the weight of the truncated part is 2e-9."""
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
 def _smoothed_at(signal: np.ndarray, kernel: np.ndarray, index: np.ndarray) -> np.ndarray:
-    """Convolution with a symmetric kernel at some samples, ends continued by odd reflection.
+    """Convolution with a symmetric kernel at selected samples, ends continued by odd reflection.
 
     Args:
         signal: (n,).
         kernel: (2 h + 1,).
-        index: samples wanted, (k,).
+        index: of the samples to compute, (k,).
     """
     n, size = signal.size, kernel.size
     out = np.empty(index.size)
@@ -53,7 +54,7 @@ class GaussianFilter:
     """Convolution with a Gaussian of standard deviation `width` (s), or its first or second derivative.
 
     The ends are continued by odd reflection; within `margin` samples of them the result depends on that extrapolation.
-    A `width` of zero leaves signals as they are.
+    A `width` of zero returns signals unchanged.
     """
 
     def __init__(self, width: float, step: float, size: int) -> None:
@@ -92,7 +93,7 @@ class GaussianFilter:
         if self.half == 0 and order == 0:
             return signal
         if order not in self._spectra:
-            # Correlation with an odd kernel turns its sign: convolve with the kernel as it stands in time.
+            # Convolution, not correlation, which would change the sign for an odd kernel.
             kernel = self.kernel(order)
             if order == 1:
                 kernel = -kernel
@@ -109,13 +110,13 @@ class GaussianFilter:
         return kernel / kernel.sum()
 
     def at(self, signal: np.ndarray, index: np.ndarray) -> np.ndarray:
-        """Smoothed signal (n,) at the samples `index` (k,) only: what a score needs, at a tenth of the cost."""
+        """Smoothed signal (n,) at the samples `index` (k,) only, in a tenth of the computing time."""
         if self.half == 0:
             return signal[index]
         return _smoothed_at(np.ascontiguousarray(signal, dtype=float), self._short_kernel, index)
 
     def noise_gain(self, order: int = 0, correlation: float = 0.0) -> float:
-        """Standard deviation of the output for noise of unit variance, white or AR(1) of `correlation` a sample."""
+        """Standard deviation of the output for noise of unit variance, white or AR(1) with `correlation` per sample."""
         kernel = self.kernel(order)
         if correlation == 0.0:
             return float(np.sqrt(np.sum(kernel**2)))

@@ -6,13 +6,13 @@ import numpy as np
 
 
 def runs(mask: np.ndarray) -> list[tuple[int, int]]:
-    """Half-open ranges in which `mask` (n,) holds."""
+    """Half-open index ranges in which `mask` (n,) is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(np.int8), [0]])))
     return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
 
 
 def longer_than(mask: np.ndarray, length: float) -> np.ndarray:
-    """`mask` (n,) where it holds for more than `length` samples on end."""
+    """`mask` (n,) without its runs of at most `length` samples."""
     out = np.zeros_like(mask)
     for start, stop in runs(mask):
         if stop - start > length:
@@ -21,7 +21,7 @@ def longer_than(mask: np.ndarray, length: float) -> np.ndarray:
 
 
 def dilated(mask: np.ndarray, reach: int) -> np.ndarray:
-    """`mask` (n,) grown by `reach` samples on both sides."""
+    """`mask` (n,) extended by `reach` samples on both sides."""
     if reach <= 0 or not mask.any():
         return mask.copy()
     out = mask.copy()
@@ -31,7 +31,7 @@ def dilated(mask: np.ndarray, reach: int) -> np.ndarray:
 
 
 def filled(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`values` (n,) with gaps bridged by straight lines, and the mask of the gaps."""
+    """`values` (n,) with gaps interpolated linearly, and the mask of the gaps."""
     gap = ~np.isfinite(values)
     if not gap.any():
         return values, gap

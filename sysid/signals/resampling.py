@@ -9,7 +9,7 @@ from sysid.experiment.record import Record
 
 MOST_SAMPLES = 1_000_000
 MOST_PER_ROW = 100
-"""The uniform grid may have this many samples, and this many for each row."""
+"""Largest number of samples of the uniform grid, and largest number per row."""
 
 
 def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], np.ndarray]:
@@ -17,10 +17,10 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
 
     Returns:
         time from zero (n,), step in s, channels by name, and the mask (n,) of samples that were not measured:
-        in a hole of the time axis more than three steps wide, or where a regular log misses a row.
+        in gaps of the time axis of more than three steps, or at missing rows of a regular log.
 
     Raises:
-        InputError: the holes of the time axis are out of all proportion to its steps.
+        InputError: the gaps of the time axis are too long compared with its steps.
     """
     time = record.time - record.time[0]
     step = float(np.median(np.diff(time)))
@@ -43,7 +43,7 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
             continue
         resampled = np.interp(grid, time[known], values[known])
         if not known.all():
-            # A gap stays a gap: a grid point whose neighbour in time was empty is empty.
+            # Gaps are kept: a grid point next to an empty row is empty.
             nearest = np.clip(np.searchsorted(time, grid), 1, time.size - 1)
             resampled[~(known[nearest] & known[nearest - 1])] = np.nan
         channels[name] = resampled
@@ -52,6 +52,6 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
     hole = (time[after] - time[after - 1]) > 3.0 * step
     on_row = near <= 0.02 * step
     if on_row.mean() > 0.5:
-        # A regular log with missing rows: samples between its rows were not measured.
+        # A regular log with missing rows: samples at missing rows were not measured.
         hole = hole | ~on_row
     return grid, step, channels, hole
