@@ -132,7 +132,7 @@ class _WhitenedRecord:
 
 
 def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralMode | None:
-    """The structural mode above the filter band of a driven mass; none where none is significant.
+    """The structural mode above the filter band of a driven mass; None if none is significant.
 
     Args:
         problem: the records.

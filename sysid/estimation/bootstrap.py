@@ -119,7 +119,7 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
 
 
 def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:
-    """Values of one draw, in the order of the unknowns; None where its fit did not converge."""
+    """Values of one draw, in the order of the unknowns; None if its fit did not converge."""
     ready = _prepared(refit)
     random = np.random.default_rng(seed)
     numbers = _blocks(ready.records, refit.weights, float(random.uniform()))
@@ -169,7 +169,7 @@ class Bootstrap:
         keys: of the fitted values.
         best: of the fit itself, (p,).
         values: (draws, p), of the draws whose fit converged.
-        asked: number of draws requested.
+        asked: requested number of draws.
     """
 
     keys: tuple[str, ...]

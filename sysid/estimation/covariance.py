@@ -21,7 +21,7 @@ identifiable."""
 
 @dataclass(frozen=True)
 class Interval:
-    """A fitted value with its standard deviation and 95 % interval; infinite where it is not identifiable."""
+    """A fitted value with its standard deviation and 95 % interval, which are infinite if it is not identifiable."""
 
     value: float
     std: float

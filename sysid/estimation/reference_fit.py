@@ -51,7 +51,7 @@ def reference_fit(
 
 
 def fit_stated_model(problem: Problem) -> ReferenceFit:
-    """Fit of the stated model; an effect named without a variant takes the variant that fits best."""
+    """Fit of the stated model; for an effect named without a variant, the variant that fits best is selected."""
     given = [key for key, setting in problem.experiment.parameters.items() if setting.start is not None]
     fitted, chosen = select_variants(problem, initial_fit(problem.start, problem.fit_records, problem.scales, given))
     return reference_fit(problem, fitted, laws=chosen)

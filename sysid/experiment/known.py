@@ -14,12 +14,12 @@ from sysid.experiment.toml_table import TomlTable, check_value, quantity_text
 
 @dataclass(frozen=True)
 class DesignValue:
-    """A number of the design, SI.
+    """A value from the design, SI.
 
     Args:
-        value: the number.
-        std: its standard deviation, where the design states one: a prior of the fit.
-        low, high: bounds within which the design expects it.
+        value: the value.
+        std: its standard deviation if the design states one, for the prior of the fit.
+        low, high: bounds of the value in the design.
     """
 
     value: float
@@ -38,7 +38,7 @@ class Known:
 
     Args:
         value: the number.
-        std: its standard deviation; none where the user gave none.
+        std: its standard deviation; None if not given.
         origin: `given` (in the file) or `design`.
     """
 

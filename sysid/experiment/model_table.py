@@ -25,7 +25,7 @@ def model_hash(model: Mapping[str, Any]) -> str:
 
 
 def json_data(value: Any) -> Any:
-    """JSON data of `value`: numpy numbers and arrays as Python's, no number as null, infinity as text."""
+    """JSON data of `value`: numpy numbers and arrays as Python numbers and lists, NaN as null, infinity as text."""
     if isinstance(value, Mapping):
         return {str(key): json_data(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
@@ -48,7 +48,7 @@ def grown_model(
     Args:
         model: the present `[model]`; its bounds and fixed values are kept.
         effects: the effects of the new model, in order.
-        starts: by `effect.parameter`, fitted value in SI and its unit (empty where it has none).
+        starts: by `effect.parameter`, fitted value in SI and its unit (empty if dimensionless).
         known: prior of a parameter, SI; written instead of the fitted value, which would count the records twice.
 
     Returns:

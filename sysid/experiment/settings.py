@@ -23,7 +23,7 @@ _KEYS = ("start", "low", "high", "fixed")
 
 @dataclass(frozen=True)
 class Setting:
-    """Setting of one parameter in the file, SI; none where it is not given.
+    """Setting of one parameter in the file, SI; None for entries that are not given.
 
     Args:
         start: initial value of the fit, or the fixed value.
@@ -48,7 +48,7 @@ def check_effects(
         names: `effects` of the model.
         custom: files of the user's own effects.
         rig: kind of rig.
-        recorded: channels that some record holds.
+        recorded: channels contained in at least one record.
         model: the table, for messages.
 
     Raises:
@@ -196,7 +196,7 @@ def _text(table: TomlTable, key: str, value: float) -> str:
 
 
 def parameter_units(parameter: Parameter, effect: str, rig: RigKind, rotary: bool) -> list[str]:
-    """The SI units a value of `parameter` may be given in; a sensor's parameter takes the unit of its channel."""
+    """Permitted SI units of a value of `parameter`; for a parameter of a sensor, the unit of its channel."""
     if not parameter.unit.startswith("channel"):
         return [rotary_unit(parameter.unit) if rotary else parameter.unit]
     channel = effect.partition("@")[2]

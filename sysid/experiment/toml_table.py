@@ -38,7 +38,7 @@ class TomlTable:
 
     Args:
         file: shown in messages.
-        name: dotted name of the table, empty for the whole file.
+        name: dotted name of the table, empty for the root table.
         data: its content.
     """
 

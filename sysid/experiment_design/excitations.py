@@ -17,7 +17,7 @@ class Envelope:
         speed: highest speed.
         acceleration: high quantile of the acceleration, without single jumps.
         fine: smallest useful amplitude of a reversal, well above the noise of the position.
-        load: range of the normal load, (low, high), where it was varied.
+        load: range of the normal load, (low, high), if it was varied.
     """
 
     low: float

@@ -156,7 +156,7 @@ def competing_models(found: Diagnosis) -> list[CandidateFit]:
     """The best candidate, those equivalent to it, and others of similar error; empty if no effect is missing."""
     best = found.best
     if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
-        # Quantisation is detected in the values of a channel, whatever the motion.
+        # Quantisation is detected in the values of a channel and does not require a particular motion.
         return []
     usable = [t for t in found.trials if t is not best and t.fitted.fit.keys and t.fit_gain > 0.0]
     tied = [t for t in usable if t.public_name in found.indistinguishable]

@@ -51,13 +51,13 @@ class Noise:
     Args:
         value: SI.
         unit: SI unit.
-        source: where the value comes from.
+        source: method by which the value was obtained.
         correlation: correlation of neighbouring samples (first-order autoregression); zero for white noise.
         correlation_time: s, -step / log(correlation); zero for white noise.
-        filtered: the log was low-passed: differences of neighbours contain no information on the noise.
-        quantisation_step: step of the grid the values lie on, SI; none where they lie on no grid.
-        note: for people, one line.
-        without_quantisation: standard deviation without quantisation noise, SI; None where `value` does not include
+        filtered: whether the log was low-pass filtered, so that differences of neighbours do not show the noise.
+        quantisation_step: least significant bit of the values, SI; None if they are not quantised.
+        note: one line for the user.
+        without_quantisation: standard deviation without quantisation noise, SI; None if `value` does not include
             quantisation noise.
     """
 

@@ -88,7 +88,7 @@ def _imposed(record: Record, channel: str) -> np.ndarray | None:
 
 
 def repeat_lag(imposed: np.ndarray) -> int | None:
-    """Number of rows after which `imposed` (n,) repeats; none where it does not, or fewer than three times."""
+    """Period of `imposed` (n,) in rows; None if it is not periodic, or has fewer than three periods."""
     n = imposed.size
     centred = imposed - imposed.mean()
     variance = float(np.mean(centred**2))
