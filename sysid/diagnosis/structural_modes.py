@@ -57,7 +57,8 @@ was at most 3.3 on the held-out records (20 generated cases); on those of the fi
 frequencies and damping ratios."""
 
 LEAST_PEAK = 1.3
-"""Least ratio of the detection statistic to its values at 0.5 and 1.5 times the frequency."""
+"""Least ratio of the detection statistic to its largest absolute value at frequencies that differ by a factor of 1.5 or
+more."""
 
 LEAST_PART = 0.02
 """Part of the mass on the mode below which it is not distinguishable from an error of the model."""

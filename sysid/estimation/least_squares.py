@@ -80,7 +80,7 @@ def huber_cost(residual: np.ndarray, scale: float) -> float:
 
 
 LARGEST_SCALE = 1e100
-"""Scale limited so that its square does not overflow."""
+"""Upper limit of a scale, so that its square does not overflow."""
 
 
 class _Priors:

@@ -184,8 +184,8 @@ def _time(correlation: float, step: float) -> float:
 
 
 def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
-    """Residuals from the straight line between the two neighbours, each divided by its standard deviation for unit
-    noise."""
+    """White noise of unevenly sampled records, from the residuals of each sample to the line between its neighbours,
+    divided by their standard deviation for unit noise."""
     parts = []
     for record in records:
         good = np.flatnonzero(~np.isnan(record.channels[channel]))

@@ -110,7 +110,7 @@ def repeat_lag(imposed: np.ndarray) -> int | None:
     if not fits.size:
         return None
     first = int(fits[0])
-    # The best lag of the first dip.
+    # The lag of the first minimum.
     end = first
     while end + 1 < limit and share[end + 1] < SAME:
         end += 1
