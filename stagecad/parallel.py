@@ -235,14 +235,15 @@ class _Pool:
         file = io.BytesIO()
         try:
             _Pickler(file, self.identical).dump(answer)
-        except Exception:
+        except Exception:  # of any class that a result or its parts raise in pickling
             return b""
         return file.getvalue()
 
     def _result(self, answer: bytes, item: Any) -> Any:
+        """The result in `answer`; one that cannot be transferred is computed here, where its own error is raised."""
         try:
             succeeded, value = _Unpickler(io.BytesIO(answer), self.identical).load()
-        except Exception:
+        except Exception:  # of any class that the parts of a result raise in unpickling
             return self.function(item)
         if not succeeded:
             raise value

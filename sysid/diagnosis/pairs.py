@@ -94,7 +94,7 @@ def best_pairs(
     parts, blocks = [], []
     start = 0
     alone = root_mean_huber(base.fitted.fit.residual)
-    # A change of core has no amplitude that a linear weight could stand for: its own fit says what it is good for.
+    # A change of the friction state model has no amplitude, so no linear weight represents it: its fit is judged alone.
     able = [look for look in first.fits if look.linear or look.error < alone]
     for known in [*able, *first.unfitted]:
         for score in known.scores[:IN_PAIRS]:
