@@ -84,10 +84,11 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
     before = held_out_over_noise(found.before_fit, found.before_validate)
     effect = None if found.best is None else found.best.effect
     names = ("name", "meaning", "equation", "shows", "source")
+    titles = {"adequate": "Nothing is missing", "unexplained": "Unexplained residual"}
     return {
         **_experiment(problem, base.model),
         "kind": "diagnose",
-        "title": f"What is missing: {found.effect}" if found.effect else "What is missing",
+        "title": titles.get(found.verdict, f"What is missing: {found.effect}"),
         "state": {"missing-effect": "found", "adequate": "good"}.get(found.verdict, "bad"),
         "number": over_noise_text(before),
         "verdict": found.verdict,
