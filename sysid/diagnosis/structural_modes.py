@@ -243,7 +243,7 @@ def _away_from_events(balance: ForceBalanceRecord, width: float) -> np.ndarray:
     out = np.ones(balance.size, dtype=bool)
     assert balance.slip_phases is not None and balance.reversals is not None and balance.stick_fraction is not None
     reach = int(np.ceil(EVENT_WIDTHS * width))
-    for time in (*balance.slip_phases.end, *balance.slip_phases.break_away, *np.abs(balance.reversals)):
+    for time in (*balance.slip_phases.end, *balance.slip_phases.break_away, *balance.reversals):
         if np.isfinite(time):
             out[max(0, int(time) - reach) : int(time) + reach + 2] = False
     edge = int(np.ceil(EDGE_WIDTHS * width))

@@ -184,7 +184,7 @@ def _event_resolved(
     velocity, width = balance.axis.velocity, balance.prefilter_samples
     onsets = sticking_onsets(phases, velocity, forces_on_mass, balance.step / mass, width, search)
     leaves = break_away_times(phases, forces_on_mass, search)
-    resolved = ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0))
+    resolved = ResolvedMotion(balance.direction, balance.stick_fraction, np.empty(0), np.empty(0))
     motion = shifted_events(resolved, phases, onsets, leaves)
     p, scale = values_of(core, values), balance.step**2 / mass
     friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)

@@ -118,12 +118,14 @@ class ResolvedMotion(NamedTuple):
     Args:
         direction: sign of the velocity, averaged over the step around each sample, (n,), in [-1, 1]; 0 while sticking.
         stick_fraction: part of the step around each sample spent sticking, (n,), in [0, 1].
-        reversals: times of the reversals without sticking, in samples, signed by the direction after them, (k,).
+        reversals: times of the reversals without sticking, in samples, (k,).
+        reversed_to: direction after each, 1 or -1, (k,).
     """
 
     direction: np.ndarray
     stick_fraction: np.ndarray
     reversals: np.ndarray
+    reversed_to: np.ndarray
 
 
 class EventSearch(NamedTuple):
@@ -156,7 +158,8 @@ def resolve_events(
     moving = np.flatnonzero(sign)
     direction, stick_fraction = np.zeros(n), np.zeros(n)
     if moving.size == 0:
-        return ResolvedMotion(direction, np.ones(n), np.empty(0)), SlipPhases(*(np.empty(0) for _ in range(5)))
+        none = np.empty(0)
+        return ResolvedMotion(direction, np.ones(n), none, none), SlipPhases(none, none, none, none, none)
     # One slip phase ends at sample i, and the next begins at sample j.
     last, first = moving[:-1], moving[1:]
     ends = np.flatnonzero((first - last > 1) | (sign[first] != sign[last]))
@@ -177,13 +180,14 @@ def resolve_events(
     end = float(moving[-1]) + 0.5
     _add(direction, start, end, float(sign[moving[-1]]))
     _add(stick_fraction, end, n - 0.5, 1.0)
-    reversals = times[through] * sign[j[through]]
+    reversals, reversed_to = times[through], sign[j[through]]
     # A slow motion that is lost in the noise for a while does not end; the last phase does, with nothing after it.
     ended = np.append((starts > times) | (sign[i] != sign[j]), True)
     times, starts = np.append(times, end)[ended], np.append(np.maximum(starts, times), n - 0.5)[ended]
     began = np.concatenate([moving[:1] - 0.5, starts[:-1]])
     sides, following = np.append(sign[i], sign[moving[-1]])[ended], np.append(sign[j], 0.0)[ended]
-    return ResolvedMotion(direction, stick_fraction, reversals), SlipPhases(began, times, sides, starts, following)
+    phases = SlipPhases(began, times, sides, starts, following)
+    return ResolvedMotion(direction, stick_fraction, reversals, reversed_to), phases
 
 
 def shifted_events(
@@ -197,14 +201,13 @@ def shifted_events(
         break_aways: starts of the next ones, in samples, (k,); not used at a reversal without sticking.
     """
     direction, stick_fraction = motion.direction.copy(), motion.stick_fraction.copy()
-    through = phases.break_away <= phases.end
-    after = np.where(through, phases.next_direction, 0.0)
-    _shift(direction, stick_fraction, phases.end, onsets, phases.direction, after)
-    sticks, next_direction = ~through, phases.next_direction
+    through, next_direction = phases.reverses, phases.next_direction
+    _shift(direction, stick_fraction, phases.end, onsets, phases.direction, np.where(through, next_direction, 0.0))
+    sticks = ~through
     before = np.zeros(sticks.sum())
     old, new = phases.break_away[sticks], break_aways[sticks]
     _shift(direction, stick_fraction, old, new, before, next_direction[sticks])
-    return ResolvedMotion(direction, stick_fraction, onsets[through] * next_direction[through])
+    return ResolvedMotion(direction, stick_fraction, onsets[through], next_direction[through])
 
 
 @compiled
@@ -255,7 +258,7 @@ def event_resolved_friction(motion: ResolvedMotion, forces: Forces, stretch: flo
         out[i] = stick_fraction[i] * min(level[i], max(-level[i], applied[i])) + direction[i] * level[i]
     parts = 16
     for k in range(motion.reversals.size):
-        t0, side = abs(motion.reversals[k]), (1.0 if motion.reversals[k] > 0.0 else -1.0)
+        t0, side = motion.reversals[k], motion.reversed_to[k]
         i = int(np.floor(t0 + 0.5))
         if i < 0 or i >= n:
             continue

@@ -34,9 +34,10 @@ class SlipPhases(NamedTuple):
 
     Args:
         start: start of the phase.
-        end: its end by the position alone: sticking onset, or reversal of the velocity.
+        end: its end by the position alone: sticking onset, reversal of the velocity, or end of the record.
         direction: sign of the velocity in it, 1 or -1.
-        break_away: start of the next phase; equal to `end` at a reversal without sticking.
+        break_away: start of the next phase; equal to `end` at a reversal without sticking; end of the record after the
+            last phase.
         next_direction: sign of the velocity in the next phase; 0 after the last one.
     """
 
@@ -45,6 +46,11 @@ class SlipPhases(NamedTuple):
     direction: np.ndarray
     break_away: np.ndarray
     next_direction: np.ndarray
+
+    @property
+    def reverses(self) -> np.ndarray:
+        """Phases (k,) that end in a reversal without sticking; the end of a record in motion is none."""
+        return (self.break_away <= self.end) & (self.next_direction != 0.0)
 
 
 class Forces(NamedTuple):
@@ -144,7 +150,8 @@ def restored_kinks(motion: SmoothedMotion, phases: SlipPhases) -> np.ndarray:
 def sticking_onsets(
     phases: SlipPhases, velocity: np.ndarray, forces: Forces, rate: float, width: float, search: float
 ) -> np.ndarray:
-    """Times (k,) at which the slip phases end, in samples; as given where a phase is too short to integrate.
+    """Times (k,) at which the slip phases end, in samples; as given where a phase is too short to integrate, and at the
+    end of a record in motion, which is no event.
 
     Args:
         phases: of sliding motion.
@@ -158,7 +165,8 @@ def sticking_onsets(
     out, clear = phases.end.copy(), int(np.ceil(KINK_WIDTHS * width)) + 1
     for k in range(phases.end.size):
         i = int(np.floor(phases.end[k])) - clear
-        if i < phases.start[k] + clear or i < 1:
+        ends_in_motion = phases.next_direction[k] == 0.0 and phases.break_away[k] <= phases.end[k]
+        if ends_in_motion or i < phases.start[k] + clear or i < 1:
             continue
         h = phases.direction[k]
         # The filter has added half its width squared times the curvature of the velocity.

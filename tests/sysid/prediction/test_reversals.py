@@ -11,6 +11,7 @@ from sysid.prediction.force_balance.reversals import (
     event_resolved_friction,
     event_times,
     resolve_events,
+    shifted_events,
 )
 from sysid.prediction.force_balance.stick_event_times import Forces
 
@@ -48,7 +49,7 @@ def test_friction_of_a_resting_body_is_what_is_applied_up_to_the_level() -> None
     n = 50
     applied = np.linspace(-2.0, 2.0, n)
     friction = event_resolved_friction(
-        ResolvedMotion(np.zeros(n), np.ones(n), np.empty(0)), Forces(applied, np.ones(n)), 1e-8, 1e-6
+        ResolvedMotion(np.zeros(n), np.ones(n), np.empty(0), np.empty(0)), Forces(applied, np.ones(n)), 1e-8, 1e-6
     )
     assert np.array_equal(friction, np.clip(applied, -1.0, 1.0))
 
@@ -60,7 +61,10 @@ def test_friction_follows_the_motion_and_turns_within_a_sample() -> None:
     direction[:30], direction[31:] = -1.0, 1.0
     direction[30] = -(turn - 29.5) + (30.5 - turn)
     friction = event_resolved_friction(
-        ResolvedMotion(direction, np.zeros(n), np.array([turn])), Forces(np.full(n, 5.0), np.ones(n)), 1e-12, 1e-3
+        ResolvedMotion(direction, np.zeros(n), np.array([turn]), np.ones(1)),
+        Forces(np.full(n, 5.0), np.ones(n)),
+        1e-12,
+        1e-3,
     )
     assert np.array_equal(friction[:30], -np.ones(30))
     assert np.array_equal(friction[31:], np.ones(29))
@@ -73,7 +77,7 @@ def test_a_turn_under_a_weak_drive_holds_until_the_level_is_passed() -> None:
     direction = np.where(np.arange(n) < 30, -1.0, 1.0)
     applied = np.where(np.arange(n) < 40, 0.3, 2.0)
     friction = event_resolved_friction(
-        ResolvedMotion(direction, np.zeros(n), np.array([29.5])), Forces(applied, np.ones(n)), 1e-9, 1e-3
+        ResolvedMotion(direction, np.zeros(n), np.array([29.5]), np.ones(1)), Forces(applied, np.ones(n)), 1e-9, 1e-3
     )
     assert np.allclose(friction[31:40], 0.3, atol=1e-6)
     assert np.array_equal(friction[42:], np.ones(18))
@@ -84,7 +88,25 @@ def test_a_creep_lost_in_the_noise_for_a_while_is_no_stop() -> None:
     position = 1e-6 * np.arange(float(n))
     velocity, resting = np.full(n, 1e-6), np.zeros(n, dtype=bool)
     resting[95:97] = True
-    (direction, rest, turns), stops = resolve_events(position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3))
+    (direction, rest, turns, _), stops = resolve_events(
+        position, velocity, np.zeros(n), resting, EventSearch(10, 5.0, 3)
+    )
     assert turns.size == 0
     assert stops.end == pytest.approx([n - 0.5]) and stops.start == pytest.approx([-0.5])
     assert np.all(direction + rest == pytest.approx(1.0))
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_the_end_of_a_record_in_motion_is_no_event(side: float) -> None:
+    n, turn = 401, 200.0
+    position = side * _turning_block(turn, 2e-3, 1e-3, n)
+    motion, phases = resolve_events(
+        position, np.gradient(position), np.full(n, -2e-3 * side), np.zeros(n, dtype=bool), EventSearch(12, 5.0, 3)
+    )
+    shifted = shifted_events(motion, phases, phases.end, phases.break_away)
+    assert shifted.reversals == pytest.approx([turn], abs=0.1)
+    assert np.array_equal(shifted.reversed_to, [-side])
+    # A push below the level, in the direction of the motion: the body slides to the end nevertheless.
+    friction = event_resolved_friction(shifted, Forces(np.full(n, -0.5 * side), np.ones(n)), 1e-9, 1.0)
+    assert np.array_equal(friction[:199], np.full(199, side))
+    assert np.array_equal(shifted.stick_fraction, np.zeros(n))
