@@ -138,6 +138,7 @@ class Effect:
         slopes: exact partial derivatives for implicit integration: `{"force.velocity": law, "level.velocity": law,
             "force.position": law, ...}`; one left out is zero.
         signal: forward operator on the drive (`acts_on="drive"`) or on a measured channel (`acts_on="sensor"`).
+        inverse: of `signal`, for one that delays: the input of a smooth output.
         memory: changes the quantities that level and friction state depend on along a record (a lag in the friction,
             backlash in the drive, the age of the contacts).
         friction_state: the `FrictionStateModel` (static map, Dahl, LuGre, Maxwell-slip) that turns the level into a
@@ -161,6 +162,7 @@ class Effect:
     force: Law | None = None
     slopes: Mapping[str, Law] = field(default_factory=dict)
     signal: SignalLaw | None = None
+    inverse: SignalLaw | None = None
     memory: MemoryLaw | None = None
     friction_state: Any = None
     parallel_element: Any = None

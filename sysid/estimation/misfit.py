@@ -12,6 +12,7 @@ import numpy as np
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, PreparedRecord, predict
+from sysid.prediction.sensors import noise_with_delays
 
 KEPT = 0.97
 """Share of samples in the trimmed rms; it leaves out single samples near reversals that occur between two samples."""
@@ -80,14 +81,20 @@ PRESLIDING_TIMING = 0.1
 """Part of the timing uncertainty that remains with presliding under imposed motion, where the force is continuous."""
 
 
+def channel_noise(model: Model, record: PreparedRecord, channel: str) -> float:
+    """Standard deviation that sensor noise leaves in the residual of one channel of a model."""
+    if isinstance(record, ForceBalanceRecord) and channel == record.force_channel:
+        return noise_with_delays(record, model.effects, model.values)
+    return scored_channels(record)[channel][2]
+
+
 def sample_std(
-    record: PreparedRecord, predicted: Mapping[str, np.ndarray], channel: str, timing: float = 1.0
+    record: PreparedRecord, predicted: Mapping[str, np.ndarray], channel: str, noise: float, timing: float = 1.0
 ) -> np.ndarray:
     """Standard deviation (n,) of a residual, hypot(sensor noise, timing uncertainty x slope of the prediction).
 
     `timing` is the part of the record's timing uncertainty that applies to the model.
     """
-    noise = scored_channels(record)[channel][2]
     if not isinstance(record, ForceBalanceRecord) or record.timing_uncertainty == 0.0 or channel == STICK_DISPLACEMENT:
         return np.full(record.size, noise)
     steep = np.gradient(predicted[channel], record.step)
@@ -106,7 +113,7 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             ok = record.valid[channel]
             r = (record.measured[channel] - predicted[channel])[ok]
             residuals.setdefault(channel, []).append(r)
-            scaled.setdefault(channel, []).append(r / record.noise[channel])
+            scaled.setdefault(channel, []).append(r / channel_noise(model, record, channel))
             measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
         if isinstance(record, ForceBalanceRecord) and record.stick_phases is not None:
             # Presliding displacements in stick phases count as a misfit of the position.
@@ -168,7 +175,7 @@ def residual_weights(model: Model, records: Sequence[PreparedRecord], thin: bool
         imposed = isinstance(record, ForceBalanceRecord) and record.stick_fraction is None
         presliding = imposed and any(e.friction_state and e.friction_state.name != "coulomb" for e in model.effects)
         timing = PRESLIDING_TIMING if presliding else 1.0
-        std.append({c: sample_std(record, predicted, c, timing) for c in scored})
+        std.append({c: sample_std(record, predicted, c, channel_noise(model, record, c), timing) for c in scored})
         every = 1
         if thin and isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
             every = max(1, int(record.full_filter.width / record.step))

@@ -29,20 +29,15 @@ def sensed(
     return channels
 
 
-def _advanced(signal: np.ndarray, step: float, ahead: float) -> np.ndarray:
-    index = np.arange(signal.size)
-    return np.interp(index + ahead / step, index, signal)
-
-
 def delays_motion(balance: ForceBalanceRecord, effect: Effect) -> bool:
     """Whether an effect delays the logged motion against the logged force: a lag of the drive or the motion sensor."""
-    base, channel = split_channel(effect.name)
-    if balance.kind == "velocity-drive":
+    if effect.inverse is None or balance.kind == "velocity-drive":
         return False
-    if channel is None and balance.kind == "force-drive":
-        return base in ("sensor_lag", "sensor_delay", "drive_lag", "drive_delay")
+    channel = split_channel(effect.name)[1]
+    if balance.kind == "force-drive":
+        return channel is None
     every = channel is None and "position" in balance.measured
-    return base in ("sensor_lag", "sensor_delay") and (every or channel in ("position", "velocity"))
+    return effect.acts_on == "sensor" and (every or channel in ("position", "velocity"))
 
 
 def delayed_like_motion(
@@ -53,6 +48,30 @@ def delayed_like_motion(
         if delays_motion(balance, effect) and effect.signal is not None:
             signal = effect.signal(np.ascontiguousarray(signal), balance.step, values_of(effect, values))
     return signal
+
+
+def ahead_of_motion(
+    balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values, signal: np.ndarray
+) -> np.ndarray:
+    """The signal (n,), smooth, whose delay by the logged motion's effects gives `signal`: inverse of
+    `delayed_like_motion`."""
+    for effect in reversed(effects):
+        if delays_motion(balance, effect) and effect.inverse is not None:
+            signal = effect.inverse(signal, balance.step, values_of(effect, values))
+    return signal
+
+
+def noise_with_delays(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> float:
+    """Standard deviation of the force channel's residual, with the acceleration's noise taken through the inverse of
+    the delays of the model, as the force is."""
+    noise = balance.noise[balance.force_channel]
+    if balance.full_filter is None or not any(delays_motion(balance, effect) for effect in effects):
+        return noise
+    kernel = balance.full_filter.kernel(2)
+    kernel = np.pad(kernel, kernel.size)
+    gain = float(np.linalg.norm(ahead_of_motion(balance, effects, values, kernel)) / np.linalg.norm(kernel))
+    own = values.get("rig.mass", 0.0) * balance.acceleration_noise
+    return float(np.hypot(noise, np.sqrt(max(gain**2 - 1.0, 0.0)) * own))
 
 
 def sensor_input(
@@ -68,10 +87,8 @@ def sensor_input(
         if effect.acts_on != "sensor" or own not in (None, channel) or base == "sensor_quantisation":
             continue
         p = values_of(effect, values)
-        if base == "sensor_lag":
-            output = output + p.time_constant * np.gradient(output, step) if late else output
-        elif base == "sensor_delay":
-            output = _advanced(output, step, p.delay) if late else output
+        if effect.inverse is not None:
+            output = effect.inverse(output, step, p) if late else output
         elif effect.signal is not None:
             # A small distortion is inverted to first order.
             output = 2.0 * output - effect.signal(np.ascontiguousarray(output), step, p)

@@ -19,7 +19,11 @@ def _signal_of_curves(signal: Any, step: float, p: Any) -> Any:
     from scipy.interpolate import PchipInterpolator
 
     index = np.arange(signal.size)
-    return PchipInterpolator(index, signal)(np.maximum(index - p.delay / step, 0.0))
+    return PchipInterpolator(index, signal)(np.clip(index - p.delay / step, 0.0, signal.size - 1.0))
+
+
+def _inverse(signal: Any, step: float, p: Any) -> Any:
+    return _signal(signal, step, p._replace(delay=-p.delay))
 
 
 _STRAIGHT = Effect(
@@ -44,6 +48,7 @@ _STRAIGHT = Effect(
         ),
     ),
     signal=_signal,
+    inverse=_inverse,
 )
 
 _OF_CURVES = replace(

@@ -22,6 +22,13 @@ def _signal_of_steps(signal: Any, step: float, p: Any) -> Any:
     return first_order_lag_of_steps(np.ascontiguousarray(signal), step, p.time_constant, p.early)
 
 
+def _inverse(signal: Any, step: float, p: Any) -> Any:
+    slope = np.gradient(signal)
+    # Fourth order: a filter as narrow as one row passes frequencies at which second order is 16 % too low.
+    slope[2:-2] = (8.0 * (signal[3:-1] - signal[1:-3]) - (signal[4:] - signal[:-4])) / 12.0
+    return signal + p.time_constant / step * slope
+
+
 _SMOOTH = Effect(
     name="sensor_lag",
     meaning="a sensor follows the measured quantity with a first-order lag",
@@ -44,6 +51,7 @@ _SMOOTH = Effect(
         ),
     ),
     signal=_signal,
+    inverse=_inverse,
 )
 
 _OF_STEPS = replace(

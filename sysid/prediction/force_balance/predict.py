@@ -30,7 +30,7 @@ from sysid.prediction.force_balance.stick_phases import (
     median_level,
     presliding_displacement,
 )
-from sysid.prediction.sensors import delayed_like_motion, delays_motion, sensed, sensor_input
+from sysid.prediction.sensors import ahead_of_motion, delayed_like_motion, delays_motion, sensed, sensor_input
 
 
 def predict_balance(
@@ -237,9 +237,9 @@ def _stick_displacement(
             if effect.signal is not None:
                 more = effect.signal(np.ascontiguousarray(stick_phases.force), balance.step, p) - stick_phases.force
                 moved = moved - stick_phases.compliance * stick_phases.centred(more)
-        elif base in ("sensor_lag", "sensor_delay"):
-            late = p.time_constant if base == "sensor_lag" else p.delay
-            moved = moved - late * stick_phases.centred(balance.axis.velocity)
+        elif effect.inverse is not None:
+            position = balance.axis.position
+            moved = moved + stick_phases.centred(position - effect.inverse(position, balance.step, p))
         elif effect.signal is not None:
             position = np.ascontiguousarray(balance.axis.position)
             moved = moved + stick_phases.centred(effect.signal(position, balance.step, p) - position)
@@ -265,9 +265,9 @@ def _force_at(
 def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> dict[str, np.ndarray]:
     """Every channel (n,), with the effects of drive, structure and sensors.
 
-    Where the logged motion is delayed against the logged force, the two are compared at the time of the motion: the
-    force is delayed as well. To compute the commanded force from the noisy motion would amplify its noise, for a lag
-    more than for a delay.
+    Where the logged motion is delayed against the logged force, the force that the motion requires is taken through the
+    inverse of the delay. Delaying the logged force instead would attenuate the signal to be explained: a long lag would
+    lower the error of a force unrelated to the motion.
     """
     terms = _terms(balance, effects, values)
     friction, resolved_friction = _friction(balance, effects, values, terms)
@@ -285,13 +285,10 @@ def _sensed_balance(balance: ForceBalanceRecord, effects: Sequence[Effect], valu
         out["position"] = pull - total / values["rig.pull_stiffness"]
         effects = [effect for effect in effects if not delays_motion(balance, effect)]
     else:
-        out[channel] = total
+        out[channel] = ahead_of_motion(balance, effects, values, total)
     if _has_stretch(balance):
         out["position"] = _stretch_relation(balance, effects, values)
     out = sensed(effects, values, out, balance.step)
-    if channel != "position":
-        logged = balance.measured[channel]
-        out[channel] = out[channel] + logged - delayed_like_motion(balance, effects, values, logged)
     if balance.stick_phases is not None:
         out[STICK_DISPLACEMENT] = _stick_displacement(balance, effects, values, terms)
     return out
