@@ -103,6 +103,8 @@ def parameters_json(
         entry = as_json(interval.value, parameter_unit(problem, key), interval.std, interval.low, interval.high)
         # Values that are not identifiable are null: JSON has no infinite numbers.
         entry.update({name: None for name in ("std", "low", "high") if not np.isfinite(entry[name])})
+        if key in fitted.model.nuisances:
+            entry["nuisance"] = True
         if interval.at_bound:
             entry["at_bound"] = True
         out[public_key(key)] = entry

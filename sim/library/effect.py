@@ -68,6 +68,7 @@ class Scan:
     "rest" its longest rest.
     `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
     A bounded range excludes values that cannot be distinguished: a cogging pitch longer than the travel is a slope.
+    It extends at least to `reach`, SI, whatever the scale.
     """
 
     of: Literal[
@@ -77,6 +78,7 @@ class Scan:
     high: float
     points: int = 9
     spacing: Literal["geometric", "linear", "reciprocal"] = "geometric"
+    reach: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -96,6 +98,9 @@ class Parameter:
             (held at a value, a mean of the record: never fitted).
         scan: the range searched for a `shape` parameter.
         fixed: not fitted unless the experiment frees it.
+        natural: ends of the range of a fit at which the effect is still an explanation: a limit of the law itself, or
+            of what the records resolve. At another end the effect stands for something else. Zero is natural always.
+        reported: shown in tables; otherwise a nuisance that only the fit needs.
     """
 
     name: str
@@ -108,6 +113,8 @@ class Parameter:
     role: Literal["amplitude", "shape", "phase", "level", "reference"] = "amplitude"
     scan: Scan | None = None
     fixed: bool = False
+    natural: Literal["", "low", "high", "both"] = ""
+    reported: bool = True
 
 
 Law = Callable[[Axis, Any], Any]

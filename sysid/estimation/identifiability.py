@@ -28,15 +28,18 @@ linearly dependent."""
 
 def identifiability_report(fitted: FittedModel, known: Intervals) -> list[str]:
     """Sentences on values that are not identifiable or strongly correlated."""
-    words = [f"{public_key(key)} has no influence in these records." for key in fitted.fit.inactive]
-    words += [f"{public_key(key)} is at its bound; it has no interval." for key in fitted.fit.at_bound]
+    hidden = fitted.model.nuisances
+    inactive, at_bound = ([k for k in keys if k not in hidden] for keys in (fitted.fit.inactive, fitted.fit.at_bound))
+    words = [f"{public_key(key)} has no influence in these records." for key in inactive]
+    words += [f"{public_key(key)} is at its bound; it has no interval." for key in at_bound]
     words += [
         "Only a combination is identifiable from these records, not each value alone: "
         + " against ".join(public_key(k) for k in text.split(" against "))
         + "."
         for text in known.unidentified
     ]
-    words += [_correlated(group, known) for group in _groups(known)]
+    groups = ([k for k in group if known.keys[k] not in hidden] for group in _groups(known))
+    words += [_correlated(group, known) for group in groups if len(group) > 1]
     if not fitted.fit.converged:
         words.append("The fit stopped before it converged.")
     return words

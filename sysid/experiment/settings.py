@@ -18,6 +18,9 @@ from sysid.experiment.known import DesignValues, design_value
 from sysid.experiment.rigs import CHANNELS, RigKind
 from sysid.experiment.toml_table import TomlTable, kind_of, shown
 
+ROUNDING = 1e-6
+"""Relative excess over a bound that is accepted as rounding."""
+
 _KEYS = ("start", "low", "high", "fixed")
 
 
@@ -162,8 +165,10 @@ def _setting(
         raise InputError(
             f"{table.where()}: low = {_text(table, 'low', low)} is not below high = {_text(table, 'high', high)}"
         )
+    # A fitted value at a bound is written with nine digits, so it may exceed the bound by rounding.
+    room = 0.0 if start is None else ROUNDING * abs(start)
     for bound, key in ((low, "low"), (high, "high")):
-        if start is not None and bound is not None and (start < bound if key == "low" else start > bound):
+        if start is not None and bound is not None and (start < bound - room if key == "low" else start > bound + room):
             raise InputError(
                 f"{table.where()}: start = {_text(table, 'start', start)} is outside {key} = {_text(table, key, bound)}"
             )
@@ -177,8 +182,7 @@ def _within_declared(
     """Refuse a start outside the effect's own bounds, unless the file gives other bounds; fixed values are exempt."""
     if start is None or fixed:
         return
-    # A fitted value at a bound is written with nine digits, so it may exceed the bound by rounding.
-    room = 1e-6 * abs(start)
+    room = ROUNDING * abs(start)
     for beyond, given, bound, key in (
         (start < parameter.low - room, low, parameter.low, "low"),
         (start > parameter.high + room, high, parameter.high, "high"),

@@ -140,6 +140,13 @@ def size_of(parameter: Parameter, scales: Scales) -> float:
     return 0.1 * float(size(scales)) if size is not None else max(abs(parameter.default), 1e-12)
 
 
+def _scan_range(parameter: Parameter, scales: Scales) -> tuple[float, float]:
+    """Ends of the range in which a shape parameter is searched on these records."""
+    assert parameter.scan is not None
+    scale = _scan_scale(parameter, scales)
+    return parameter.scan.low * scale, max(parameter.scan.high * scale, parameter.scan.reach)
+
+
 def _scan_scale(parameter: Parameter, scales: Scales) -> float:
     assert parameter.scan is not None
     scale = scales.of(parameter.scan.of)
@@ -152,10 +159,10 @@ def scan_values(parameter: Parameter, scales: Scales) -> np.ndarray:
     scan = parameter.scan
     if scan is None:
         return np.array([parameter.default])
-    scale = _scan_scale(parameter, scales)
-    low, high = max(scan.low * scale, parameter.low), min(scan.high * scale, parameter.high)
+    first, last = _scan_range(parameter, scales)
+    low, high = max(first, parameter.low), min(last, parameter.high)
     if not high > low > 0.0:
-        return np.array([min(max(scale * scan.low, parameter.low), parameter.high)])
+        return np.array([min(max(first, parameter.low), parameter.high)])
     if scan.spacing == "geometric":
         return np.geomspace(low, high, scan.points)
     if scan.spacing == "reciprocal":
@@ -170,11 +177,9 @@ def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
         # A position far outside the travel (of the rest of a cable, say) acts as a constant.
         low, high = max(low, -scales.position), min(high, scales.position)
     if parameter.scan is not None:
-        scale = _scan_scale(parameter, scales)
-        low, high = (
-            max(low, 0.3 * parameter.scan.low * scale),
-            min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * parameter.scan.high * scale),
-        )
+        first, last = _scan_range(parameter, scales)
+        low = max(low, 0.3 * first)
+        high = min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * last)
         if low > high:
             low, high = parameter.low, parameter.high
     return low, high
@@ -214,6 +219,11 @@ class Model:
     effects: tuple[Effect, ...]
     values: dict[str, float]
     unknowns: tuple[Unknown, ...]
+
+    @property
+    def nuisances(self) -> frozenset[str]:
+        """Keys of the parameters that tables do not show."""
+        return frozenset(f"{e.name}.{p.name}" for e in self.effects for p in e.parameters if not p.reported)
 
     def at(self, values: Mapping[str, float]) -> Model:
         """The same model with other values, which are also where its next fit begins."""

@@ -187,10 +187,12 @@ def _with_stretch(model: Model, records: Sequence[PreparedRecord]) -> Model:
     noises = [r.position_noise for r in records if isinstance(r, ForceBalanceRecord) and r.reversals is not None]
     if key not in model.values or not noises:
         return model
-    highest = max(noises)
-    start = 0.05 * highest
+    least = find("coulomb").parameter("stretch").low
+    highest = max(*noises, 10.0 * least)
+    start = max(0.05 * highest, least)
     values = {**model.values, key: start}
-    return Model(model.effects, values, (*model.unknowns, Unknown(key, start, 1e-4 * highest, highest, start)))
+    unknown = Unknown(key, start, max(1e-4 * highest, least), highest, start)
+    return Model(model.effects, values, (*model.unknowns, unknown))
 
 
 def _with_settings(model: Model, experiment: Experiment) -> Model:

@@ -129,6 +129,7 @@ def parameter_table(parameters: Mapping[str, Row], title: str = "Parameters") ->
     rows = [
         (key, quantity_text(q["value"], q["unit"]), interval_text(q), identifiability_text(q))
         for key, q in parameters.items()
+        if not q.get("nuisance")
     ]
     columns = [("parameter", CODE), ("value", STRONG), ("95 % interval", TEXT), ("remark", REMARK)]
     return make_table(title, columns, rows)
@@ -199,6 +200,7 @@ def _values_text(parameters: Mapping[str, Row]) -> str:
     return "; ".join(
         f"{parameter_name(key)} {quantity_text(q['value'], q['unit'])}" + (" (at its bound)" * bool(q.get("at_bound")))
         for key, q in parameters.items()
+        if not q.get("nuisance")
     )
 
 

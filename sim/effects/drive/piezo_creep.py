@@ -61,6 +61,7 @@ _LOGARITHMIC = Effect(
             "0.1 s by convention",
             role="shape",
             scan=Scan("time", 5e-4, 0.1, 5),
+            natural="both",
         ),
         Parameter(
             "decades",
@@ -96,9 +97,18 @@ _EXPONENTIAL = replace(
             "0.1-10 s",
             role="shape",
             scan=Scan("time", 2e-3, 0.3, 6),
+            natural="high",
         ),
         Parameter(
-            "ratio", "1", 10.0, 2.0, 100.0, "of the slow time constant to the quick one", "a decade", role="shape"
+            "ratio",
+            "1",
+            10.0,
+            2.0,
+            100.0,
+            "of the slow time constant to the quick one",
+            "a decade",
+            role="shape",
+            natural="both",
         ),
     ),
     signal=_exponential,
@@ -124,6 +134,7 @@ _THREE = replace(
             "0.1-10 s",
             role="shape",
             scan=Scan("time", 2e-3, 0.1, 5),
+            natural="high",
         ),
         Parameter(
             "ratio",
@@ -134,6 +145,7 @@ _THREE = replace(
             "of each time constant to the one before",
             "half a decade or more",
             role="shape",
+            natural="both",
         ),
     ),
     signal=_three_exponentials,

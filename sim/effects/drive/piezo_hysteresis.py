@@ -57,6 +57,7 @@ _SETTLED = Parameter(
     "part of the first voltage, from bias, at which the piezo rested before: 1 at the first voltage itself, 0 at bias",
     "the history before the first row is not recorded",
     role="shape",
+    natural="both",
 )
 
 
@@ -80,9 +81,18 @@ _PLAY = Effect(
             "bounded by the voltage's range",
             role="shape",
             scan=Scan("input", 0.05, 0.8, 5),
+            natural="high",
         ),
         Parameter(
-            "shape", "1", 0.0, -2.0, 3.0, "distribution of the thresholds over the width", "0: evenly", role="shape"
+            "shape",
+            "1",
+            0.0,
+            -2.0,
+            3.0,
+            "distribution of the thresholds over the width",
+            "0: evenly",
+            role="shape",
+            natural="both",
         ),
         _SETTLED,
     ),
@@ -107,6 +117,7 @@ _BOUC_WEN = replace(
             "decay of the hysteresis on unloading",
             "0.5: linear unloading; 1: Duhem's (Dahl's) law, equal decay in both directions; dissipative from 0.5 on",
             role="shape",
+            natural="both",
         ),
         _SETTLED,
     ),

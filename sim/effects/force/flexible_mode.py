@@ -55,6 +55,7 @@ _SMOOTH = Effect(
             "damping ratio",
             "bolted structures: 0.01-0.1",
             role="shape",
+            natural="low",
         ),
         Parameter(
             "mass_ratio",
@@ -64,6 +65,7 @@ _SMOOTH = Effect(
             1.0,
             "part of the moving mass in the mode; of a tip, the part of its motion that passes through the mode",
             "0: none; 1: all",
+            natural="high",
         ),
     ),
     signal=_signal,

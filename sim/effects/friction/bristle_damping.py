@@ -102,7 +102,17 @@ _SPREAD = replace(
     source="Lampaert, Al-Bender, Swevers, Proc. Control Applications (2003): a damping to each element",
     parameters=(
         *_ONE.parameters,
-        Parameter("span", "1", 20.0, 1.0, 1e3, "longest stretch over the shortest", "one to two decades", role="shape"),
+        Parameter(
+            "span",
+            "1",
+            20.0,
+            1.0,
+            1e3,
+            "longest stretch over the shortest",
+            "one to two decades",
+            role="shape",
+            natural="both",
+        ),
     ),
     force=_spread_force,
     parallel_element=FrictionStateModel(

@@ -31,6 +31,7 @@ EFFECT = Effect(
             "chosen: 1e-3 of the thesis's bristle deflection; for a record, a few times its position noise",
             "reference",
             fixed=True,
+            reported=False,
         ),
     ),
     coordinates=("direction",),

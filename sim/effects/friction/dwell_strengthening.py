@@ -67,6 +67,7 @@ _MEMORY_LENGTH = Parameter(
     "1-100 um in metals: Dieterich 1979",
     role="shape",
     scan=Scan("position", 1e-4, 0.1, 8),
+    natural="low",
 )
 
 _LOGARITHMIC = Effect(
@@ -89,6 +90,7 @@ _LOGARITHMIC = Effect(
             "less than the longest rest: below it the rise is linear in time",
             role="shape",
             scan=Scan("rest", 0.01, 0.5, 5),
+            natural="both",
         ),
         _MEMORY_LENGTH,
     ),
@@ -123,6 +125,7 @@ _KATO = replace(
             "Kato 1972: 1.66 on ways",
             role="shape",
             scan=Scan("one", 0.3, 8.0, 4),
+            natural="both",
         ),
         Parameter("exponent", "1", 0.65, 0.2, 1.0, "m of Kato's law", "Kato 1972: 0.65", role="reference"),
         _MEMORY_LENGTH,

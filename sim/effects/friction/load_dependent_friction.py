@@ -51,7 +51,7 @@ _POWER = replace(
     equation="level * (N / reference)^exponent",
     source="Archard, Proc. R. Soc. A 243 (1957) 190: 2/3 for one smooth contact, towards 1 for many",
     parameters=(
-        Parameter("exponent", "1", 2.0 / 3.0, 0.0, 2.0, "power of the load", "Hertz: 2/3; Amontons: 1"),
+        Parameter("exponent", "1", 2.0 / 3.0, 0.0, 2.0, "power of the load", "Hertz: 2/3; Amontons: 1", natural="both"),
         _STRAIGHT.parameters[1],
     ),
     factor=_power,

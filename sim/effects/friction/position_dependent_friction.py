@@ -11,7 +11,15 @@ from sim.library.effect import Axis, Effect, Parameter, Scan
 
 SECOND_HARMONIC = (
     Parameter(
-        "second_sine", "1", 0.0, -0.3, 0.3, "sine part of the second harmonic, over the amplitude", "one wave", "shape"
+        "second_sine",
+        "1",
+        0.0,
+        -0.3,
+        0.3,
+        "sine part of the second harmonic, over the amplitude",
+        "one wave",
+        "shape",
+        natural="both",
     ),
     Parameter(
         "second_cosine",
@@ -22,6 +30,7 @@ SECOND_HARMONIC = (
         "cosine part of the second harmonic, over the amplitude",
         "one wave",
         "shape",
+        natural="both",
     ),
 )
 """Parameters of a wave sin a + second_sine sin 2a + second_cosine cos 2a, a = 2 pi x / pitch + phase."""

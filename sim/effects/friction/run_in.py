@@ -84,6 +84,7 @@ EFFECT = replace(
                     role="shape",
                     scan=Scan("one", 4.0, 16.0, 2),
                     fixed=True,
+                    natural="both",
                 ),
             ),
             factor=_stages_factor,

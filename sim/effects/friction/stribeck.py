@@ -64,6 +64,7 @@ _GAUSSIAN = Effect(
             "shape",
             Scan("one", 0.5, 4.0, 5, "linear"),
             fixed=True,
+            natural="both",
         ),
     ),
     coordinates=("velocity", "direction"),

@@ -86,6 +86,7 @@ _LUBRICATED = replace(
             "relative change of the drag per kelvin",
             "mineral oils: -0.03 to -0.1",
             role="shape",
+            natural="both",
         ),
     ),
     force=_thinner_drag,

@@ -171,6 +171,7 @@ MAXWELL_SLIP = Effect(
             source="Hertz-Mindlin contacts: about 1.5",
             role="shape",
             scan=Scan("one", 2.0, 8.0, 3),
+            natural="both",
         ),
     ),
     coordinates=("distance_since_reversal", "direction"),
@@ -196,6 +197,7 @@ FREE_MAXWELL_SLIP = Effect(
         Parameter(
             *("span", "1", 30.0, 2.0, 1e4, "longest stretch over the shortest", "a range of one to three decades"),
             role="shape",
+            natural="both",
         ),
         *(
             Parameter(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from sim.effects.sensor.sensor_lag import LONGEST, LONGEST_ROWS
 from sim.library.effect import Effect, Parameter, Scan
 
 
@@ -44,7 +45,8 @@ _STRAIGHT = Effect(
             "delay of the signal",
             "sampling and transport",
             role="shape",
-            scan=Scan("sample", 0.3, 100.0, 8),
+            scan=Scan("sample", 0.1, LONGEST_ROWS / 1.5, 8, reach=LONGEST / 1.5),
+            natural="low",
         ),
     ),
     signal=_signal,

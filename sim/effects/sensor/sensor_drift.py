@@ -38,6 +38,7 @@ _WARM_UP = Effect(
             "warm-up of electronics and mounts",
             role="shape",
             scan=Scan("time", 0.05, 5.0, 7),
+            natural="high",
         ),
     ),
     signal=_signal,
@@ -52,7 +53,16 @@ _POWER = replace(
     parameters=(
         Parameter("amplitude", "channel", 0.0, -1e9, 1e9, "shift of the zero at reference_time", "either sign"),
         Parameter(
-            "exponent", "1", 1.0, 0.2, 3.0, "power of time", "steady drift", role="shape", scan=Scan("one", 0.4, 2.0, 5)
+            "exponent",
+            "1",
+            1.0,
+            0.2,
+            3.0,
+            "power of time",
+            "steady drift",
+            role="shape",
+            scan=Scan("one", 0.4, 2.0, 5),
+            natural="both",
         ),
         Parameter(
             "reference_time",

@@ -9,6 +9,9 @@ import numpy as np
 
 from sim.library.effect import Effect, Parameter, Scan
 
+LONGEST, LONGEST_ROWS = 0.05, 50.0
+"""Longest plausible lag or delay of a logger, s, and in rows: filters of amplifiers and buses take milliseconds."""
+
 
 def _signal(signal: Any, step: float, p: Any) -> Any:
     from sim.numerics.record_operators import first_order_lag
@@ -47,7 +50,8 @@ _SMOOTH = Effect(
             "time to 63 % of a step",
             "filter in the electronics",
             role="shape",
-            scan=Scan("sample", 0.3, 300.0, 10),
+            scan=Scan("sample", 0.3, LONGEST_ROWS / 1.5, 8, reach=LONGEST / 1.5),
+            natural="low",
         ),
     ),
     signal=_signal,
@@ -72,6 +76,7 @@ _OF_STEPS = replace(
             "0 to 1",
             role="shape",
             scan=Scan("one", 0.1, 0.9, 2, "linear"),
+            natural="both",
         ),
     ),
     signal=_signal_of_steps,

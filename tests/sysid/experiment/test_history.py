@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 
 import sysid.experiment.history as ladder
+from sim.effects.catalogue import library
+from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, find_experiment, load_experiment
 from sysid.experiment.history import append_revision, edited_by_hand, history_lock, read_history, undo
@@ -304,3 +306,26 @@ def test_other_layouts_of_the_same_file(tmp_path, layout):
     assert tomllib.loads(after.text)["record"] == tomllib.loads(layout)["record"]
     undo(after)
     assert experiment.path.read_bytes() == layout.encode()
+
+
+@pytest.mark.parametrize("effect", library().values(), ids=lambda effect: effect.name)
+def test_values_at_the_bounds_of_an_effect_are_written_and_read_again(tmp_path: Path, effect: Effect) -> None:
+    for law in (effect, *effect.variants):
+        core = law.friction_state is not None
+        text = TEXT.replace('    "coulomb",  # dry\n', "").replace('"coulomb.force"', '# "coulomb.force"')
+        experiment = _rig(tmp_path, text if core else TEXT)
+        for end in ("low", "high"):
+            starts = {
+                f"{law.name}.{p.name}": (getattr(p, end) * (1.0 + 1e-10), p.unit.replace("channel", "N"))
+                for p in law.parameters
+                if np.isfinite(getattr(p, end))
+            }
+            if law.name in experiment.effects or not starts:
+                continue
+            _add(experiment, law.name, starts=starts)
+            read = load_experiment(tmp_path)
+            assert {key: read.parameters[key].start for key in starts} == pytest.approx(
+                {key: value for key, (value, _) in starts.items()}, rel=1e-8
+            )
+            undo(read)
+            experiment = load_experiment(tmp_path)

@@ -1,0 +1,99 @@
+"""Delays between a logged force and a logged motion: no delay lowers the error of a force unrelated to the motion."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.effects.catalogue import find, library
+from sim.library.effect import Effect
+from sysid.diagnose import diagnose
+from sysid.estimation.fit import fit_model, root_mean_huber
+from sysid.estimation.plausibility import implausible
+from sysid.prediction.model import with_effect
+from sysid.prediction.problem import Problem, load_problem
+
+DELAYS = ["drive_lag", "drive_delay", "sensor_lag", "sensor_delay"]
+STEP = 0.01
+RNG = np.random.default_rng(7)
+
+
+def unrelated(folder: Path) -> Problem:
+    """A square-wave torque beside a motion of two incommensurate sines."""
+    for name, phase in (("fit", 0.0), ("validate", 1.3)):
+        t = np.arange(0.0, 20.0, STEP)
+        angle = (
+            0.8 * np.sin(1.95 * t + phase) + 0.5 * np.sin(3.58 * t + 2.0 * phase) + 1e-4 * RNG.standard_normal(t.size)
+        )
+        torque = 0.8 * np.sign(np.sin(5.2 * t + 1.0 + 3.0 * phase)) + 0.01 * RNG.standard_normal(t.size)
+        np.savetxt(
+            folder / f"{name}.csv",
+            np.column_stack([t, torque, angle]),
+            delimiter=",",
+            header="time [s],drive_force [N*m],position [rad]",
+            comments="",
+        )
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "force-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
+        '[noise]\ndrive_force = "0.01 N*m"\nposition = "1e-4 rad"\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+    )
+    return load_problem(folder)
+
+
+@pytest.mark.parametrize("effect", DELAYS)
+def test_no_delay_explains_a_force_unrelated_to_the_motion(tmp_path: Path, effect: str) -> None:
+    problem = unrelated(tmp_path)
+    base = fit_model(problem.start, problem.fit_records)
+    key = f"{effect}.{find(effect).parameters[0].name}"
+    for late in (0.1, 0.3):
+        start = with_effect(base.model, find(effect), problem.scales, {key: late})
+        grown = fit_model(start, problem.fit_records, base.weights, near=base)
+        assert root_mean_huber(grown.fit.residual) > 0.97 * root_mean_huber(base.fit.residual)
+
+
+def test_nothing_is_named_for_a_force_unrelated_to_the_motion(tmp_path: Path) -> None:
+    assert diagnose(unrelated(tmp_path)).effect is None
+
+
+def test_a_lag_at_the_longest_a_logger_has_is_implausible(tmp_path: Path) -> None:
+    problem = unrelated(tmp_path)
+    start = with_effect(problem.start, find("drive_delay"), problem.scales, {"drive_delay.delay": 0.4})
+    unknown = next(u for u in start.unknowns if u.key == "drive_delay.delay")
+    assert unknown.high == pytest.approx(50 * STEP)
+    fitted = fit_model(start, problem.fit_records, iterations=2)
+    fitted.fit.at_bound, fitted.fit.values["drive_delay.delay"] = ("drive_delay.delay",), unknown.high
+    assert implausible(fitted, ["drive_delay"]) == "drive_delay.delay is at its upper bound, 0.5 s"
+    assert implausible(fitted, ["viscous"]) is None
+    fitted.fit.at_bound, fitted.fit.values["rig.mass"] = ("rig.mass",), 0.0
+    assert "rig.mass is at its lower bound" in str(implausible(fitted, ["drive_delay"]))
+    assert implausible(fitted, ["drive_delay"], base=fitted) is None
+
+
+@pytest.mark.parametrize("effect", [e for e in library().values() if e.inverse is not None], ids=lambda e: e.name)
+def test_the_inverse_of_a_delay_restores_a_smooth_signal(effect: Effect) -> None:
+    row = np.arange(600)
+    signal = np.sin(2.0 * np.pi * row / 31.0) + 0.5 * np.cos(2.0 * np.pi * row / 20.0)
+    for law in (effect, *effect.variants):
+        p = law.values()._replace(**{law.parameters[0].name: 2.3 * STEP})
+        assert law.signal is not None and law.inverse is not None
+        restored = law.inverse(law.signal(signal, STEP, p), STEP, p)
+        # Linear interpolation loses 1/8 of the second difference of the signal at most, once each way.
+        lost = 0.25 * ((2.0 * np.pi / 31.0) ** 2 + 0.5 * (2.0 * np.pi / 20.0) ** 2)
+        half_a_row = 0.5 * (2.0 * np.pi / 31.0 + 0.5 * 2.0 * np.pi / 20.0) if "of_steps" in law.name else 0.0
+        assert restored[60:-60] == pytest.approx(signal[60:-60], abs=lost + half_a_row)
+
+
+def test_every_fitted_value_stays_within_the_declared_bounds(tmp_path: Path) -> None:
+    unrelated(tmp_path)
+    file = tmp_path / "experiment.toml"
+    file.write_text(file.read_text().replace('"1e-4 rad"', '"1e-13 rad"'))
+    problem = load_problem(tmp_path)
+    model = with_effect(problem.start, find("bristle_damping"), problem.scales)
+    declared = {f"{e.name}.{p.name}": p for e in model.effects for p in e.parameters}
+    assert "coulomb.stretch" in {u.key for u in model.unknowns}
+    for u in model.unknowns:
+        if u.key in declared:
+            assert declared[u.key].low <= u.low <= u.start <= u.high <= declared[u.key].high
