@@ -92,7 +92,8 @@ def scales_of(records: Sequence[PreparedRecord]) -> Scales:
             sliding = max(sliding, sliding_speed(record))
             found["input"].append(max(float(np.ptp(u)) for u in record.drives))
         else:
-            found["force"].append(float(np.median(np.abs(y - np.median(y)))) or float(np.std(y)))
+            force = record.force
+            found["force"].append(float(np.median(np.abs(force - np.median(force)))) or float(np.std(force)))
         found["channel"].append(float(np.max(np.abs(y))))
         found["position"].append(float(np.ptp(axis.position)))
         found["velocity"].append(float(np.max(np.abs(axis.velocity))))

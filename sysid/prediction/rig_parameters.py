@@ -87,11 +87,7 @@ def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, n
         best = mass = _largest_mass(record, kind, stiffness, noise)
         for _ in range(4):
             balance = driven_mass(record, kind, noise, mass, stiffness)
-            channel = balance.force_channel
-            y = balance.measured[channel]
-            if channel == "position":
-                y = balance.inputs["spring_force"]
-            ok = balance.valid[channel]
+            y, ok = balance.force, balance.valid[balance.force_channel]
             if ok.sum() < LEAST_ROWS:
                 # A filter as wide as this guess requires leaves nothing between the gaps.
                 mass *= 0.1

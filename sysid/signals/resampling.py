@@ -24,7 +24,10 @@ def uniform(record: Record) -> tuple[np.ndarray, float, dict[str, np.ndarray], n
     """
     time = record.time - record.time[0]
     step = float(np.median(np.diff(time)))
-    if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step:
+    # Time stamps of a date (1.7e9 s) are rounded to 2.4e-7 s: neither the step nor its jitter may depend on that.
+    rounding = 2.0 * float(np.spacing(np.max(np.abs(record.time))))
+    if np.max(np.abs(np.diff(time) - step)) <= 1e-3 * step + rounding:
+        step = float(time[-1]) / (time.size - 1)
         grid = step * np.arange(time.size)
         return grid, step, dict(record.channels), np.zeros(time.size, dtype=bool)
     count = int(np.floor(time[-1] / step)) + 1

@@ -160,7 +160,8 @@ def driven_mass(
     full = GaussianFilter(width, step, n)
     acceleration_noise = position.std * full.noise_gain(2, position.correlation)
     measured, noises, inputs = _filtered_channels(channel, channels, (position, force), full, pull_stiffness)
-    noises[channel] = float(np.hypot(noises[channel], mass * acceleration_noise))
+    inertia = mass * acceleration_noise / (pull_stiffness if channel == "position" and pull_stiffness else 1.0)
+    noises[channel] = float(np.hypot(noises[channel], inertia))
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
     prefiltered_noise = position.std * prefilter.noise_gain(0, position.correlation)
     prepared = ForceBalanceRecord(
@@ -229,9 +230,11 @@ def _filtered_channels(
     if "pull_position" not in channels or pull_stiffness is None:
         return measured, noises, {}
     inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
-    if channel == "spring_force" and "position" in channels:
+    own = position.std * full.noise_gain(0, position.correlation)
+    if channel == "position":
+        return {channel: full(position.values)}, {channel: own}, inputs
+    if "position" in channels:
         measured["position"] = full(position.values)
-        own = position.std * full.noise_gain(0, position.correlation)
         noises["position"] = float(np.hypot(own, noises[channel] / pull_stiffness))
     return measured, noises, inputs
 

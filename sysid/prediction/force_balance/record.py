@@ -80,6 +80,11 @@ class ForceBalanceRecord:
         return self.axis.time.size
 
     @property
+    def force(self) -> np.ndarray:
+        """Force of the balance, filtered, N, (n,): measured, or that of the pulling spring at the measured position."""
+        return self.inputs.get("spring_force", self.measured[self.force_channel])
+
+    @property
     def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:
         """Signals compared with a model, by name: values (n,), the samples that count (n,), and their noise."""
         out = {channel: (y, self.valid[channel], self.noise[channel]) for channel, y in self.measured.items()}
