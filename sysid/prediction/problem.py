@@ -15,7 +15,8 @@ from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior, Unknown
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
 from sysid.prediction.actuator_tip import TipRecord, tip_record
-from sysid.prediction.force_balance.prepare import driven_mass, velocity_drive
+from sysid.prediction.force_balance.imposed_motion import velocity_drive
+from sysid.prediction.force_balance.prepare import driven_mass
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import friction_drive_record
 from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect

@@ -63,9 +63,9 @@ def ahead_of_motion(
 
 def noise_with_delays(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> float:
     """Standard deviation of the force channel's residual, with the acceleration's noise taken through the inverse of
-    the delays of the model, as the force is."""
-    noise = balance.noise[balance.force_channel]
-    if balance.full_filter is None or not any(delays_motion(balance, effect) for effect in effects):
+    the delays of the model, as the force is. A balance scored in the position delays the pull instead."""
+    noise, of_force = balance.noise[balance.force_channel], balance.force_channel != "position"
+    if balance.full_filter is None or not of_force or not any(delays_motion(balance, effect) for effect in effects):
         return noise
     kernel = balance.full_filter.kernel(2)
     kernel = np.pad(kernel, kernel.size)

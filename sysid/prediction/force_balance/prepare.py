@@ -1,4 +1,4 @@
-"""Force-balance records from records of the rig kinds `velocity-drive`, `spring-pull` and `force-drive`."""
+"""Force-balance records from records of driven masses: the rig kinds `spring-pull` and `force-drive`."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ from sim.library.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
-from sysid.noise.quantisation import find_quantisation_step
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
     PREFILTER_SHARE,
+    REST_SIGMAS,
     ForceBalanceRecord,
     filter_width,
+    integral,
     make_axis,
     optional_channel,
 )
@@ -28,13 +29,6 @@ from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import dilated, filled, longer_than
 from sysid.signals.resampling import uniform
-
-REST_SIGMAS = 5.0
-"""A velocity within this many standard deviations of its noise is zero."""
-
-SIGN_SIGMAS = 6.0
-SIGN_STEPS = 2.5
-"""Standard deviations of its noise, and quantisation steps, from which a given velocity has a certain sign."""
 
 
 class _Signal(NamedTuple):
@@ -54,64 +48,6 @@ class _Motion(NamedTuple):
     missing: np.ndarray
     load: np.ndarray | None
     temperature: np.ndarray | None
-
-
-def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
-    """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered."""
-    time, step, channels, hole = uniform(record)
-    n = time.size
-    force, gap = filled(channels["friction_force"])
-    position, velocity = channels.get("position"), channels.get("velocity")
-    position_std = 0.0
-    missing = np.zeros(n, dtype=bool)
-    if position is not None:
-        position, missing = filled(position)
-    if velocity is not None:
-        velocity, gap_velocity = filled(velocity)
-        missing = missing | gap_velocity
-        position = _integral(velocity, step) if position is None else position
-        acceleration = np.gradient(velocity, step)
-        rest = 1e-9 * float(np.max(np.abs(velocity)))
-    else:
-        assert position is not None
-        position_std = noise["position"].value if "position" in noise else 0.0
-        prefilter = GaussianFilter(2.0 * step, step, n)
-        velocity, acceleration = prefilter(position, 1), prefilter(position, 2)
-        rest = REST_SIGMAS * position_std * prefilter.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
-    load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
-    valid = ~(gap | hole | missing)
-    valid[0] = False
-    return ForceBalanceRecord(
-        name=record.name,
-        role=record.role,
-        kind="velocity-drive",
-        step=step,
-        axis=make_axis(time, position, velocity, acceleration, load, temperature, rest),
-        measured={"friction_force": force},
-        valid={"friction_force": valid},
-        noise={"friction_force": noise["friction_force"].value},
-        acceleration=None,
-        stick_fraction=None,
-        complementary_filter=GaussianFilter(0.0, step, n),
-        force_channel="friction_force",
-        velocity_sign=_certain_sign(velocity) if "velocity" in channels else None,
-        timing_uncertainty=0.5 * step,
-        stretch=max(1e-8 * float(np.ptp(position)), 12.0 * position_std),
-    )
-
-
-def _integral(velocity: np.ndarray, step: float) -> np.ndarray:
-    """Position (n,) from a velocity, by the trapezoidal rule."""
-    return np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * step)])
-
-
-def _certain_sign(velocity: np.ndarray) -> np.ndarray:
-    """Sign of a given velocity (n,), zero where its own noise or rounding could have made the sign."""
-    change = np.abs(np.diff(velocity, 2))
-    noise = float(np.median(change)) / 0.6745 / np.sqrt(6.0)
-    quantisation_step = find_quantisation_step([velocity]) or 0.0
-    sure = max(SIGN_SIGMAS * noise, SIGN_STEPS * quantisation_step, 1e-9 * float(np.max(np.abs(velocity))))
-    return np.where(np.abs(velocity) > sure, np.sign(velocity), 0.0)
 
 
 def driven_mass(
@@ -266,7 +202,7 @@ def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], st
         return _Signal(*filled(channels["position"]), noise["position"].value, noise["position"].correlation)
     if "velocity" in channels:
         velocity, gap = filled(channels["velocity"])
-        return _Signal(_integral(velocity, step), gap, noise["velocity"].value * step, 0.0)
+        return _Signal(integral(velocity, step), gap, noise["velocity"].value * step, 0.0)
     return None
 
 

@@ -24,6 +24,9 @@ PREFILTER_SHARE = 0.4
 EDGE_WIDTHS = 4.0
 """Samples this many filter widths from the ends or from a gap are not scored: they depend on the extrapolation."""
 
+REST_SIGMAS = 5.0
+"""A velocity within this many standard deviations of its noise is zero."""
+
 
 @dataclass(eq=False)
 class ForceBalanceRecord:
@@ -168,6 +171,11 @@ def filter_width(
             return width
         width *= 1.15
     return longest
+
+
+def integral(velocity: np.ndarray, step: float) -> np.ndarray:
+    """Position (n,) from a velocity, by the trapezoidal rule."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * step)])
 
 
 def optional_channel(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | None:
