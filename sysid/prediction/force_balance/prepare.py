@@ -95,9 +95,8 @@ def driven_mass(
     valid = _valid_rows(missing, width / step, reach)
     full = GaussianFilter(width, step, n)
     acceleration_noise = position.std * full.noise_gain(2, position.correlation)
-    measured, noises, inputs = _filtered_channels(channel, channels, (position, force), full, pull_stiffness)
-    inertia = mass * acceleration_noise / (pull_stiffness if channel == "position" and pull_stiffness else 1.0)
-    noises[channel] = float(np.hypot(noises[channel], inertia))
+    inertia, signals = mass * acceleration_noise, (position, force)
+    measured, noises, inputs = _filtered_channels(channel, channels, signals, full, inertia, pull_stiffness)
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
     prefiltered_noise = position.std * prefilter.noise_gain(0, position.correlation)
     prepared = ForceBalanceRecord(
@@ -150,28 +149,31 @@ def _filtered_channels(
     channels: Mapping[str, np.ndarray],
     signals: tuple[_Signal, _Signal],
     full: GaussianFilter,
+    inertia: float,
     pull_stiffness: float | None,
 ) -> tuple[dict[str, np.ndarray], dict[str, float], dict[str, np.ndarray]]:
-    """Filtered scored channels, their noise without that of the acceleration, and filtered inputs of a spring-pull rig.
+    """Filtered scored channels, the noise of their residuals, and filtered inputs of a spring-pull rig.
 
     Args:
         channel: of the force balance.
         channels: as recorded.
         signals: position and force.
         full: the filter.
+        inertia: noise of mass times acceleration, N.
         pull_stiffness: of the pulling spring, N/m.
     """
     position, force = signals
-    measured, noises = {channel: full(force.values)}, {channel: force.std * full.noise_gain(0, force.correlation)}
+    own_force = force.std * full.noise_gain(0, force.correlation)
+    measured, noises = {channel: full(force.values)}, {channel: float(np.hypot(own_force, inertia))}
     if "pull_position" not in channels or pull_stiffness is None:
         return measured, noises, {}
     inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
     own = position.std * full.noise_gain(0, position.correlation)
     if channel == "position":
-        return {channel: full(position.values)}, {channel: own}, inputs
+        return {channel: full(position.values)}, {channel: float(np.hypot(own, inertia / pull_stiffness))}, inputs
     if "position" in channels:
         measured["position"] = full(position.values)
-        noises["position"] = float(np.hypot(own, noises[channel] / pull_stiffness))
+        noises["position"] = float(np.hypot(own, own_force / pull_stiffness))
     return measured, noises, inputs
 
 
