@@ -42,15 +42,21 @@ class Model:
             for name, value in values._asdict().items()
         }
 
+    def factor(self, axis: Axis) -> Any:
+        """Product of the effects' factors of the friction level; shape of the axis."""
+        factor = 1.0 + 0.0 * axis.velocity
+        for effect, p in zip(self.effects, self.values):
+            if effect.factor is not None:
+                factor = factor * effect.factor(axis, p)
+        return factor
+
     def level(self, axis: Axis) -> Any:
         """Friction level, N: the sum of the effects' levels times the product of their factors; shape of the axis."""
-        level, factor = 0.0 * axis.velocity, 1.0 + 0.0 * axis.velocity
+        level = 0.0 * axis.velocity
         for effect, p in zip(self.effects, self.values):
             if effect.level is not None:
                 level = level + effect.level(axis, p)
-            if effect.factor is not None:
-                factor = factor * effect.factor(axis, p)
-        return level * factor
+        return level * self.factor(axis)
 
     def other_force(self, axis: Axis) -> Any:
         """Sum of the forces other than those of the friction state model, N, positive against positive motion."""
@@ -74,16 +80,6 @@ class Model:
                 level = np.broadcast_to(np.asarray(self.level(axis), dtype=float), axis.velocity.shape)
                 force = force + effect.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p)
         return force
-
-    def steady_friction(self, velocity: Any) -> Any:
-        """Friction in steady sliding at `velocity` (m/s), N: level times direction, plus the other forces.
-
-        For laws that depend on the velocity alone; other quantities of the axis are taken as zero.
-        """
-        zero = 0.0 * velocity
-        axis = Axis(zero, zero, velocity, zero, zero, zero, zero, zero, zero, np.sign(velocity))
-        force = self.other_force(axis)
-        return force + (self.level(axis) * np.sign(velocity) if self.state_effect is not None else 0.0)
 
 
 def compose(

@@ -12,18 +12,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.effects.model import Model
+from sim.integration.driven_stage.inputs import (
+    FrictionLimit,
+    TipMotion,
+    VelocityTable,
+    velocity_independent,
+)
+from sim.integration.driven_stage.midpoint import NO_BRISTLES
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.prediction.effect_terms import TERMS, Values, axis_force, friction_level, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, rest_age
-from sysid.prediction.friction_drive.midpoint import NO_BRISTLES
-from sysid.prediction.friction_drive.simulation_inputs import (
-    FrictionLimit,
-    TipMotion,
-    depends_on_velocity_only,
-    velocity_independent,
-    velocity_table,
-)
 from sysid.signals.gaussian_filter import GaussianFilter
 
 CONTACT = "contact."
@@ -31,6 +31,10 @@ PREFILTER_STEPS = 4.0
 """Width in steps of the filter of the measured motion along which friction limits are evaluated."""
 LOAD_ONLY = ("coulomb", "presliding", "load_dependent_friction")
 """Contact effects that do not depend on the motion of the tip over the stage."""
+TABLE_SIZE = 400
+"""Speeds of a velocity table; they grow with the square of their index, so that they are dense near zero."""
+VELOCITY_COORDINATES = ("velocity", "direction")
+"""Coordinates of the laws that a velocity table takes."""
 
 
 class Friction(NamedTuple):
@@ -40,42 +44,60 @@ class Friction(NamedTuple):
     push: np.ndarray
 
 
-def pad_friction(record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, top: float) -> Friction:
-    """Friction of the pads, up to the speed `top`, m/s."""
-    tabulated = []
-    if all(effect.memory is None for effect in effects):
-        tabulated = [effect for effect in effects if depends_on_velocity_only(effect)]
+def pad_friction(
+    record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, top: float | None = None
+) -> Friction:
+    """Friction of the pads, with a velocity table up to the speed `top`, m/s; none: along the measured motion."""
+    tabulates = top is not None and all(effect.memory is None for effect in effects)
+    tabulated = [effect for effect in effects if tabulates and depends_on_velocity_only(effect)]
     rest = [effect for effect in effects if effect not in tabulated]
     limit = np.zeros(record.size)
     if friction_state_of(rest) is not None:
         limit = limit + friction_level(record, rest, values)
-    factor = _product_of_factors(rest, values, record.axis) if tabulated else np.ones(record.size)
-    table = velocity_table(tabulated, values, record.axis, top)
-    return Friction(FrictionLimit(limit, factor, table), -axis_force(record, rest, values))
+    push = -axis_force(record, rest, values)
+    return Friction(_with_table(limit, _model(rest, values), _model(tabulated, values), record.axis, top), push)
 
 
 def contact_friction(
-    record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, tip: TipMotion, top: float
+    record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, tip: TipMotion, top: float | None = None
 ) -> Friction:
-    """Friction between tip and stage, up to the speed `top`, m/s."""
-    tabulated = []
-    if friction_state_of(effects) is not None:
-        tabulated = [effect for effect in effects if depends_on_velocity_only(effect)]
+    """Friction between tip and stage while they touch, infinite where it never slips; `top` as in `pad_friction`."""
+    if friction_state_of(effects) is None:
+        return Friction(velocity_independent(np.full(record.size, np.inf)), np.zeros(record.size))
+    tabulated = [effect for effect in effects if top is not None and depends_on_velocity_only(effect)]
     rest = [effect for effect in effects if effect not in tabulated]
-    limit, push = contact_limit(record, rest, values, tip)
-    if not tabulated:
-        return Friction(velocity_independent(limit), push)
-    axis = record.axis._replace(load=_contact_load(record, tip.load))
-    factor = _product_of_factors(rest, values, axis)
-    return Friction(FrictionLimit(limit, factor, velocity_table(tabulated, values, axis, top)), push)
+    load = float(np.mean(record.axis.load)) * np.maximum(tip.load, 0.0)
+    moving = any(effect.name.removeprefix(CONTACT) not in LOAD_ONLY for effect in rest)
+    axis = _contact_axis(record, tip.along, load) if moving else record.axis._replace(load=load)
+    model = _model(rest, values)
+    limit = np.maximum(model.level(axis), 0.0)
+    push = np.where(tip.load > 0.0, model.other_force(axis), 0.0)
+    return Friction(_with_table(limit, model, _model(tabulated, values), axis, top), push)
 
 
-def _product_of_factors(effects: Sequence[Effect], values: Values, axis: Axis) -> np.ndarray:
-    factor = np.ones(axis.time.size)
-    for effect in effects:
-        if effect.factor is not None:
-            factor = factor * effect.factor(axis, values_of(effect, values))
-    return factor
+def _model(effects: Sequence[Effect], values: Values) -> Model:
+    return Model(tuple(effects), tuple(values_of(effect, values) for effect in effects))
+
+
+def depends_on_velocity_only(effect: Effect) -> bool:
+    """Whether a friction law depends on the velocity or its sign, and on nothing else that changes."""
+    has_law = effect.level is not None or effect.factor is not None or effect.force is not None
+    read = set(effect.coordinates)
+    stateless = effect.friction_state is None and effect.memory is None
+    return has_law and stateless and bool(read) and read <= set(VELOCITY_COORDINATES)
+
+
+def _with_table(limit: np.ndarray, rest: Model, tabulated: Model, axis: Axis, top: float | None) -> FrictionLimit:
+    """A friction limit (n,), N, with the velocity table of the laws `tabulated` up to the speed `top`, m/s."""
+    if not tabulated.effects or top is None:
+        return velocity_independent(limit)
+    speed, zero = top * np.linspace(0.0, 1.0, TABLE_SIZE) ** 2, np.zeros(TABLE_SIZE)
+    both_ways = [
+        Axis(*[zero] * len(Axis._fields))._replace(velocity=side * speed, direction=zero + side) for side in (1.0, -1.0)
+    ]
+    laws = tabulated.factor, tabulated.level, tabulated.other_force
+    rows = np.array([law(at) for law in laws for at in both_ways])
+    return FrictionLimit(limit, rest.factor(axis), VelocityTable(rows, top))
 
 
 def friction_state_of(effects: Sequence[Effect]) -> Effect | None:
@@ -96,35 +118,6 @@ def bristles_of(effect: Effect | None, values: Values) -> tuple[np.ndarray, np.n
     raise InputError(
         f"model.effects: '{effect.name}' cannot be used on a friction-drive; allowed: 'coulomb' and 'presliding'"
     )
-
-
-def contact_limit(
-    record: ForceBalanceRecord, effects: Sequence[Effect], values: Values, tip: TipMotion
-) -> tuple[np.ndarray, np.ndarray]:
-    """Friction limit of the contact while it touches (n,), N, infinite where it never slips, and its other forces on
-    the stage (n,), N."""
-    push = np.zeros(record.size)
-    if friction_state_of(effects) is None:
-        return np.full(record.size, np.inf), push
-    load = _contact_load(record, tip.load)
-    moving = any(e.name.removeprefix(CONTACT) not in LOAD_ONLY for e in effects)
-    axis = _contact_axis(record, tip.along, load) if moving else record.axis._replace(load=load)
-    total: Any = 0.0
-    factor: Any = 1.0
-    for effect in effects:
-        p = values_of(effect, values)
-        if effect.level is not None:
-            total = total + effect.level(axis, p)
-        if effect.factor is not None:
-            factor = factor * effect.factor(axis, p)
-        if effect.force is not None:
-            push = push + np.where(tip.load > 0.0, effect.force(axis, p), 0.0)
-    return np.maximum(total * factor, 0.0), push
-
-
-def _contact_load(record: ForceBalanceRecord, load: np.ndarray) -> np.ndarray:
-    """Load of the contact in units of the pads' recorded load, (n,)."""
-    return float(np.mean(record.axis.load)) * np.maximum(load, 0.0)
 
 
 def _contact_axis(record: ForceBalanceRecord, along: np.ndarray, load: np.ndarray) -> Axis:

@@ -26,28 +26,27 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from sim.integration.driven_stage.event_driven import simulate_event_driven
+from sim.integration.driven_stage.inputs import DrivenStage, Nudging, TipMotion
+from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
+from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.prediction.actuator_tip import piezo_stretch
-from sysid.prediction.effect_terms import Values, axis_force, friction_level, values_of
+from sysid.prediction.effect_terms import Values, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, optional_channel
-from sysid.prediction.friction_drive.event_driven import simulate_event_driven
 from sysid.prediction.friction_drive.friction import (
     CONTACT,
     PREFILTER_STEPS,
     bristles_of,
     contact_friction,
-    contact_limit,
     depends_on_time_at_rest,
     friction_state_of,
     pad_friction,
     simulated_axis,
 )
-from sysid.prediction.friction_drive.midpoint import Bristles, simulate_midpoint
-from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
-from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, Nudging, TipMotion
 from sysid.prediction.sensors import sensed
 from sysid.signals.gaussian_filter import GaussianFilter
 from sysid.signals.masks import filled
@@ -190,12 +189,12 @@ def _planar_motion(
             raise InputError(
                 f"model.effects: '{effect.name}' cannot be used where position_y is recorded; allowed: 'coulomb'"
             )
-    pad_limit = _pad_limit(record, pads, values)
-    limit, push = contact_limit(record, contact, values, TipMotion(along, load))
-    push = push - axis_force(record, pads, values)
+    between = contact_friction(record, contact, values, TipMotion(along, load))
+    below = pad_friction(record, pads, values)
+    push = between.push + below.push
     guide = Guide(values["rig.guide_stiffness"], values.get("viscous.coefficient", 0.0))
     tip = PlanarTipMotion(along, across, load)
-    x, y = simulate_planar(tip, push, limit, pad_limit, _stage(record, values), guide)
+    x, y = simulate_planar(tip, push, between.limit.at_rest, below.limit.at_rest, _stage(record, values), guide)
     cosine, sine = np.cos(values["rig.turn"]), np.sin(values["rig.turn"])
     return {"position": cosine * x - sine * y, TRANSVERSE: sine * x + cosine * y}
 
@@ -212,23 +211,17 @@ def _stage(record: FrictionDriveRecord, values: Values) -> DrivenStage:
     return DrivenStage(values["rig.contact_stiffness"], values["rig.contact_damping"], values["rig.mass"], record.step)
 
 
-def _pad_limit(record: FrictionDriveRecord, pads: Sequence[Effect], values: Values) -> np.ndarray:
-    """Friction limit of the pads (n,), N."""
-    limit = np.zeros(record.size)
-    return limit + friction_level(record, pads, values) if friction_state_of(pads) is not None else limit
-
-
 def _motion(record: FrictionDriveRecord, effects: Sequence[Effect], values: Values, tip: TipMotion) -> np.ndarray:
     """Position of the stage (n,), m, from rest at the first row."""
     pads, contact = _by_contact(effects)
     states = friction_state_of(pads), friction_state_of(contact)
     stage = _stage(record, values)
     if any(state is not None and state.friction_state.name != "coulomb" for state in states):
-        limit, push = contact_limit(record, contact, values, tip)
-        push = push - axis_force(record, pads, values)
-        pad_bristles = Bristles(_pad_limit(record, pads, values), *bristles_of(states[0], values))
-        bristles = Bristles(np.where(tip.load > 0.0, limit, 0.0), *bristles_of(states[1], values))
-        return simulate_midpoint(tip.along, push, bristles, pad_bristles, stage)
+        between, below = contact_friction(record, contact, values, tip), pad_friction(record, pads, values)
+        pad_bristles = Bristles(below.limit.at_rest, *bristles_of(states[0], values))
+        limit = np.where(tip.load > 0.0, between.limit.at_rest, 0.0)
+        bristles = Bristles(limit, *bristles_of(states[1], values))
+        return simulate_midpoint(tip.along, between.push + below.push, bristles, pad_bristles, stage)
     fastest = float(np.max(np.abs(np.diff(tip.along)))) / record.step + float(np.max(np.abs(record.axis.velocity)))
     top = TABLE_RANGE * fastest
     between = contact_friction(record, contact, values, tip, top)

@@ -7,9 +7,9 @@ import pytest
 from driven_stage.truth import HEIGHT, SPACING, Truth, motion
 from driven_stage.voltages import MOTIONS
 
-from sysid.prediction.friction_drive.event_driven import simulate_event_driven
-from sysid.prediction.friction_drive.midpoint import Bristles, simulate_midpoint
-from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.driven_stage.event_driven import simulate_event_driven
+from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
 
 NONE = np.empty(0)
 STEP = 5e-4

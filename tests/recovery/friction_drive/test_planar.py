@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sim.integration.driven_stage.event_driven import simulate_event_driven
+from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
 from sysid.estimation.misfit import misfit
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.prediction.friction_drive.event_driven import simulate_event_driven
-from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
-from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, TipMotion, velocity_independent
 from sysid.prediction.problem import load_problem
 
 STIFFNESS, DAMPING, MASS, PADS = 8e6, 400.0, 3.0, 1.5

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.prediction.friction_drive.event_driven import simulate_event_driven
-from sysid.prediction.friction_drive.planar import Guide, PlanarTipMotion, simulate_planar
-from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.driven_stage.event_driven import simulate_event_driven
+from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
+from sim.integration.driven_stage.planar import Guide, PlanarTipMotion, simulate_planar
 
 STIFFNESS, DAMPING, MASS = 6e6, 300.0, 2.0
 

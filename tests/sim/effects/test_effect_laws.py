@@ -216,7 +216,6 @@ def test_steady_sliding_reaches_the_curve_of_levels(name, speed):
     gaussian = 1.0 + 0.5 * math.exp(-((speed / 1e-3) ** 2))
     expected = math.copysign(gaussian, speed) + 0.4 * speed
     assert run.friction[-1] == pytest.approx(expected, rel=1e-7)
-    assert model.steady_friction(np.array([speed]))[0] == pytest.approx(expected, rel=1e-12)
 
 
 def sine(n: int = 4000):

@@ -15,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.integration.driven_stage.inputs import DrivenStage, resolved_stage
 from sim.numerics.compilation import compiled, inlined
-from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, resolved_stage
 
 LONGEST_STEP = 5e-5
 """s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""

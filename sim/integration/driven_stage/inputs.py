@@ -8,19 +8,9 @@ at the simulated velocity: a measured one would smooth what happens within a few
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-
-from sim.library.effect import Axis, Effect
-from sysid.prediction.effect_terms import Values, values_of
-
-TABLE_SIZE = 400
-"""Speeds of a velocity table; they grow with the square of their index, so that they are dense near zero."""
-
-VELOCITY_COORDINATES = ("velocity", "direction")
-"""Coordinates of the laws that a velocity table takes."""
 
 MOST_PHASE = 30.0
 """rad of the oscillation on the contact in a row, at the most: faster ones have decayed by the next row."""
@@ -30,7 +20,8 @@ class VelocityTable(NamedTuple):
     """Velocity-dependent laws of one contact.
 
     Args:
-        values: factor, extra limit (N) and other force (N), each forward and backward, (6, k); (6, 0) for none.
+        values: factor, extra limit (N) and other force (N), each forward and backward, at speeds that grow with the
+            square of their index, (6, k); (6, 0) for none.
         top: speed of the last value, m/s; beyond it that value holds.
     """
 
@@ -101,41 +92,3 @@ def resolved_stage(stage: DrivenStage, guide: float = 0.0) -> DrivenStage:
     frequency = np.sqrt((stage.stiffness + guide) / stage.mass)
     heavier = max(frequency * stage.step / MOST_PHASE, 1.0) ** 2
     return stage._replace(mass=heavier * stage.mass, damping=np.sqrt(heavier) * stage.damping)
-
-
-def depends_on_velocity_only(effect: Effect) -> bool:
-    """Whether a friction law depends on the velocity or its sign, and on nothing else that changes."""
-    has_law = effect.level is not None or effect.factor is not None or effect.force is not None
-    read = set(effect.coordinates)
-    stateless = effect.friction_state is None and effect.memory is None
-    return has_law and stateless and bool(read) and read <= set(VELOCITY_COORDINATES)
-
-
-def velocity_table(effects: Sequence[Effect], values: Values, axis: Axis, top: float) -> VelocityTable:
-    """The table of effects that depend on the velocity only, up to the speed `top`, m/s.
-
-    Args:
-        effects: of one contact.
-        values: of their parameters.
-        axis: of the record; its means replace the other quantities of a law.
-        top: m/s.
-    """
-    if not effects:
-        return NO_TABLE
-    speed = top * np.linspace(0.0, 1.0, TABLE_SIZE) ** 2
-    out = np.zeros((6, TABLE_SIZE))
-    for row, side in enumerate((1.0, -1.0)):
-        at: Any = Axis(*[np.full(TABLE_SIZE, float(np.mean(quantity))) for quantity in axis])
-        at = at._replace(velocity=side * speed, direction=np.full(TABLE_SIZE, side))
-        factor: Any = 1.0
-        for effect in effects:
-            p = values_of(effect, values)
-            if effect.factor is not None:
-                factor = factor * effect.factor(at, p)
-            if effect.level is not None:
-                out[2 + row] += effect.level(at, p)
-            if effect.force is not None:
-                out[4 + row] += effect.force(at, p)
-        out[row] = factor
-        out[2 + row] *= factor
-    return VelocityTable(out, top)

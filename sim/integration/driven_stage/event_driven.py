@@ -13,8 +13,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.numerics.compilation import compiled, inlined
-from sysid.prediction.friction_drive.regimes import (
+from sim.integration.driven_stage.inputs import (
+    DrivenStage,
+    FrictionLimit,
+    Nudging,
+    TipMotion,
+    resolved_stage,
+)
+from sim.integration.driven_stage.regimes import (
     Constants,
     Inputs,
     State,
@@ -26,13 +32,7 @@ from sysid.prediction.friction_drive.regimes import (
     pad_limit_at,
     velocity_force,
 )
-from sysid.prediction.friction_drive.simulation_inputs import (
-    DrivenStage,
-    FrictionLimit,
-    Nudging,
-    TipMotion,
-    resolved_stage,
-)
+from sim.numerics.compilation import compiled, inlined
 
 LONGEST_PHASE = 0.6
 """rad of the oscillation on the contact between two event checks."""

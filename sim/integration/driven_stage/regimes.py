@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.integration.driven_stage.inputs import VelocityTable
 from sim.numerics.compilation import compiled, inlined
-from sysid.prediction.friction_drive.simulation_inputs import VelocityTable
 
 
 class Transition(NamedTuple):

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sim.integration.driven_stage.inputs import DrivenStage, resolved_stage
 from sim.numerics.compilation import compiled, inlined
-from sysid.prediction.friction_drive.simulation_inputs import DrivenStage, resolved_stage
 
 LONGEST_PHASE = 0.06
 """rad of the oscillation on the contact in one step: its phase is then off by some 1e-4 of itself."""
