@@ -103,11 +103,13 @@ def test_deviation_of_a_sample_grows_where_the_prediction_is_steep(problem: Prob
     record = problem.fit_records[0]
     assert isinstance(record, ForceBalanceRecord)
     predicted = predict(record, problem.start.effects, right(problem))
-    deviation = sample_std(record, predicted, "friction_force")
+    deviation = sample_std(record, predicted, "friction_force", record.noise["friction_force"])
     turns = np.abs(np.diff(predicted["friction_force"], prepend=predicted["friction_force"][0])) > 1.0
     assert deviation[turns].min() > 20.0 * NOISE
     assert np.median(deviation) == pytest.approx(NOISE, rel=0.1)
-    assert sample_std(replace(record, timing_uncertainty=0.0), predicted, "friction_force") == pytest.approx(NOISE)
+    assert sample_std(replace(record, timing_uncertainty=0.0), predicted, "friction_force", NOISE) == pytest.approx(
+        NOISE
+    )
 
 
 def test_weighted_residuals_are_in_deviations_at_the_given_values(problem: Problem) -> None:
