@@ -68,7 +68,8 @@ class Scan:
     "rest" its longest rest.
     `reciprocal` spacing is even in 1/value: a pitch is found by its number of waves along the travel.
     A bounded range excludes values that cannot be distinguished: a cogging pitch longer than the travel is a slope.
-    It extends at least to `reach`, SI, whatever the scale.
+    It extends at least to `reach`, SI, whatever the scale. The pitch of a periodic effect is searched down to `shortest`
+    by a periodogram.
     """
 
     of: Literal[
@@ -79,6 +80,7 @@ class Scan:
     points: int = 9
     spacing: Literal["geometric", "linear", "reciprocal"] = "geometric"
     reach: float = 0.0
+    shortest: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from sim.library.effect import Effect
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.misfit import weighted_residual
+from sysid.estimation.periodogram import LONG, periodic_parameter, pitches
 from sysid.prediction.model import PreparedRecord, Scales, shape_grid, size_of, with_effect
 
 KEPT_SCORES = 6
@@ -105,7 +106,7 @@ def candidate_directions(
         rows: of the residual that are kept.
     """
     points = []
-    for shape in shape_grid(effect, scales):
+    for shape in _search_points(base, effect, records, scales):
         trial = with_effect(base.model, effect, scales, shape)
         directions = _directions(effect, scales)
         columns = []
@@ -116,6 +117,18 @@ def candidate_directions(
         if np.isfinite(matrix).all():
             points.append(GridPoint(shape, directions, matrix))
     return points
+
+
+def _search_points(
+    base: FittedModel, effect: Effect, records: Sequence[PreparedRecord], scales: Scales
+) -> list[dict[str, float]]:
+    """The shape grid of an effect; of a periodic one its long pitches, and those of the residual's periodogram."""
+    grid, pitch = shape_grid(effect, scales), periodic_parameter(effect)
+    found = pitches(base, effect, records, scales, profiled_residual(base)[1]) if pitch is not None else []
+    if pitch is None or not found:
+        return grid
+    key = f"{effect.name}.{pitch.name}"
+    return [p for p in grid if p[key] >= LONG * scales.position] + [{**grid[0], key: value} for value in found]
 
 
 def _directions(effect: Effect, scales: Scales) -> list[dict[str, float]]:

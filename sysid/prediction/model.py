@@ -179,7 +179,7 @@ def bounds_of(parameter: Parameter, scales: Scales) -> tuple[float, float]:
         low, high = max(low, -scales.position), min(high, scales.position)
     if parameter.scan is not None:
         first, last = _scan_range(parameter, scales)
-        low = max(low, 0.3 * first)
+        low = max(low, 0.3 * (parameter.scan.shortest * _scan_scale(parameter, scales) or first))
         high = min(high, (1.0 if parameter.scan.spacing == "reciprocal" else 1.5) * last)
         if low > high:
             low, high = parameter.low, parameter.high

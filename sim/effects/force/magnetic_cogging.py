@@ -49,7 +49,7 @@ _SINE = Effect(
             "distance over which the force repeats",
             "assumed: the design's tooth pitch",
             "shape",
-            Scan("position", 0.02, 0.5, 110, "reciprocal"),
+            Scan("position", 0.02, 0.5, 110, "reciprocal", shortest=0.002),
         ),
         Parameter("phase", "rad", 0.0, -math.pi, math.pi, "phase at x = 0", "assumed: aligned at the origin", "phase"),
     ),

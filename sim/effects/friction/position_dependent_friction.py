@@ -83,7 +83,7 @@ _SINE = Effect(
             "length of one wave",
             "a pitch far longer than the travel acts as a gradient",
             role="shape",
-            scan=Scan("position", 0.02, 1.6, 112, "reciprocal"),
+            scan=Scan("position", 0.02, 1.6, 112, "reciprocal", shortest=0.002),
         ),
         Parameter("phase", "rad", 0.0, -50.0, 50.0, "angle at x = 0", "full circle", role="phase"),
     ),
