@@ -112,7 +112,8 @@ def said(document: dict[str, Any]) -> tuple[str, list[str]]:
 
 def first_right(document: dict[str, Any], entry: dict[str, Any]) -> bool:
     """Whether the first diagnosis is right: see Outcome."""
-    accept = set(entry["accept"])
+    # A key may state the unlisted effect itself.
+    accept = {"unexplained"} if kind_of(entry) == "unexplained" else set(entry["accept"])
     verdict, names = said(document)
     if names:
         return bool(accept & set(names)) and (names[0] in accept or len(names) <= LARGEST_TIE)

@@ -12,7 +12,7 @@ from typing import Any
 
 from sim.effects.catalogue import find
 from stagecad.parameters.errors import InputError, nearest
-from sysid.diagnosis.pairs import add_after_deletion
+from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
 from sysid.estimation.covariance import intervals
 from sysid.estimation.driven_stage_search import lowest_minimum
@@ -195,10 +195,10 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
     extended = lowest_minimum(best.fitted, problem.fit_records)
     weights = residual_weights(fitted.model, problem.validate_records)
     base = ReferenceFit(fitted, weights, weighted_residual(fitted.model, problem.validate_records, weights))
-    for other in add_after_deletion(problem, base, [best.effect]):
+    for other in ModelSearch(problem, base).reshaped(best.effect):
         # Without this effect, an effect of the model may have been fitted to a wrong local minimum.
-        if fits_clearly_better(other, extended):
-            extended = other
+        if fits_clearly_better(other.fitted, extended):
+            extended = other.fitted
     return problem, fit_model(extended.model, problem.fit_records, iterations=40)
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from sim.library.effect import rotary_unit
 from stagecad.parameters.units import as_json
 from sysid.diagnose import Diagnosis
+from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.diagnosis.trials import CandidateFit
 from sysid.estimation.covariance import Intervals, intervals
 from sysid.estimation.fit import FittedModel, root_mean_huber
 from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key, substitution_angle
@@ -164,11 +164,11 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["validate_error"] = as_json(after.rms, channel_unit(problem, channel))
             row["reduction"] = 1.0 - after.rms / before if before > 0 else None
             row["over_noise"] = after.over_noise
-        row["p_value"] = p_value_json(trial.p_value)
-        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.refit.predicted_reduction)))
+        row["p_value"] = p_value_json(trial.gain.p_value)
+        row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.predicted_reduction)))
         row["loss_reduction"] = 1.0 - trial.error / max(root_mean_huber(diagnosis.base.residual), 1e-300)
-        if trial.refit.blocked_reduction >= WORTH_SAYING:
-            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.refit.blocked_reduction, 1.0)))
+        if trial.blocked_reduction >= WORTH_SAYING:
+            row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.blocked_reduction, 1.0)))
         if trial.name != trial.public_name:
             row["law"] = trial.name
         if after is not None:
@@ -180,7 +180,7 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
     return rows
 
 
-def angle_to_best(diagnosis: Diagnosis, trial: CandidateFit) -> float | None:
+def angle_to_best(diagnosis: Diagnosis, trial: Candidate) -> float | None:
     """Angle, rad, between the change of the residual by the named effect and the changes possible with this one."""
     best, base = diagnosis.best, diagnosis.base.fitted
     if best is None or trial is best:
@@ -190,6 +190,15 @@ def angle_to_best(diagnosis: Diagnosis, trial: CandidateFit) -> float | None:
         # Quantisation is fitted with other weights, so the residuals are not comparable.
         return None
     return substitution_angle(one, other, base)
+
+
+def rivals_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Shares of the excess that the best free curve and the best named effect remove; null without an excess."""
+    curve, named = diagnosis.decision.free_curve, diagnosis.decision.best_named
+    return {
+        "free_curve": None if curve is None else {"coordinate": curve.coordinate, "share": curve.share},
+        "best_named": None if named is None else {"effect": named[0], "share": named[1]},
+    }
 
 
 def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -217,9 +226,10 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "detectable": detectable_json(problem, minimum_detectable_effects(diagnosis)),
         "where": where_json(diagnosis.maps),
         "unexplained_share": diagnosis.unexplained_share,
+        **rivals_json(diagnosis),
         "swaps": [
             {"instead_of": s.old, "effect": s.new, "over_noise": {"before": s.before, "after": s.after}}
-            for s in diagnosis.swaps
+            for s in diagnosis.replacements
         ],
         "laws": list(diagnosis.base.laws),
         "notes": list(problem.notes),

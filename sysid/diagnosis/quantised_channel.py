@@ -5,24 +5,29 @@ from __future__ import annotations
 import numpy as np
 
 from sim.effects.catalogue import find
-from sysid.diagnosis.trials import CandidateFit
-from sysid.estimation.fit import root_mean_huber
+from sysid.diagnosis.candidate import Candidate, Reference
+from sysid.diagnosis.constants import NOISE_FACTOR
+from sysid.diagnosis.decision import Decision
+from sysid.diagnosis.held_out import Gain
 from sysid.estimation.misfit import misfit, worst_over_noise
-from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
-from sysid.estimation.screening import RefittedEffect
-from sysid.prediction.problem import Problem, build_problem
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.prediction.problem import build_problem
 
 BELOW_THE_NOISE = 0.2
 """Misfit over noise below which the values cannot contain the stated noise: they were rounded."""
 
+LEAST_REDUCTION = 0.9
+"""Largest ratio of the error over noise with quantisation to that without."""
 
-def coarse_steps(problem: Problem, base: ReferenceFit, adequate: float) -> CandidateFit | None:
-    """Quantisation as a candidate, where the least significant bit of a channel exceeds the noise that the user gave.
 
-    None if no channel is quantised so coarsely, if the misfit of the base model is `adequate`, or if quantisation does
-    not reduce it sufficiently. A channel of very few levels may be fitted exactly: a misfit far below the stated noise
-    also indicates quantisation.
+def quantised_channel(reference: Reference) -> Decision | None:
+    """The decision that a channel is quantised, where its least significant bit exceeds the noise that the user gave.
+
+    None if no channel is quantised so coarsely, if nothing exceeds the noise, or if quantisation does not reduce the
+    error sufficiently. A channel of very few levels may be fitted exactly: a misfit far below the stated noise also
+    indicates quantisation.
     """
+    problem, base = reference.problem, reference.base
     if any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
         return None
     stds = {
@@ -35,23 +40,24 @@ def coarse_steps(problem: Problem, base: ReferenceFit, adequate: float) -> Candi
         return None
     every = len(problem.noise) == len(coarse)
     added = ["sensor_quantisation"] if every else [f"sensor_quantisation@{c}" for c in coarse]
-    other = build_problem(problem.experiment, problem.records, [*problem.experiment.effects, *added])
-    refit = fit_stated_model(other)
-    model = refit.fitted.model
-    after_fit, after_validate = misfit(model, other.fit_records), misfit(model, other.validate_records)
     model = base.fitted.model
     before = worst_over_noise(misfit(model, problem.fit_records), misfit(model, problem.validate_records))
-    reduced = worst_over_noise(after_fit, after_validate) <= 0.9 * before
-    if before >= BELOW_THE_NOISE and (before <= adequate or not reduced):
-        return None
-    return CandidateFit(
-        refit=RefittedEffect(find("sensor_quantisation"), 1.0, refit.fitted),
-        error=root_mean_huber(refit.residual),
-        gain=0.0,
-        significance=99.0,
+    other = build_problem(problem.experiment, problem.records, [*problem.experiment.effects, *added])
+    refit = fit_stated_model(other)
+    with_steps = Reference.of(other, refit)
+    candidate = Candidate(
+        problem=other,
+        added=(find("sensor_quantisation"),),
+        fitted=refit.fitted,
+        held_out=with_steps.held_out,
+        gain=Gain(0.0, np.inf, np.inf, 0.0),
         fit_gain=0.0,
-        residual=refit.residual,
-        after_fit=after_fit,
-        after_validate=after_validate,
         law=added[-1],
     )
+    reduced = worst_over_noise(candidate.after_fit, candidate.after_validate) <= LEAST_REDUCTION * before
+    if before >= BELOW_THE_NOISE and (before <= NOISE_FACTOR or not reduced):
+        return None
+    left = worst_over_noise(candidate.after_fit, candidate.after_validate) ** 2 - 1.0
+    share = min(1.0, max(0.0, left) / max(before**2 - 1.0, 1e-9))
+    words = "the measured values lie on a grid coarser than the noise"
+    return Decision("missing-effect", candidate, (), share, words, detected_by=words)

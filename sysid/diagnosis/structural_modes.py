@@ -25,6 +25,8 @@ import numpy as np
 
 from sim.effects.catalogue import find
 from sim.library.effect import Effect
+from sysid.diagnosis.candidate import Candidate, Reference
+from sysid.diagnosis.decision import Decision
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale
 from sysid.estimation.variant_selection import fits_clearly_better
@@ -178,6 +180,41 @@ def with_structural_mode(problem: Problem, fitted: FittedModel, found: Structura
     return effect, fit_model(model, problem.fit_records, fitted.weights)
 
 
+def structural_mode_candidate(
+    reference: Reference, ranked: Sequence[Candidate], otherwise: Decision
+) -> Decision | None:
+    """A structural mode above the filter band of the force balance as the missing effect; None without one.
+
+    Args:
+        reference: the model without the mode.
+        ranked: candidates evaluated on it.
+        otherwise: the decision from the force balance alone, which names no effect.
+    """
+    problem, base = reference.problem, reference.base
+    mode = detect_structural_mode(problem, base.fitted)
+    if mode is None:
+        return None
+    effect, fitted = with_structural_mode(problem, base.fitted, mode)
+    candidate = next((c for c in ranked if c.name == effect.name), None)
+    if candidate is None or not prefers_balance_fit(candidate.fitted, fitted):
+        candidate = reference.evaluate(fitted, (effect,))
+    if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(reference.held_out.loss):
+        return None
+    left = min(1.0, max(candidate.held_out.loss - 1.0, 0.0) / max(reference.held_out.loss - 1.0, 1e-9))
+    left = left if otherwise.verdict == "unexplained" else 0.0
+    return replace(
+        otherwise,
+        verdict="missing-effect",
+        best=candidate,
+        unexplained_share=left,
+        reason="explains the oscillation above the filter band",
+        detected_by=mode.words,
+    )
+
+
+LARGEST_INCREASE = 1.1
+"""Largest ratio of the error of the force balance with a mode to that without: it need not contain the mode."""
+
 SAME_MODE = 0.1
 """Relative difference in frequency up to which two fits are of the same mode."""
 
@@ -243,7 +280,7 @@ def _away_from_events(balance: ForceBalanceRecord, width: float) -> np.ndarray:
     out = np.ones(balance.size, dtype=bool)
     assert balance.slip_phases is not None and balance.reversals is not None and balance.stick_fraction is not None
     reach = int(np.ceil(EVENT_WIDTHS * width))
-    for time in (*balance.slip_phases.end, *balance.slip_phases.break_away, *balance.reversals):
+    for time in (*balance.slip_phases.end, *balance.slip_phases.break_away, *np.abs(balance.reversals)):
         if np.isfinite(time):
             out[max(0, int(time) - reach) : int(time) + reach + 2] = False
     edge = int(np.ceil(EDGE_WIDTHS * width))

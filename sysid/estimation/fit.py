@@ -52,7 +52,7 @@ def fit_model(
         # On a driven stage the times of slip depend on the values: a Jacobian at other values is no approximation.
         driven = any(isinstance(record, FrictionDriveRecord) for record in records)
         known = near.columns if near is not None and not driven else {}
-        residual = _residual_function(model, records, weights)
+        residual = residual_function(model, records, weights)
         result = least_squares(
             residual, model.unknowns, iterations=iterations, known=known, final_jacobian=final_jacobian
         )
@@ -61,7 +61,7 @@ def fit_model(
     weights = residual_weights(first.model, records)
     ratio = _std_ratio(first.weights, weights)
     known = {key: column * ratio for key, column in first.columns.items()}
-    residual = _residual_function(first.model, records, weights)
+    residual = residual_function(first.model, records, weights)
     result = least_squares(residual, first.model.unknowns, iterations=iterations, known=known, exact_jacobian=True)
     return FittedModel(first.model.at(result.values), result, weights)
 
@@ -76,7 +76,7 @@ def _std_ratio(before: ResidualWeights, after: ResidualWeights) -> np.ndarray:
     return np.concatenate(parts) if parts else np.empty(0)
 
 
-def _residual_function(model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> ResidualFunction:
+def residual_function(model: Model, records: Sequence[PreparedRecord], weights: ResidualWeights) -> ResidualFunction:
     """The weighted residual (n,) of a model as a function of its unknowns (p,)."""
     keys = [u.key for u in model.unknowns]
 
@@ -92,7 +92,7 @@ def with_final_jacobian(fitted: FittedModel, records: Sequence[PreparedRecord]) 
     if fitted.fit.exact:
         return fitted
     point = np.array([fitted.fit.values[key] for key in fitted.fit.keys])
-    residual = _residual_function(fitted.model, records, fitted.weights)
+    residual = residual_function(fitted.model, records, fitted.weights)
     columns = jacobian(residual, point, fitted.fit.residual, fitted.model.unknowns)
     return replace(fitted, fit=replace(fitted.fit, jacobian=columns, exact=True))
 

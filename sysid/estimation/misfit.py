@@ -233,7 +233,7 @@ def away_from_events(records: Sequence[PreparedRecord], weights: ResidualWeights
 def _near(record: ForceBalanceRecord, reach: float) -> np.ndarray:
     assert record.slip_phases is not None and record.reversals is not None
     near = np.zeros(record.size + 1, dtype=int)
-    for time in (*record.slip_phases.end, *record.slip_phases.break_away, *record.reversals):
+    for time in (*record.slip_phases.end, *record.slip_phases.break_away, *np.abs(record.reversals)):
         if np.isfinite(time):
             near[max(0, int(time - reach)) : int(time + reach) + 2] = 1
     return near[:-1].astype(bool)

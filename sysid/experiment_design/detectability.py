@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.library.effect import Effect, Parameter
 from sysid.diagnose import Diagnosis
-from sysid.diagnosis.verdict_limits import LEAST_GAIN, LEAST_SIGNIFICANCE
+from sysid.diagnosis.constants import LEAST_GAIN, LEAST_SIGNIFICANCE
 from sysid.estimation.fit import FittedModel
 from sysid.estimation.misfit import LOSS_CORNER, blocks, huber_square, weighted_residual
 from sysid.estimation.score_test import orthonormal

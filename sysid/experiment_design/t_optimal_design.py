@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 from sysid.diagnose import Diagnosis, diagnose
+from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
-from sysid.diagnosis.trials import CandidateFit
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, residual_weights, weighted_residual
 from sysid.experiment.experiment import DesignValues
@@ -152,7 +152,7 @@ def rank_motions(
     return Suggestion(problem, found, tuple(names), (*ordered, values[-1]), tuple(same), revisited)
 
 
-def competing_models(found: Diagnosis) -> list[CandidateFit]:
+def competing_models(found: Diagnosis) -> list[Candidate]:
     """The best candidate, those equivalent to it, and others of similar error; empty if no effect is missing."""
     best = found.best
     if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
@@ -160,7 +160,7 @@ def competing_models(found: Diagnosis) -> list[CandidateFit]:
         return []
     usable = [t for t in found.trials if t is not best and t.fitted.fit.keys and t.fit_gain > 0.0]
     tied = [t for t in usable if t.public_name in found.indistinguishable]
-    others = [t for t in usable if t not in tied and t.gain > 0.3 * best.gain]
+    others = [t for t in usable if t not in tied and t.gain.loss > 0.3 * best.gain.loss]
     near = [t for t in others if t.error <= COMPETING_ERROR * max(best.error, 1.0)]
     # Without one of similar error only the second-best candidate is kept.
     return [best, *tied, *(near or (others[:1] if not tied else []))][:MOST_MODELS]

@@ -8,8 +8,6 @@ from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.diagnosis.trials import explained_share
-from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.problem import Problem
@@ -50,7 +48,7 @@ def held_out_over_noise(fit: Errors, validate: Errors) -> float:
 
 def is_adequate(found: Comparison) -> bool:
     """Whether the residual of the model is at the noise level."""
-    return worst_over_noise(found.fit, found.validate) <= ADEQUATE_OVER_NOISE[found.problem.form]
+    return worst_over_noise(found.fit, found.validate) <= NEAR_NOISE
 
 
 def near_noise(diagnosis: Diagnosis) -> bool:
@@ -113,8 +111,8 @@ def diagnosis_statement(found: Diagnosis) -> str:
     rms = f"{quantity_text(before.rms, unit)} to {quantity_text(after.rms, unit)}"
     ratio = f"from {over_noise_text(before.over_noise)} the noise to {over_noise_text(after.over_noise)}"
     error = f"the error of {channel.replace('_', ' ')} on the held-out records"
-    if found.detected_by:
-        return f"{found.effect} is missing: {found.detected_by}. With it {error} changes from {rms}, {ratio}."
+    if found.decision.detected_by:
+        return f"{found.effect} is missing: {found.decision.detected_by}. With it {error} changes from {rms}, {ratio}."
     if dominated_by_few_samples(before, after):
         text = f"{found.effect} is missing. With it {error} falls {ratio}."
         text += f" (The plain rms, {rms}, is dominated by a few samples near velocity reversals.)"
@@ -144,7 +142,7 @@ def equivalence_statement(found: Diagnosis) -> str:
 def replacement_statements(diagnosis: Diagnosis) -> list[str]:
     """Effects added earlier that should be removed or replaced."""
     lines = []
-    for swap in diagnosis.swaps:
+    for swap in diagnosis.replacements:
         before, after = over_noise_text(swap.before), over_noise_text(swap.after)
         change = f"({before} to {after} the noise on the held-out records)"
         if swap.new is None:
@@ -162,12 +160,12 @@ def unphysical_statements(diagnosis: Diagnosis) -> list[str]:
 
     With a named effect, only those that would explain at least half as much as it does.
     """
-    named = explained_share(diagnosis.base, diagnosis.best) if diagnosis.best is not None else 0.0
+    named = 1.0 - diagnosis.unexplained_share if diagnosis.best is not None else 0.0
     least = max(WORTH_SAYING, 0.5 * named)
     lines = []
     for trial in diagnosis.trials[:12]:
         amplitude = next((p for p in trial.effect.parameters if p.role == "amplitude"), None)
-        blocked, predicted = trial.refit.blocked_reduction, trial.refit.predicted_reduction
+        blocked, predicted = trial.blocked_reduction, trial.predicted_reduction
         if amplitude is not None and blocked >= least and blocked > 2.0 * predicted:
             error = 100.0 * (1.0 - (1.0 - min(blocked, 1.0)) ** 0.5)
             lines.append(

@@ -14,12 +14,12 @@ import numpy as np
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.residual_maps import ResidualMap
-from sysid.diagnosis.verdict_limits import ADEQUATE_OVER_NOISE
 from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 from sysid.report import channel_unit, worst_channel
 from workbench.identification.statements import (
+    NEAR_NOISE,
     SEPARATED,
     comparison_statement,
     diagnosis_statement,
@@ -118,7 +118,7 @@ def ladder_section(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) 
         "kind": "ladder",
         "title": "The ladder",
         "effects": list(last["effects"]),
-        "state": "good" if now <= max(ADEQUATE_OVER_NOISE.values()) else "found",
+        "state": "good" if now <= NEAR_NOISE else "found",
         "number": over_noise_text(now),
         "headline": f"From {over_noise_text(first)} the noise to {over_noise_text(now)}, in {count}.",
         "figure": draw_ladder(rungs, png),

@@ -1,0 +1,145 @@
+"""A candidate model: the base model with effects added or removed, refitted and evaluated on the held-out records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from sim.library.effect import Effect
+from sysid.diagnosis.held_out import Gain, HeldOut, held_out
+from sysid.estimation.fit import FittedModel, root_mean_huber
+from sysid.estimation.misfit import ChannelMisfit, misfit
+from sysid.estimation.reference_fit import ReferenceFit
+from sysid.prediction.model import public_name
+from sysid.prediction.problem import Problem
+
+LOCATION_PARAMETERS = ("phase", "rest_position")
+"""Parameters that only shift a law along the axis; they do not count as complexity."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A candidate model and its gain over the base model.
+
+    Args:
+        problem: the records.
+        added: effects added to the base model.
+        removed: public name of the effect removed from it; empty for none.
+        fitted: the model on the records of the fit.
+        held_out: its residual on the held-out records.
+        gain: reduction of the held-out loss of the base model.
+        fit_gain: reduction of the mean Huber loss on the records of the fit.
+        predicted_reduction: share of the squared residual, by the score test.
+        blocked_reduction: share that only amplitudes beyond their bounds would remove.
+        law: name where it is not that of the added effect (quantisation of one channel).
+    """
+
+    problem: Problem
+    added: tuple[Effect, ...]
+    fitted: FittedModel
+    held_out: HeldOut
+    gain: Gain
+    fit_gain: float
+    removed: str = ""
+    predicted_reduction: float = 0.0
+    blocked_reduction: float = 0.0
+    law: str = ""
+
+    @property
+    def effect(self) -> Effect:
+        """The first effect added."""
+        return self.added[0]
+
+    @property
+    def name(self) -> str:
+        """Name of the first effect added, with variant and channel."""
+        return self.law or self.effect.name
+
+    @property
+    def public_name(self) -> str:
+        """Public name of the first effect added."""
+        return public_name(self.name)
+
+    @property
+    def families(self) -> tuple[str, ...]:
+        """Public names of the effects added."""
+        return tuple(public_name(effect.name) for effect in self.added)
+
+    @property
+    def error(self) -> float:
+        """Root mean Huber loss on the held-out records, in standard deviations of the noise."""
+        return float(np.sqrt(self.held_out.loss))
+
+    @cached_property
+    def after_fit(self) -> dict[str, ChannelMisfit]:
+        """Misfit by channel on the records of the fit."""
+        return misfit(self.fitted.model, self.problem.fit_records)
+
+    @cached_property
+    def after_validate(self) -> dict[str, ChannelMisfit]:
+        """Misfit by channel on the held-out records."""
+        return misfit(self.fitted.model, self.problem.validate_records)
+
+    @property
+    def parameter_count(self) -> int:
+        """Number of fitted parameters, without those that only shift a law along the axis."""
+        return sum(u.key.rpartition(".")[2] not in LOCATION_PARAMETERS for u in self.fitted.model.unknowns)
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """The base model with which candidates are compared.
+
+    Args:
+        problem: the records.
+        base: the fitted model, and the residual weights of the held-out records.
+        held_out: its residual on the held-out records.
+    """
+
+    problem: Problem
+    base: ReferenceFit
+    held_out: HeldOut
+
+    @classmethod
+    def of(cls, problem: Problem, base: ReferenceFit) -> Reference:
+        """The reference of a fitted model."""
+        return cls(problem, base, held_out(base.fitted, problem.validate_records, base.weights))
+
+    def evaluate(
+        self,
+        fitted: FittedModel,
+        added: Sequence[Effect],
+        removed: str = "",
+        predicted_reduction: float = 0.0,
+        blocked_reduction: float = 0.0,
+    ) -> Candidate | None:
+        """The candidate of a fitted model; none where its prediction is not finite."""
+        found = held_out(fitted, self.problem.validate_records, self.base.weights)
+        if not np.isfinite(found.loss):
+            return None
+        before = root_mean_huber(self.base.fitted.fit.residual)
+        return Candidate(
+            problem=self.problem,
+            added=tuple(added),
+            fitted=fitted,
+            held_out=found,
+            gain=self.held_out.gain_of(found),
+            fit_gain=before**2 - root_mean_huber(fitted.fit.residual) ** 2,
+            removed=removed,
+            predicted_reduction=predicted_reduction,
+            blocked_reduction=blocked_reduction,
+        )
+
+
+def one_per_family(candidates: Sequence[Candidate]) -> list[Candidate]:
+    """The best variant of each effect; of variants within 1 % in error the one with fewer parameters."""
+    kept: dict[str, Candidate] = {}
+    for candidate in sorted(candidates, key=lambda c: c.held_out.loss):
+        other = kept.get(candidate.public_name)
+        simpler = other is not None and candidate.parameter_count < other.parameter_count
+        if other is None or (simpler and candidate.error <= 1.01 * other.error):
+            kept[candidate.public_name] = candidate
+    return sorted(kept.values(), key=lambda c: c.held_out.loss)

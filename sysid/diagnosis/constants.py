@@ -1,0 +1,41 @@
+"""Constants of the decision of a diagnosis. docs/theory.md lists them with their plateaus.
+
+Losses are mean Huber squares of the held-out residual in standard deviations of the noise: 1 for noise alone. The
+excess is the loss above 1; the share of a model is the part of the excess that it removes.
+"""
+
+from __future__ import annotations
+
+LEAST_SIGNIFICANCE = 4.0
+"""Least gain over its standard error, if the residual of the better model is noise; blocks of time count once."""
+
+LEAST_STEADINESS = 1.0
+"""Least gain over its standard error from the scatter of the blocks: it does not come from one short stretch."""
+
+LEAST_GAIN = 0.03
+"""Least gain, over the loss of the model without the effect."""
+
+SUFFICIENT_SHARE = 0.6
+"""Share of the excess from which a model is a sufficient explanation."""
+
+CLEAR_MARGIN = 0.1
+"""Share of the excess by which a free curve, or a second effect, must exceed a single named effect."""
+
+CURVE_STEADINESS = 2.0
+"""Steadiness of that margin for a free curve, since it is the best of several."""
+
+FORM_ERROR = 0.02
+"""Relative error of the form of a law that was added: a further effect must gain more than its square."""
+
+FORM_ERROR_ADEQUATE = 0.03
+"""The same in the variance of the residual, where a model is judged adequate."""
+
+NOISE_FACTOR = 2.0
+"""Factor by which the level of the noise may be wrong, either way, where no model gains."""
+
+EQUIVALENT_GAIN = 0.03
+EQUIVALENT_SIGNIFICANCE = 2.5
+"""Largest difference of two gains, over the gain and over its standard error, of indistinguishable effects."""
+
+NEAR_NOISE_LOSS = 1.1
+"""Loss of the stated model up to which a gain has to be twice as significant."""

@@ -1,0 +1,251 @@
+"""Decision of a diagnosis: an effect is missing, the model is adequate, or the misfit is unexplained.
+
+All models are compared by their held-out losses (`sysid/diagnosis/held_out.py`). With L0 the loss of the stated model
+and L that of another one, the excess is L0 - 1 and the share of the other model (L0 - L) / (L0 - min(1, L)).
+
+1. The best named model is the effect of lowest loss, or a pair of effects that is clearly better.
+2. If its gain is certain (over its standard error, over the scatter of the blocks, and large enough), and its share is
+   sufficient, and no free curve of a coordinate is clearly better, the effect is missing.
+3. If it is not sufficient alone, but a sufficient model with a free curve beside it is clearly worse without it, the
+   effect is missing too; more is missing.
+4. If no named model is needed and no free curve explains a notable part, the model is adequate, as far as the level of
+   the noise is known.
+5. Otherwise the misfit is unexplained.
+
+The constants are in `sysid/diagnosis/constants.py`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sim.library.effect import Coordinate
+from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.constants import (
+    CLEAR_MARGIN,
+    CURVE_STEADINESS,
+    EQUIVALENT_GAIN,
+    EQUIVALENT_SIGNIFICANCE,
+    LEAST_GAIN,
+    LEAST_SIGNIFICANCE,
+    LEAST_STEADINESS,
+    NEAR_NOISE_LOSS,
+    NOISE_FACTOR,
+    SUFFICIENT_SHARE,
+)
+from sysid.diagnosis.held_out import HeldOut
+from sysid.diagnosis.model_search import ModelSearch
+
+
+@dataclass(frozen=True)
+class NoiseLevel:
+    """What is known of the noise level, and of the form error of the laws that were added.
+
+    Args:
+        loss: of noise alone: 1, or less where the estimated level was too high.
+        form_error: mean square of the form error, in standard deviations.
+        adequate_loss: largest loss of the stated model on any records, with the form error in the variance.
+    """
+
+    loss: float = 1.0
+    form_error: float = 0.0
+    adequate_loss: float = 1.0
+
+
+@dataclass(frozen=True)
+class FreeCurve:
+    """The free curve that explains most, and its share of the excess."""
+
+    coordinate: Coordinate
+    share: float
+
+
+@dataclass(frozen=True)
+class Decision:
+    """Decision of a diagnosis.
+
+    Args:
+        verdict: `missing-effect`, `adequate` or `unexplained`.
+        best: the candidate named, for `missing-effect`.
+        ties: effects that these records cannot distinguish from it.
+        unexplained_share: of the excess, that remains with the effect.
+        reason: in words.
+        free_curve: best free curve; none where there is no excess.
+        best_named: best named candidate, and its share of the excess.
+        detected_by: how the effect was detected, in words, where it was not by a reduction of the error.
+    """
+
+    verdict: str
+    best: Candidate | None
+    ties: tuple[str, ...]
+    unexplained_share: float
+    reason: str
+    free_curve: FreeCurve | None = None
+    best_named: tuple[str, float] | None = None
+    detected_by: str = ""
+
+
+@dataclass(frozen=True)
+class _Comparison:
+    """Comparison of candidates with the stated model."""
+
+    reference: HeldOut
+    noise: NoiseLevel
+
+    @property
+    def excess(self) -> float:
+        """Loss of the stated model above the noise."""
+        return max(self.reference.loss - self.noise.loss, 0.0)
+
+    def share(self, candidate: Candidate) -> float:
+        """Part of the excess that a candidate removes."""
+        loss = candidate.held_out.loss
+        return (self.reference.loss - loss) / max(self.reference.loss - min(self.noise.loss, loss), 1e-9)
+
+    def certain(self, candidate: Candidate) -> bool:
+        """Whether the gain of a candidate is significant, steady and large enough."""
+        gain, near = candidate.gain, self.reference.loss <= NEAR_NOISE_LOSS * self.noise.loss
+        if self.excess == 0.0:
+            return False
+        return (
+            gain.significance >= (2.0 if near else 1.0) * LEAST_SIGNIFICANCE
+            and gain.steadiness >= LEAST_STEADINESS
+            and gain.loss >= max(LEAST_GAIN * self.reference.loss, self.noise.form_error)
+            and candidate.fit_gain > 0.0
+        )
+
+    def clearly_better(self, other: Candidate, candidate: Candidate, steadiness: float) -> bool:
+        """Whether another candidate removes a clearly larger part of the excess."""
+        gain = candidate.held_out.gain_of(other.held_out)
+        return gain.loss > CLEAR_MARGIN * self.excess and gain.steadiness >= steadiness
+
+    def notable(self, curve: Candidate) -> bool:
+        """Whether a free curve explains a notable part of the excess."""
+        gain = curve.gain
+        return (
+            self.excess > 0.0
+            and self.share(curve) >= SUFFICIENT_SHARE
+            and gain.significance >= LEAST_SIGNIFICANCE
+            and gain.steadiness >= CURVE_STEADINESS
+        )
+
+
+def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decision:
+    """The decision on a stated model and its candidates.
+
+    Args:
+        models: candidate models.
+        reference: held-out residual of the stated model.
+        noise: what is known of the noise level.
+    """
+    compared = _Comparison(reference, noise)
+    best, curve = next(iter(models.ranked), None), next(iter(models.curves), None)
+    report = _report(compared, best, curve)
+    named = best if best is not None and compared.certain(best) else None
+    model = named
+    if compared.excess > 0.0 and (named is None or compared.share(named) < 1.0 - CLEAR_MARGIN):
+        pair = next(iter(models.pairs), None)
+        if pair is not None and compared.certain(pair) and (named is None or _clear_pair(compared, pair, named)):
+            model = pair
+    if model is None:
+        return _nothing_named(compared, curve, report)
+    beaten = curve is not None and compared.clearly_better(curve, model, CURVE_STEADINESS)
+    if compared.share(model) >= SUFFICIENT_SHARE and not beaten:
+        if len(model.added) == 2:
+            first = _first_of_pair(reference, models, model)
+            if first is not None:
+                partner = next((name for name in model.families if name != first.public_name), "")
+                reason = f"explains its share; {partner} explains the rest"
+                return _missing(compared, first, (), reason, report)
+        elif named is not None:
+            chosen, ties = equivalent(reference, models.ranked, named)
+            return _missing(compared, chosen, ties, "explains the residual", report)
+    if named is not None:
+        beside = next(iter(models.curves_beside(named)), None)
+        if beside is not None and _needed_beside(compared, named, beside, curve):
+            return _missing(compared, named, (), "is certainly present; more is missing", report)
+    return _unexplained(compared, model, curve, beaten, report)
+
+
+def _clear_pair(compared: _Comparison, pair: Candidate, single: Candidate) -> bool:
+    gain = single.held_out.gain_of(pair.held_out)
+    return gain.significance >= LEAST_SIGNIFICANCE and compared.clearly_better(pair, single, LEAST_STEADINESS)
+
+
+def _first_of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> Candidate | None:
+    """The member of a pair to name: the one in most of the equivalent pairs, then the better one alone."""
+    gained = reference.loss - best.held_out.loss
+    count = dict.fromkeys(best.families, 0)
+    for pair in models.pairs:
+        if _equivalent(pair, best, gained):
+            for name in pair.families:
+                count[name] = count.get(name, 0) + 1
+    alone = [c for c in models.ranked if c.public_name in best.families]
+    return max(alone, key=lambda c: (count[c.public_name], c.gain.loss), default=None)
+
+
+def _equivalent(other: Candidate, best: Candidate, gained: float) -> bool:
+    """Whether the gain of another candidate differs insignificantly from the best one's, `gained`."""
+    if other is best:
+        return True
+    behind = other.held_out.loss - best.held_out.loss
+    return (
+        behind <= EQUIVALENT_GAIN * gained
+        and other.held_out.gain_of(best.held_out).significance < EQUIVALENT_SIGNIFICANCE
+    )
+
+
+def _needed_beside(compared: _Comparison, named: Candidate, beside: Candidate, curve: Candidate | None) -> bool:
+    """Whether an effect and a free curve together are sufficient, and clearly better than any free curve alone."""
+    if compared.share(beside) < SUFFICIENT_SHARE or not compared.certain(beside):
+        return False
+    return curve is None or (
+        compared.clearly_better(beside, curve, CURVE_STEADINESS)
+        and curve.held_out.gain_of(beside.held_out).significance >= LEAST_SIGNIFICANCE
+    )
+
+
+def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate) -> tuple[Candidate, tuple[str, ...]]:
+    """The simplest of the effects whose gains do not differ significantly from the best one's, and the others."""
+    gained = reference.loss - best.held_out.loss
+    group = [candidate for candidate in ranked if _equivalent(candidate, best, gained)]
+    chosen = min(group, key=lambda c: (c.parameter_count, c.held_out.loss))
+    rivals = [c for c in group if c is not chosen and (c is best or c.parameter_count <= chosen.parameter_count)]
+    return chosen, tuple(c.public_name for c in rivals)[:2]
+
+
+def _nothing_named(compared: _Comparison, curve: Candidate | None, report: _Report) -> Decision:
+    quiet = curve is None or not compared.notable(curve)
+    if compared.noise.adequate_loss <= NOISE_FACTOR**2 and quiet:
+        return Decision("adequate", None, (), 0.0, "no effect and no coordinate explains the residual", *report)
+    return _unexplained(compared, None, curve, curve is not None and compared.notable(curve), report)
+
+
+def _unexplained(
+    compared: _Comparison, model: Candidate | None, curve: Candidate | None, beaten: bool, report: _Report
+) -> Decision:
+    left = 1.0 if model is None else 1.0 - max(compared.share(model), 0.0)
+    words = "no effect lowers the error significantly on the held-out records"
+    if model is not None:
+        words = f"{' with '.join(model.families)} explains only {100.0 * (1.0 - left):.0f} % of the misfit"
+    if beaten and curve is not None:
+        words += f"; a free curve of {curve.effect.coordinates[0]} explains {100.0 * compared.share(curve):.0f} %"
+    return Decision("unexplained", None, (), left, words, *report)
+
+
+def _missing(compared: _Comparison, best: Candidate, ties: tuple[str, ...], reason: str, report: _Report) -> Decision:
+    left = min(1.0, max(0.0, 1.0 - compared.share(best)))
+    return Decision("missing-effect", best, ties, left, reason, *report)
+
+
+_Report = tuple[FreeCurve | None, tuple[str, float] | None]
+
+
+def _report(compared: _Comparison, best: Candidate | None, curve: Candidate | None) -> _Report:
+    if compared.excess <= 0.0:
+        return None, None
+    return (
+        None if curve is None else FreeCurve(curve.effect.coordinates[0], max(compared.share(curve), 0.0)),
+        None if best is None else (best.public_name, max(compared.share(best), 0.0)),
+    )

@@ -1,0 +1,153 @@
+"""Free curves: nonparametric effects of one coordinate, the rivals of the named effects.
+
+A free curve is a piecewise linear function of one recorded coordinate s with free values a_k at its knots,
+
+    value(s) = sum_k a_k N_k(s),
+
+taken as a force on the axis, as a friction level, or, for a piezo, as a change of its voltage. It is an ordinary effect
+in the model and is fitted with all other values; each a_k has the prior N(0, `PRIOR_SCALE` x force scale). Where a free
+curve explains clearly more than every named effect, the missing law depends on its coordinate, and the library lacks
+it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from sim.library.effect import Axis, Coordinate, Effect, Parameter
+from sysid.experiment.unknowns import Prior
+from sysid.prediction.actuator_tip import TipRecord
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.prediction.friction_drive.record import FrictionDriveRecord
+from sysid.prediction.model import Model, PreparedRecord, Scales, with_effect
+from sysid.prediction.problem import Problem
+
+PRIOR_SCALE = 2.0
+"""Standard deviation of the value at a knot, over the force scale of the records (the range of a voltage)."""
+
+LEAST_KNOTS = 6
+"""Distinct knots that a coordinate needs."""
+
+Place = Literal["force", "level", "voltage"]
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """Declaration of one free curve.
+
+    Args:
+        coordinate: public name.
+        field: of the `Axis`.
+        place: how the curve enters the model.
+        knots: number.
+        by_rank: knots at quantiles, for coordinates with uneven distributions.
+    """
+
+    coordinate: Coordinate
+    field: str
+    place: Place
+    knots: int
+    by_rank: bool = False
+
+
+_CURVES = (
+    _Curve("position", "position", "force", 13),
+    _Curve("position", "position", "level", 13),
+    _Curve("velocity", "velocity", "level", 12, True),
+    _Curve("velocity", "velocity", "force", 12, True),
+    _Curve("acceleration", "acceleration", "force", 8, True),
+    _Curve("acceleration", "acceleration", "level", 8, True),
+    _Curve("normal_load", "load", "level", 6),
+    _Curve("temperature", "temperature", "level", 6),
+    _Curve("temperature", "temperature", "force", 6),
+    _Curve("distance_since_reversal", "reversal_distance", "level", 10, True),
+    _Curve("contact_age", "contact_age", "level", 8, True),
+)
+
+_VOLTAGE_CURVES = (
+    _Curve("input", "input", "voltage", 9),
+    _Curve("velocity", "rate", "voltage", 9, True),
+)
+
+
+def free_curves(problem: Problem) -> list[Effect]:
+    """Free curves of every coordinate in which the records vary; none on a rig whose motion is simulated."""
+    records = [*problem.fit_records, *problem.validate_records]
+    if any(isinstance(r, FrictionDriveRecord) for r in records):
+        return []
+    piezo = isinstance(records[0], TipRecord)
+    framed = any(e.friction_state is not None for e in problem.start.effects)
+    found = []
+    for curve in _VOLTAGE_CURVES if piezo else _CURVES:
+        # Without a friction state model a level has no effect; with one, a force of the velocity repeats the level.
+        if (curve.place == "level" and not framed) or (curve.field == "velocity" and curve.place == "force" and framed):
+            continue
+        knots = _knots(curve, records)
+        if knots.size >= LEAST_KNOTS:
+            found.append(_effect(curve, knots))
+    return found
+
+
+def with_curve(model: Model, curve: Effect, scales: Scales) -> Model:
+    """The model with a free curve, whose values start at zero with their prior."""
+    out = with_effect(model, curve, scales)
+    size = PRIOR_SCALE * (scales.input if curve.acts_on == "piezo" else scales.force)
+    own = f"{curve.name}."
+    unknowns = tuple(
+        replace(u, size=0.05 * size, prior=Prior(0.0, size)) if u.key.startswith(own) else u for u in out.unknowns
+    )
+    return replace(out, unknowns=unknowns)
+
+
+def _knots(curve: _Curve, records: Sequence[PreparedRecord]) -> np.ndarray:
+    """Positions of the knots (k,) over the range of all records, the held-out ones included."""
+    values = np.concatenate([part for record in records for part in _values(curve, record)])
+    low, high = float(np.min(values)), float(np.max(values))
+    if not high - low > 1e-9 * max(abs(low), abs(high), 1e-300):
+        return np.empty(0)
+    if not curve.by_rank:
+        return np.linspace(low, high, curve.knots)
+    return np.unique(np.quantile(values, np.linspace(0.0, 1.0, curve.knots)))
+
+
+def _values(curve: _Curve, record: PreparedRecord) -> list[np.ndarray]:
+    if isinstance(record, TipRecord):
+        return record.drives if curve.field == "input" else [_rate(u, record.step) for u in record.drives]
+    assert isinstance(record, ForceBalanceRecord)
+    return [getattr(record.axis, curve.field)]
+
+
+def _rate(signal: np.ndarray, step: float) -> np.ndarray:
+    return np.gradient(signal, step)
+
+
+def _effect(curve: _Curve, knots: np.ndarray) -> Effect:
+    """The effect of a free curve with these knots."""
+
+    def value(at: Any, p: Any) -> Any:
+        return np.interp(at, knots, np.array(p))
+
+    def law(axis: Axis, p: Any) -> Any:
+        return value(getattr(axis, curve.field), p)
+
+    def signal(voltage: np.ndarray, step: float, p: Any) -> np.ndarray:
+        return voltage + value(voltage if curve.field == "input" else _rate(voltage, step), p)
+
+    unit = "V" if curve.place == "voltage" else "N"
+    kind = {"force": "force", "level": "friction", "voltage": "voltage"}[curve.place]
+    return Effect(
+        name=f"free_{kind}_of_{curve.coordinate}",
+        meaning=f"a {kind} that is any function of {curve.coordinate}",
+        parameters=tuple(
+            Parameter(f"a{k}", unit, 0.0, -np.inf, np.inf, f"value at knot {k}", "free") for k in range(knots.size)
+        ),
+        coordinates=(curve.coordinate,),
+        acts_on="piezo" if curve.place == "voltage" else "friction" if curve.place == "level" else "axis",
+        force=law if curve.place == "force" else None,
+        level=law if curve.place == "level" else None,
+        signal=signal if curve.place == "voltage" else None,
+    )

@@ -1,0 +1,135 @@
+"""Held-out loss of a fitted model, and the comparison of two models by blocks of time.
+
+The loss is the mean Huber square of the residual in standard deviations. The values of linear parameters are uncertain,
+and a held-out record of another kind may require others: for every model alike the amplitudes are estimated again on
+the held-out records, with the information of the records of the fit as the prior. With r the residual (n,), J its
+sensitivities to the amplitudes (n, p), w robust weights, and A the information of the fit (p, p),
+
+    r' = r - J (J^T w J + A)^-1 J^T w r.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from sysid.estimation.fit import FittedModel, residual_function
+from sysid.estimation.least_squares import huber_weights, jacobian, robust_scale
+from sysid.estimation.misfit import LOSS_CORNER, ResidualWeights, blocks, huber_square
+from sysid.prediction.model import Model, PreparedRecord
+
+LINEAR_ROLES = ("amplitude", "level")
+"""Roles of the parameters in which a force is linear."""
+
+FLIPS = 2000
+"""Random signs of the blocks in the p value of a gain."""
+
+
+@dataclass(frozen=True)
+class Gain:
+    """Reduction of the held-out loss by a better model.
+
+    Args:
+        loss: reduction of the mean loss.
+        significance: over its standard error, if the residual of the better model is only noise.
+        steadiness: t statistic of the reduction per block of time.
+        p_value: from a sign-flip test over the blocks.
+    """
+
+    loss: float
+    significance: float
+    steadiness: float
+    p_value: float
+
+
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Residual of a model on the held-out records.
+
+    Args:
+        residual: in standard deviations, (n,).
+        block: number of the block of time of each sample, (n,).
+    """
+
+    residual: np.ndarray
+    block: np.ndarray
+
+    @cached_property
+    def loss(self) -> float:
+        """Mean Huber square; infinite where the prediction is not finite."""
+        if not np.isfinite(self.residual).all():
+            return float("inf")
+        return float(np.mean(huber_square(self.residual))) if self.residual.size else float("nan")
+
+    def gain_of(self, better: HeldOut) -> Gain:
+        """Reduction of the loss by another model of the same samples."""
+        count = int(self.block.max()) + 1 if self.block.size else 0
+        reduction = huber_square(self.residual) - huber_square(better.residual)
+        drops = np.bincount(self.block, reduction, minlength=count)
+        drops = drops[np.bincount(self.block, minlength=count) > 0]
+        return Gain(
+            loss=self.loss - better.loss,
+            significance=_significance(self.residual, better.residual, self.block),
+            steadiness=_steadiness(drops),
+            p_value=_sign_flip_p_value(drops),
+        )
+
+
+def held_out(fitted: FittedModel, records: Sequence[PreparedRecord], weights: ResidualWeights) -> HeldOut:
+    """Residual of a fitted model on held-out records, with its amplitudes estimated again there."""
+    model = fitted.model
+    residual = residual_function(model, records, weights)
+    free = [u for u in model.unknowns if u.key in linear_keys(model) and u.key not in fitted.fit.at_bound]
+    base = residual(np.array([model.values[u.key] for u in model.unknowns]))
+    number = blocks(records, weights)
+    if not free or not np.isfinite(base).all():
+        return HeldOut(base, number)
+    part = residual_function(replace(model, unknowns=tuple(free)), records, weights)
+    columns = jacobian(part, np.array([model.values[u.key] for u in free]), base, free)
+    places = [fitted.fit.keys.index(u.key) for u in free]
+    own = fitted.fit.jacobian[:, places]
+    fit_scale = max(robust_scale(fitted.fit.residual), 1.0)
+    information = (own.T @ (fitted.fit.weights[:, None] * own) + np.diag(fitted.fit.precision[places])) / fit_scale**2
+    scale = max(robust_scale(base), 1.0)
+    weighted = huber_weights(base, scale)[:, None] * columns / scale**2
+    normal, right = columns.T @ weighted + information, weighted.T @ base
+    lengths = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    step = np.linalg.pinv(normal / np.outer(lengths, lengths), rcond=1e-12, hermitian=True) @ (right / lengths)
+    refitted = base - columns @ (step / lengths)
+    return HeldOut(refitted if np.isfinite(refitted).all() else base, number)
+
+
+def linear_keys(model: Model) -> set[str]:
+    """Keys of the unknowns in which the prediction is nearly linear: amplitudes, levels and the rig's own values."""
+    roles = {f"{e.name}.{p.name}": p.role for e in model.effects for p in e.parameters}
+    return {u.key for u in model.unknowns if roles.get(u.key, "amplitude") in LINEAR_ROLES}
+
+
+def _significance(worse: np.ndarray, better: np.ndarray, number: np.ndarray) -> float:
+    """Reduction of the Huber loss over its standard error, if the residual of the better model is only noise.
+
+    The reduction from r^2 to (r - d)^2 is 2 r d - d^2. Its standard error is that of 2 r d, summed within blocks of
+    time so that correlated samples count once. Beyond the corner the loss is linear, so residuals are clipped in d.
+    """
+    d = np.clip(worse, -LOSS_CORNER, LOSS_CORNER) - np.clip(better, -LOSS_CORNER, LOSS_CORNER)
+    reduction = float(huber_square(worse).sum() - huber_square(better).sum())
+    product = d * np.clip(better, -2.0 * LOSS_CORNER, 2.0 * LOSS_CORNER)
+    sums = np.bincount(number, product)
+    # Noise may cancel within a block: the spread is at least that of independent samples.
+    spread = 2.0 * float(np.sqrt(max(float(sums @ sums), float(product @ product))))
+    return reduction / spread if spread > 0.0 else 0.0
+
+
+def _steadiness(drops: np.ndarray) -> float:
+    """t statistic of the mean reduction per block of time, (m,) blocks."""
+    spread = float(np.std(drops, ddof=1)) if drops.size > 1 else 0.0
+    return float(np.mean(drops) / (spread / np.sqrt(drops.size))) if spread > 0.0 else 0.0
+
+
+def _sign_flip_p_value(drops: np.ndarray) -> float:
+    """Sign-flip p value of the total reduction, from the reductions of (m,) blocks of time."""
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(FLIPS, drops.size))
+    return float((1 + np.sum(signs @ drops >= drops.sum())) / (1 + FLIPS))

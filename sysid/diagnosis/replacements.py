@@ -1,0 +1,78 @@
+"""Effects added earlier that are not needed, or that another effect replaces with a clearly lower held-out loss."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.constants import CLEAR_MARGIN, LEAST_GAIN, LEAST_SIGNIFICANCE, LEAST_STEADINESS
+from sysid.diagnosis.model_search import ModelSearch
+from sysid.estimation.misfit import misfit, worst_over_noise
+from sysid.prediction.model import public_name
+
+
+@dataclass(frozen=True)
+class Replacement:
+    """An effect of the model that should be removed or replaced.
+
+    Args:
+        old: its name.
+        new: its replacement; none where it is not needed.
+        before, after: error over noise on the held-out records, without and with the replacement.
+    """
+
+    old: str
+    new: str | None
+    before: float
+    after: float
+
+
+def find_replacements(search: ModelSearch, added: Sequence[str], others_too: bool = True) -> list[Replacement]:
+    """Effects added earlier that should be removed or replaced.
+
+    Args:
+        search: candidate models.
+        added: names of the effects that were added to the model.
+        others_too: search replacements too, not only effects that are not needed.
+    """
+    found = []
+    for name in added:
+        family = public_name(name)
+        below = search.without(family) if _removable(search, family) else None
+        if below is None:
+            continue
+        if not _needed(search, below):
+            found.append(_replacement(search, name, below))
+            continue
+        best = next(iter(search.replacements(family) if others_too else []), None)
+        if best is not None and _clearly_better(search, best):
+            found.append(_replacement(search, name, best))
+    return found
+
+
+def _removable(search: ModelSearch, family: str) -> bool:
+    """Whether an effect acts in the fitted model, is no friction state, and was estimated from these residuals."""
+    model = search.base.fitted.model
+    present = any(public_name(e.name) == family and e.friction_state is None for e in model.effects)
+    own = [u for u in model.unknowns if public_name(u.key.rpartition(".")[0]) == family]
+    # An effect detected outside these residuals, such as a mode above the filter band, has priors on all its values.
+    return present and not (own and all(u.prior is not None for u in own))
+
+
+def _needed(search: ModelSearch, below: Candidate) -> bool:
+    gain = below.held_out.gain_of(search.reference.held_out)
+    return gain.loss >= LEAST_GAIN * below.held_out.loss or gain.significance >= LEAST_SIGNIFICANCE
+
+
+def _clearly_better(search: ModelSearch, other: Candidate) -> bool:
+    excess = max(search.reference.held_out.loss - 1.0, 0.0)
+    gain = other.gain
+    certain = gain.significance >= LEAST_SIGNIFICANCE and gain.steadiness >= LEAST_STEADINESS
+    return certain and gain.loss > max(CLEAR_MARGIN * excess, LEAST_GAIN * search.reference.held_out.loss)
+
+
+def _replacement(search: ModelSearch, old: str, candidate: Candidate) -> Replacement:
+    before = misfit(search.base.fitted.model, search.problem.validate_records)
+    new = candidate.public_name if candidate.added else None
+    return Replacement(old, new, worst_over_noise({}, before), worst_over_noise({}, candidate.after_validate))
