@@ -113,8 +113,7 @@ def diagnose(
     decision = quantised_channel(search.reference) or decide(
         search, search.reference.held_out, _noise_level(search, added)
     )
-    if decision.best is None:
-        decision = structural_mode_candidate(search.reference, search.ranked, decision) or decision
+    decision = structural_mode_candidate(search.reference, search.ranked, decision) or decision
     replacements: Sequence[Replacement] = ()
     if decision.best is None:
         # A missing effect is added first; replacements are searched only where none is missing.

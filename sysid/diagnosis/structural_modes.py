@@ -141,7 +141,7 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
         problem: the records.
         fitted: model of the records without a mode.
     """
-    if any(public_name(e.name) == "flexible_mode" for e in fitted.model.effects):
+    if any(public_name(e.name) == MODE for e in fitted.model.effects):
         return None
     fits = _whitened_records(problem, fitted.model, problem.fit_records)
     held_out = _whitened_records(problem, fitted.model, problem.validate_records)
@@ -172,7 +172,7 @@ def detect_structural_mode(problem: Problem, fitted: FittedModel) -> StructuralM
 
 def with_structural_mode(problem: Problem, fitted: FittedModel, found: StructuralMode) -> tuple[Effect, FittedModel]:
     """The mode, and the fit of the model with it; the detected values are the priors of the fit."""
-    effect = find("flexible_mode", problem.custom)
+    effect = find(MODE, problem.custom)
     start = {f"{effect.name}.{name}": value for name, value in found.values.items()}
     model = with_effect(fitted.model, effect, problem.scales, start)
     known = {f"{effect.name}.{name}": Prior(found.values[name], std) for name, std in found.stds.items()}
@@ -188,9 +188,12 @@ def structural_mode_candidate(
     Args:
         reference: the model without the mode.
         ranked: candidates evaluated on it.
-        otherwise: the decision from the force balance alone, which names no effect.
+        otherwise: the decision from the force balance alone. Where it names another effect, that one is added first;
+            where it names the mode, the modal values above the band are more accurate than those of the balance.
     """
     problem, base = reference.problem, reference.base
+    if otherwise.best is not None and otherwise.best.public_name != MODE:
+        return None
     mode = detect_structural_mode(problem, base.fitted)
     if mode is None:
         return None
@@ -201,7 +204,7 @@ def structural_mode_candidate(
     if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(reference.held_out.loss):
         return None
     left = min(1.0, max(candidate.held_out.loss - 1.0, 0.0) / max(reference.held_out.loss - 1.0, 1e-9))
-    left = left if otherwise.verdict == "unexplained" else 0.0
+    left = 0.0 if otherwise.verdict == "adequate" else left
     return replace(
         otherwise,
         verdict="missing-effect",
@@ -212,6 +215,9 @@ def structural_mode_candidate(
     )
 
 
+MODE = "flexible_mode"
+"""Effect of a structural mode."""
+
 LARGEST_INCREASE = 1.1
 """Largest ratio of the error of the force balance with a mode to that without: it need not contain the mode."""
 
@@ -221,7 +227,7 @@ SAME_MODE = 0.1
 
 def prefers_balance_fit(other: FittedModel, rings: FittedModel) -> bool:
     """Whether the fit of a mode to the force balance alone is preferred to that with the detected values."""
-    frequencies = [fitted.model.values["flexible_mode.frequency"] for fitted in (other, rings)]
+    frequencies = [fitted.model.values[f"{MODE}.frequency"] for fitted in (other, rings)]
     same = abs(frequencies[0] / frequencies[1] - 1.0) < SAME_MODE
     return fits_clearly_better(other, rings) or (same and other.fit.cost <= rings.fit.cost)
 

@@ -60,7 +60,7 @@ def test_quantisation_to_two_values_is_found_and_kept(tmp_path: Path) -> None:
     add_effects(tmp_path, ["sensor_quantisation"])
     again = diagnose(tmp_path)
     assert again.verdict == "adequate"
-    assert not again.swaps
+    assert not again.replacements
 
 
 @pytest.mark.parametrize("rows", [12, 30, 100])

@@ -99,4 +99,4 @@ def test_mode_is_named_added_and_kept(tmp_path: Path, capsys: pytest.CaptureFixt
     assert known.std == pytest.approx(told.stds["frequency"], rel=0.05)
     after = diagnose(folder)
     assert after.verdict == "adequate"
-    assert not after.swaps
+    assert not after.replacements

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 
 from sim.effects.catalogue import find
 from sysid.diagnose import diagnose
-from sysid.diagnosis.verdict_limits import LEAST_GAIN
+from sysid.diagnosis.constants import LEAST_GAIN
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects, minimum_sizes
 from sysid.prediction.problem import Problem

@@ -41,3 +41,11 @@ def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float) -
 def test_no_width_changes_nothing() -> None:
     x = np.arange(10.0)
     assert GaussianFilter(0.0, 1e-3, 10)(x) is x
+
+
+@pytest.mark.parametrize("width", [2e-3, 7e-3])
+def test_smoothing_at_some_samples_agrees_with_full_smoothing(width: float) -> None:
+    signal = np.cumsum(np.random.default_rng(1).normal(size=3000))
+    smooth = GaussianFilter(width, 1e-3, signal.size)
+    index = np.concatenate([np.arange(0, 40), np.arange(40, 2960, 7), np.arange(2960, 3000)])
+    assert np.allclose(smooth.at(signal, index), smooth(signal)[index], rtol=0.0, atol=1e-6 * np.ptp(signal))

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sysid.diagnose import diagnose
-from sysid.diagnosis.trials import REFITTED
+from sysid.diagnosis.model_search import REFITTED
 from workbench import cli
 from workbench.commands.demo import fresh_copy
 from workbench.console.identification import search_progress

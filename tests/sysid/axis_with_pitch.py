@@ -1,0 +1,52 @@
+"""A velocity-drive experiment with two records of a long motion, over many pitches of a periodic effect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+NOISE = 0.02
+ROWS = 4000
+
+
+def write(
+    folder: Path,
+    force: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    effects: str = '"coulomb", "viscous"',
+) -> Path:
+    """Write an experiment whose friction force is `force(position, velocity)`, SI units, plus white noise.
+
+    Args:
+        folder: of the experiment.
+        force: of position (n,) and velocity (n,).
+        effects: of the model, as they stand in the file's list.
+    """
+    rng = np.random.default_rng(5)
+    t = 2e-3 * np.arange(ROWS)
+    for name, rates in (("fit", (0.7, 2.3)), ("validate", (0.5, 3.1))):
+        slow, fast = 2 * np.pi * rates[0], 2 * np.pi * rates[1]
+        x = 8e-3 * np.sin(slow * t) + 1e-3 * np.sin(fast * t + 0.4)
+        v = 8e-3 * slow * np.cos(slow * t) + 1e-3 * fast * np.cos(fast * t + 0.4)
+        table = np.column_stack([t, x, v, force(x, v) + NOISE * rng.normal(size=ROWS)])
+        head = "time [s],position [m],velocity [m/s],friction_force [N]"
+        np.savetxt(folder / f"{name}.csv", table, delimiter=",", header=head, comments="", fmt="%.12g")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n'
+        f"[model]\neffects = [{effects}]\n"
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+        f'[noise]\nfriction_force = "{NOISE} N"\n',
+        "utf-8",
+    )
+    return folder
+
+
+def uneven(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Friction that depends periodically on the position, and a cable: each alone is a poor explanation."""
+    return (1.5 + 0.6 * np.sin(2 * np.pi * x / 6e-3 + 0.3)) * np.sign(v) + 4.0 * v + 90.0 * (x + 1e-3)
+
+
+def with_cogging(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Coulomb friction, a drag and a periodic force."""
+    return 1.5 * np.sign(v) + 9.0 * v + 0.3 * np.sin(2 * np.pi * x / 6e-3 + 0.3)

@@ -1,0 +1,122 @@
+"""Search over models: pairs, effects on top of another one, shapes searched again, variants."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.effects.catalogue import find
+from sysid.diagnose import diagnose
+from sysid.diagnosis.candidate_screening import screen_all
+from sysid.diagnosis.model_search import SCREENED_ON_TOP, ModelSearch
+from sysid.estimation.reference_fit import fit_stated_model, reference_fit
+from sysid.ladder import add_effects
+from sysid.prediction.problem import load_problem
+from tests.sysid.axis_with_pitch import uneven, write
+from tests.sysid.slide import SIGN, VELOCITY, slide
+
+
+def _search(folder: Path) -> ModelSearch:
+    problem = load_problem(folder)
+    return ModelSearch(problem, fit_stated_model(problem))
+
+
+def test_two_effects_are_found_in_sequence_and_no_third(tmp_path: Path) -> None:
+    rig = write(tmp_path, uneven)
+    added = []
+    for _ in range(2):
+        found = diagnose(rig)
+        assert found.verdict == "missing-effect"
+        assert found.effect is not None
+        added.append(found.effect)
+        add_effects(rig, [found.effect])
+    assert set(added) == {"position_dependent_friction", "cable_spring"}
+    after = diagnose(rig)
+    assert after.verdict == "adequate"
+    assert after.before_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+
+
+def test_best_pair_is_the_true_one_down_to_the_noise(tmp_path: Path) -> None:
+    search = _search(write(tmp_path, uneven))
+    best = search.pairs[0]
+    assert set(best.families) == {"position_dependent_friction", "cable_spring"}
+    assert best.held_out.loss == pytest.approx(1.0, abs=0.1)
+    assert search.ranked[0].held_out.loss > 5.0
+
+
+def _skewed(x: np.ndarray, v: np.ndarray) -> np.ndarray:
+    wave = np.sin(2 * np.pi * x / 6e-3 + 0.3)
+    return 1.5 * (1.0 + 0.4 * (wave + 0.2 * wave**2)) * np.sign(v) + 4.0 * v
+
+
+def test_overtone_is_selected_for_a_wave_that_is_not_a_sine(tmp_path: Path) -> None:
+    rig = write(tmp_path, _skewed)
+    found = diagnose(rig)
+    assert found.effect == "position_dependent_friction"
+    assert found.best is not None
+    assert found.best.after_validate["friction_force"].over_noise > 2.0
+    step = add_effects(rig, [found.effect])
+    assert step.revision.effects[-1] == "position_dependent_friction:overtone"
+    assert step.after_validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.1)
+    # sin^2 is half of 1 - cos: the crests are a tenth of the wave broader.
+    values = step.base.fitted.model.values
+    assert abs(values["position_dependent_friction:overtone.second_cosine"]) == pytest.approx(0.1, abs=0.02)
+
+
+def test_second_screening_with_stored_jacobians_agrees(tmp_path: Path) -> None:
+    search = _search(write(tmp_path, uneven))
+    first = next(candidate for candidate in search.singles if candidate.name == "cable_spring")
+    on_top = search.on_top(first)[0]
+    assert set(on_top.families) == {"cable_spring", "position_dependent_friction"}
+    assert on_top.error == pytest.approx(1.0, abs=0.1)
+    jacobians = search.screening.jacobians
+    assert jacobians is not None
+    assert jacobians.size == search.base.fitted.fit.residual.size
+    wave = jacobians.grids["position_dependent_friction"]
+    assert all(point.changes.shape[0] == len(range(jacobians.size)[jacobians.rows]) for point in wave)
+    below = reference_fit(search.problem, first.fitted, search.base.weights)
+    present = [effect.name for effect in first.fitted.model.effects]
+    kept, anew = (
+        screen_all(search.problem, below, present, promising=SCREENED_ON_TOP, jacobians=known).fits[0]
+        for known in (jacobians, None)
+    )
+    assert kept.effect.name == anew.effect.name == on_top.added[1].name
+    assert kept.error == pytest.approx(anew.error, rel=1e-3)
+
+
+def test_shape_without_a_stated_start_is_searched(tmp_path: Path) -> None:
+    effects = '"coulomb", "viscous", "position_dependent_friction", "cable_spring"'
+    found = diagnose(write(tmp_path, uneven, effects))
+    assert found.verdict == "adequate"
+    assert found.base.fitted.model.values["position_dependent_friction.pitch"] == pytest.approx(6e-3, rel=0.01)
+    assert found.base.fitted.model.values["cable_spring.stiffness"] == pytest.approx(90.0, rel=0.02)
+
+
+def test_bounds_stated_by_the_user_are_kept_in_a_new_search(tmp_path: Path) -> None:
+    rig = write(tmp_path, uneven, '"coulomb", "viscous", "position_dependent_friction"')
+    toml = rig / "experiment.toml"
+    held = '[model.parameters]\n"position_dependent_friction.amplitude" = {high = "0.2"}\n[[record]]'
+    toml.write_text(toml.read_text("utf-8").replace("[[record]]", held, 1), "utf-8")
+    reshaped = _search(rig).reshaped(find("cable_spring"))
+    assert reshaped
+    for candidate in reshaped:
+        unknowns = {u.key: u for u in candidate.fitted.model.unknowns}
+        assert unknowns["position_dependent_friction.amplitude"].high == 0.2
+        assert candidate.fitted.model.values["position_dependent_friction.amplitude"] <= 0.2
+
+
+def test_ranked_effects_are_one_per_family_and_do_not_change_the_base_model(tmp_path: Path) -> None:
+    problem = slide(tmp_path, 1.5 * SIGN + 5.0 * VELOCITY, '"coulomb"', held_out=True)
+    base = fit_stated_model(problem)
+    before = dict(base.fitted.model.values)
+    search = ModelSearch(problem, base)
+    names = [candidate.public_name for candidate in search.ranked]
+    assert names[0] == "viscous"
+    assert len(set(names)) == len(names)
+    assert [c.held_out.loss for c in search.ranked] == sorted(c.held_out.loss for c in search.ranked)
+    below = search.without("coulomb")
+    assert below is not None
+    assert below.held_out.loss > 100.0
+    assert base.fitted.model.values == before
