@@ -136,6 +136,8 @@ def screen_all(
     found = fork_map(screen, fitting, shared, report)
     screened = [one for one in found if one is not None and np.isfinite(one.error)]
     screened.sort(key=lambda one: one.error)
+    if progress is not None:
+        progress("", 2 * len(effects), 2 * len(effects))
     if jacobians is None:
         jacobians = CandidateJacobians(size, kept, grids)
     return ScreeningResult(screened, unfitted, target, jacobians)

@@ -10,7 +10,6 @@ from rich.console import Console
 from rich.progress import Progress
 
 from sysid.diagnose import diagnose
-from sysid.diagnosis.model_search import REFITTED
 from workbench import cli
 from workbench.commands.demo import fresh_copy
 from workbench.console.identification import search_progress
@@ -36,9 +35,8 @@ def test_a_diagnosis_knows_from_the_first_step_how_many_it_counts(tmp_path: Path
     assert len({total for _, _, total in steps}) == 1
     total = steps[0][2]
     assert [count for _, count, _ in steps] == list(range(total + 1))
-    refitted = [name.removeprefix("refitting ") for name, _, _ in steps if name.startswith("refitting ")]
-    assert len(refitted) == REFITTED
-    assert found.best is not None and found.best.name in refitted
+    # The screening is counted: each effect is scored, and the promising ones are fitted.
+    assert found.best is not None and found.best.name in [name for name, _, _ in steps]
     assert steps[-1] == ("", total, total)
 
 
