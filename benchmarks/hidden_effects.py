@@ -48,7 +48,7 @@ ROUNDS = 3
 TIMEOUT = 300.0
 
 
-def _in_process(command: list[str]) -> dict[str, Any]:
+def run_command(command: list[str]) -> dict[str, Any]:
     """The command's document, by calling the program inside this process."""
     if command[0] == "diagnose" and importlib.util.find_spec("workbench.commands.diagnose") is None:
         from sysid.diagnose import diagnose
@@ -82,7 +82,7 @@ def _as_program(command: list[str]) -> dict[str, Any]:
 
 def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> Outcome:
     """Diagnose one case on a copy of it; where `follow`, add what is named till the loop stops, thrice at most."""
-    run: Callable[[list[str]], dict[str, Any]] = _as_program if fresh else _in_process
+    run: Callable[[list[str]], dict[str, Any]] = _as_program if fresh else run_command
     kind = kind_of(entry)
     out = Outcome(
         case=folder.name,

@@ -15,7 +15,7 @@ LEAST_STEADINESS = 1.0
 LEAST_GAIN = 0.03
 """Least gain, over the loss of the model without the effect."""
 
-SUFFICIENT_SHARE = 0.6
+SUFFICIENT_SHARE = 0.5
 """Share of the excess from which a model is a sufficient explanation."""
 
 CLEAR_MARGIN = 0.1
@@ -23,6 +23,9 @@ CLEAR_MARGIN = 0.1
 
 CURVE_STEADINESS = 2.0
 """Steadiness of that margin for a free curve, since it is the best of several."""
+
+NOTABLE_SHARE = 0.2
+"""Part of the loss that a free curve must not explain where a model is judged adequate."""
 
 FORM_ERROR = 0.02
 """Relative error of the form of a law that was added: a further effect must gain more than its square."""

@@ -32,6 +32,7 @@ from sysid.diagnosis.constants import (
     LEAST_STEADINESS,
     NEAR_NOISE_LOSS,
     NOISE_FACTOR,
+    NOTABLE_SHARE,
     SUFFICIENT_SHARE,
 )
 from sysid.diagnosis.held_out import HeldOut
@@ -121,11 +122,11 @@ class _Comparison:
         return gain.loss > CLEAR_MARGIN * self.excess and gain.steadiness >= steadiness
 
     def notable(self, curve: Candidate) -> bool:
-        """Whether a free curve explains a notable part of the excess."""
+        """Whether a free curve explains a notable part of the residual."""
         gain = curve.gain
         return (
             self.excess > 0.0
-            and self.share(curve) >= SUFFICIENT_SHARE
+            and gain.loss >= NOTABLE_SHARE * self.reference.loss
             and gain.significance >= LEAST_SIGNIFICANCE
             and gain.steadiness >= CURVE_STEADINESS
         )
