@@ -64,9 +64,9 @@ def huber_weights(residual: np.ndarray, scale: float) -> np.ndarray:
 
 
 def robust_scale(residual: np.ndarray) -> float:
-    """1.4826 times the median absolute residual; the rms if more than half of the residuals are exactly zero."""
-    scale = 1.4826 * float(np.median(np.abs(residual)))
-    return scale if scale > 0.0 else float(np.sqrt(np.mean(residual**2))) or 1.0
+    """1.4826 times the median absolute residual, without those that are exactly zero, as of a channel at rest."""
+    size = np.abs(residual[residual != 0.0])
+    return 1.4826 * float(np.median(size)) if size.size else 1.0
 
 
 def huber_cost(residual: np.ndarray, scale: float) -> float:

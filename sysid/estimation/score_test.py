@@ -16,6 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import nnls
 
 from sim.library.effect import Effect
 from sysid.estimation.fit import FittedModel
@@ -165,8 +166,8 @@ def score_test(
         norms = np.sqrt(np.diag(normal))
         if not (norms > 1e-9 * np.linalg.norm(point.changes, axis=0)).any():
             continue
-        amplitudes = _least_squares(normal, right, np.where(norms > 0.0, norms, 1.0))
-        reduction, blocked = float(right @ amplitudes) / total, 0.0
+        amplitudes = _amplitudes(effect, normal, right, np.where(norms > 0.0, norms, 1.0))
+        reduction, blocked = float((2.0 * right - normal @ amplitudes) @ amplitudes) / total, 0.0
         if out_of_bounds(effect, point.directions, amplitudes):
             reduction, blocked = 0.0, reduction
         full = float(2.0 * right[0] - normal[0, 0]) / total if effect.friction_state is not None else reduction
@@ -178,6 +179,20 @@ def score_test(
             scores.remove(min(removable, key=lambda s: (s.predicted_reduction, s.blocked_reduction)))
     scores.sort(key=lambda s: -s.predicted_reduction)
     return [*scores[:IN_PAIRS], *(replace(s, columns=s.columns[:, :0].copy()) for s in scores[IN_PAIRS:])]
+
+
+def _amplitudes(effect: Effect, normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:
+    """Amplitudes (k,) of the directions of an effect; not negative where several may not be, as weights of plays."""
+    own = [p for p in effect.parameters if p.role == "amplitude" and not p.fixed]
+    free = _least_squares(normal, right, norms)
+    if len(own) != right.size or right.size < 2 or any(p.low < 0.0 for p in own) or (free >= 0.0).all():
+        return free
+    # |D a - r|^2 is |L^T a - L^-1 D^T r|^2 up to a constant, with L L^T = D^T D.
+    values, vectors = np.linalg.eigh(normal / np.outer(norms, norms))
+    kept = values > DEPENDENT * values[-1]
+    root = (vectors[:, kept] * np.sqrt(values[kept])).T
+    found, _ = nnls(root, (vectors[:, kept].T @ (right / norms)) / np.sqrt(values[kept]))
+    return found / norms
 
 
 def _least_squares(normal: np.ndarray, right: np.ndarray, norms: np.ndarray) -> np.ndarray:

@@ -136,7 +136,8 @@ _BY_UNIT = {
 def size_of(parameter: Parameter, scales: Scales) -> float:
     """Typical size of a parameter on these records: the unit of its steps."""
     if parameter.scan is not None:
-        return parameter.scan.low * _scan_scale(parameter, scales)
+        low, high = _scan_range(parameter, scales)
+        return low or 0.1 * high
     size = _BY_UNIT.get(parameter.unit)
     return 0.1 * float(size(scales)) if size is not None else max(abs(parameter.default), 1e-12)
 
@@ -162,7 +163,7 @@ def scan_values(parameter: Parameter, scales: Scales) -> np.ndarray:
         return np.array([parameter.default])
     first, last = _scan_range(parameter, scales)
     low, high = max(first, parameter.low), min(last, parameter.high)
-    if not high > low > 0.0:
+    if not high > low or (low <= 0.0 and scan.spacing != "linear"):
         return np.array([min(max(first, parameter.low), parameter.high)])
     if scan.spacing == "geometric":
         return np.geomspace(low, high, scan.points)
@@ -192,6 +193,8 @@ def reference_value(parameter: Parameter, effect: Effect, scales: Scales) -> flo
         return scales.load_mean if "load" in effect.needs else scales.temperature_mean
     if parameter.name == "full_scale":
         return scales.channel
+    if parameter.role == "reference" and parameter.scan is not None:
+        return _scan_range(parameter, scales)[0]
     return parameter.default
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.library.effect import Effect, Parameter, Scan
 
-PLAYS = 6
+PLAYS = 15
 _THRESHOLDS = np.linspace(0.1, 1.0, 8)
 
 
@@ -36,9 +36,9 @@ def _free_plays(signal: Any, step: float, p: Any) -> Any:
 
     path = _with_the_way_to_it(signal, p.settled)
     out = np.array(path)
-    for k, weight in enumerate((p.play_1, p.play_2, p.play_3, p.play_4, p.play_5, p.play_6)):
+    for k, weight in enumerate(p[:PLAYS]):
         if weight != 0.0:
-            out += weight * (play(path, (k + 1) / PLAYS * p.width) - path)
+            out += weight * (play(path, (k + 1) / (PLAYS + 1) * p.width) - path)
     return out[1:]
 
 
@@ -57,6 +57,7 @@ _SETTLED = Parameter(
     "part of the first voltage, from bias, at which the piezo rested before: 1 at the first voltage itself, 0 at bias",
     "the history before the first row is not recorded",
     role="shape",
+    scan=Scan("one", 0.0, 1.0, 2, "linear"),
     natural="both",
 )
 
@@ -128,14 +129,20 @@ _FREE = replace(
     _PLAY,
     name="piezo_hysteresis:free_plays",
     meaning="hysteresis between voltage and extension of a piezo, by play operators of free weights",
-    equation="d = u + sum_k play_k (play(u; r_k) - u),  r_k = k width / 6",
+    equation="d = u + sum_k play_k (play(u; r_k) - u),  r_k = k width / 16",
     source="Kuhnen, European J. Control 9 (2003) 407: thresholds given, weights identified",
     parameters=(
         *(
             Parameter(f"play_{k + 1}", "1", 0.02, 0.0, 0.9, f"weight of play {k + 1}", "10-15 % in soft PZT, in all")
             for k in range(PLAYS)
         ),
-        _PLAY.parameters[1],
+        replace(
+            _PLAY.parameters[1],
+            meaning="half-width of a play that no longer moves",
+            source="half the range of the voltage",
+            role="reference",
+            scan=Scan("input", 0.5, 0.5),
+        ),
         _SETTLED,
     ),
     signal=_free_plays,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sysid.estimation.least_squares import least_squares
+from sysid.estimation.least_squares import least_squares, robust_scale
 from sysid.experiment.unknowns import Prior, Unknown
 
 REFERENCE = tomllib.loads((Path(__file__).parents[2] / "reference" / "nonlinear_regression.toml").read_text("utf-8"))
@@ -146,3 +146,9 @@ def test_without_a_final_jacobian_the_updated_one_is_returned() -> None:
     assert short.values == anew.values
     assert anew.exact and not short.exact
     assert not np.allclose(short.jacobian, anew.jacobian, rtol=1e-3)
+
+
+def test_scale_of_a_residual_leaves_out_a_channel_at_rest() -> None:
+    residual = np.random.default_rng(1).standard_normal(4000)
+    assert robust_scale(np.concatenate([residual, np.zeros(6000)])) == pytest.approx(1.0, abs=0.05)
+    assert robust_scale(np.zeros(3)) == 1.0
