@@ -1,0 +1,228 @@
+"""Decision on synthetic candidates: each of its results, ties, pairs, and the uncertainty of the noise level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import cast
+
+import numpy as np
+import pytest
+
+from sim.effects.catalogue import find
+from sim.library.effect import Coordinate, Effect
+from sysid.diagnosis.candidate import Candidate
+from sysid.diagnosis.constants import NOISE_FACTOR
+from sysid.diagnosis.decision import Decision, NoiseLevel, decide, equivalent
+from sysid.diagnosis.held_out import HeldOut
+from sysid.diagnosis.model_search import ModelSearch
+from sysid.estimation.fit import FittedModel
+from sysid.estimation.least_squares import FitResult
+from sysid.estimation.misfit import ResidualWeights
+from sysid.experiment.unknowns import Unknown
+from sysid.prediction.model import Model
+from sysid.prediction.problem import Problem
+
+BLOCKS, LENGTH = 24, 200
+SIZE = BLOCKS * LENGTH
+BLOCK = np.repeat(np.arange(BLOCKS), LENGTH)
+NOISE = np.random.default_rng(0).normal(size=SIZE)
+INDEX = np.arange(SIZE)
+# Orthogonal parts of a misfit, of mean square 1: one in each half of the samples of every block.
+ONE, OTHER = np.sqrt(2.0) * (INDEX % 2 == 0), np.sqrt(2.0) * (INDEX % 2 == 1)
+
+
+def _fitted(effects: tuple[Effect, ...], count: int) -> FittedModel:
+    """A model with `count` unknowns; nothing of it is evaluated."""
+    unknowns = tuple(Unknown(f"effect.p{k}", 0.0, -1.0, 1.0, 1.0) for k in range(count))
+    empty = np.empty(0)
+    fit = FitResult({}, 0.0, np.empty((0, count)), empty, empty, tuple(u.key for u in unknowns))
+    return FittedModel(Model(effects, {}, unknowns), fit, ResidualWeights((), ()))
+
+
+def _curve(coordinate: Coordinate) -> Effect:
+    return Effect(f"free_force_of_{coordinate}", "", (), coordinates=(coordinate,))
+
+
+@dataclass
+class Case:
+    """A stated model with a residual (n,) in standard deviations, and candidates with theirs.
+
+    The candidates stand for the search over models, of which a decision reads these lists only.
+    """
+
+    stated: np.ndarray
+    ranked: list[Candidate] = field(default_factory=list)
+    pairs: list[Candidate] = field(default_factory=list)
+    curves: list[Candidate] = field(default_factory=list)
+    beside: list[Candidate] = field(default_factory=list)
+
+    def candidate(self, residual: np.ndarray, *effects: Effect, count: int = 1, fit_gain: float = 1.0) -> Candidate:
+        """A candidate that leaves this residual (n,) on the held-out records."""
+        after = HeldOut(residual, BLOCK)
+        gain = HeldOut(self.stated, BLOCK).gain_of(after)
+        return Candidate(cast(Problem, None), effects, _fitted(effects, count), after, gain, fit_gain)
+
+    def effect(self, name: str, residual: np.ndarray, count: int = 1, fit_gain: float = 1.0) -> Case:
+        """The case with one more effect."""
+        self.ranked.append(self.candidate(residual, find(name), count=count, fit_gain=fit_gain))
+        self.ranked.sort(key=lambda c: c.held_out.loss)
+        return self
+
+    def curves_beside(self, first: Candidate) -> list[Candidate]:
+        """Effect and free curve together."""
+        return self.beside
+
+    def decide(self, noise: NoiseLevel | None = None) -> Decision:
+        """The decision; by default the noise level is exact."""
+        reference = HeldOut(self.stated, BLOCK)
+        noise = noise or NoiseLevel(adequate_loss=reference.loss)
+        return decide(cast(ModelSearch, self), reference, noise)
+
+
+def test_sufficient_effect_is_missing_with_its_share() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 0.2 * ONE).effect("viscous", NOISE + 1.9 * ONE)
+    found = case.decide()
+    assert (found.verdict, found.ties) == ("missing-effect", ())
+    assert found.best is case.ranked[0]
+    before, after = case.ranked[0].held_out.loss + case.ranked[0].gain.loss, case.ranked[0].held_out.loss
+    assert found.unexplained_share == pytest.approx(max(after - 1.0, 0.0) / (before - min(1.0, after)), abs=0.01)
+    assert found.best_named == ("cable_spring", pytest.approx(1.0 - found.unexplained_share))
+
+
+def test_effect_below_its_sufficient_share_is_not_missing() -> None:
+    found = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 1.7 * ONE).decide()
+    assert found.verdict == "unexplained"
+    assert found.best is None
+    assert "cable_spring explains only" in found.reason
+
+
+def test_free_curve_that_explains_clearly_more_leaves_the_misfit_unexplained() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + 1.1 * ONE)
+    assert case.decide().verdict == "missing-effect"
+    case.curves = [case.candidate(NOISE, _curve("position"))]
+    found = case.decide()
+    assert found.verdict == "unexplained"
+    assert found.free_curve is not None and found.best_named is not None
+    assert found.free_curve.coordinate == "position"
+    assert found.free_curve.share > 0.95 > found.best_named[1] > 0.6
+    assert "a free curve of position explains" in found.reason
+
+
+def test_free_curve_that_explains_no_more_than_the_effect_does_not_matter() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE)
+    case.curves = [case.candidate(NOISE, _curve("position"))]
+    assert case.decide().best is case.ranked[0]
+
+
+def test_effect_beside_a_free_curve_is_missing_if_both_are_needed() -> None:
+    case = Case(NOISE + 1.5 * ONE + 2.0 * OTHER).effect("viscous", NOISE + 2.0 * OTHER)
+    assert case.decide().verdict == "unexplained"
+    case.curves = [case.candidate(NOISE + 1.5 * ONE, _curve("position"))]
+    assert case.decide().verdict == "unexplained"
+    case.beside = [case.candidate(NOISE, find("viscous"), _curve("position"))]
+    found = case.decide()
+    assert found.verdict == "missing-effect"
+    assert found.best is case.ranked[0]
+    assert found.unexplained_share == pytest.approx(4.0 / 6.25, abs=0.05)
+    # A curve that is sufficient alone needs no effect beside it.
+    case.curves = [case.candidate(NOISE, _curve("position"))]
+    assert case.decide().verdict == "unexplained"
+
+
+def test_pair_that_is_clearly_better_is_named_by_one_of_its_members() -> None:
+    case = Case(NOISE + 1.5 * ONE + 2.0 * OTHER)
+    case.effect("viscous", NOISE + 2.0 * OTHER).effect("cable_spring", NOISE + 1.5 * ONE)
+    case.effect("constant_bias", NOISE + 1.5 * ONE + 1.9 * OTHER)
+    case.pairs = [case.candidate(NOISE, find("viscous"), find("cable_spring"))]
+    found = case.decide()
+    assert found.verdict == "missing-effect"
+    assert found.best is not None
+    assert found.best.public_name == "cable_spring"
+    assert "viscous explains the rest" in found.reason
+    assert found.unexplained_share == pytest.approx(2.25 / 6.25, abs=0.05)
+
+
+def test_pair_is_not_preferred_to_an_effect_that_explains_as_much() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE)
+    case.pairs = [case.candidate(0.99 * NOISE, find("viscous"), find("constant_bias"))]
+    found = case.decide()
+    assert found.best is case.ranked[0]
+    assert found.reason == "explains the residual"
+
+
+def test_simplest_of_equivalent_effects_is_named_and_the_others_are_tied() -> None:
+    case = Case(NOISE + 2.0 * ONE)
+    case.effect("stribeck", NOISE, count=3).effect("viscous", 1.0005 * NOISE, count=1)
+    case.effect("quadratic_drag", 1.0006 * NOISE, count=1).effect("cable_spring", NOISE + 0.9 * ONE, count=1)
+    chosen, ties = equivalent(HeldOut(case.stated, BLOCK), case.ranked, case.ranked[0])
+    assert (chosen.public_name, set(ties)) == ("viscous", {"stribeck", "quadratic_drag"})
+    found = case.decide()
+    assert (found.best, found.ties) == (chosen, ties)
+
+
+def test_effect_that_a_certain_difference_separates_is_not_tied() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("stribeck", NOISE, count=3).effect("viscous", NOISE + 0.5 * ONE, count=1)
+    found = case.decide()
+    assert found.best is not None
+    assert (found.best.public_name, found.ties) == ("stribeck", ())
+
+
+@pytest.mark.parametrize(
+    "left,fit_gain",
+    [
+        pytest.param(np.where(BLOCK == 3, ONE, 2.0 * ONE), 1.0, id="from one block of time"),
+        pytest.param(NOISE * 0.0 + 2.0 * ONE - 0.02 * NOISE, 1.0, id="too small"),
+        pytest.param(0.0 * ONE, -0.1, id="not on the records of the fit"),
+    ],
+)
+def test_gain_that_is_not_certain_names_nothing(left: np.ndarray, fit_gain: float) -> None:
+    found = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE + left, fit_gain=fit_gain).decide()
+    assert found.verdict == "unexplained"
+    assert found.best is None
+
+
+def test_noise_alone_is_adequate() -> None:
+    case = Case(NOISE).effect("cable_spring", 0.999 * NOISE)
+    case.curves = [case.candidate(0.998 * NOISE, _curve("position"))]
+    found = case.decide()
+    assert (found.verdict, found.best) == ("adequate", None)
+
+
+def test_nothing_is_named_below_the_noise() -> None:
+    """A level that is stated too high: the loss of the stated model is below 1, whatever an effect removes."""
+    case = Case(0.5 * NOISE + 0.3 * ONE).effect("cable_spring", 0.5 * NOISE)
+    assert case.decide().verdict == "adequate"
+
+
+def test_effect_is_found_where_the_estimated_level_was_too_high() -> None:
+    case = Case(0.5 * NOISE + 0.5 * ONE).effect("cable_spring", 0.5 * NOISE)
+    found = case.decide(NoiseLevel(loss=0.25, adequate_loss=0.5))
+    assert found.best is case.ranked[0]
+    assert found.unexplained_share == pytest.approx(0.0, abs=0.05)
+
+
+@pytest.mark.parametrize("times,verdict", [(0.8, "adequate"), (1.2, "unexplained")])
+def test_level_may_be_too_low_by_a_factor_where_nothing_gains(times: float, verdict: str) -> None:
+    case = Case(times * NOISE_FACTOR * NOISE).effect("cable_spring", 0.9999 * times * NOISE_FACTOR * NOISE)
+    assert case.decide().verdict == verdict
+
+
+def test_notable_free_curve_is_no_uncertainty_of_the_level() -> None:
+    case = Case(NOISE + ONE)
+    assert case.decide().verdict == "adequate"
+    case.curves = [case.candidate(NOISE, _curve("temperature"))]
+    found = case.decide()
+    assert found.verdict == "unexplained"
+    assert found.free_curve is not None and found.free_curve.coordinate == "temperature"
+
+
+def test_form_error_of_added_laws_is_a_floor_of_the_gain() -> None:
+    case = Case(NOISE + 0.7 * ONE).effect("cable_spring", NOISE)
+    assert case.decide().verdict == "missing-effect"
+    exact = HeldOut(case.stated, BLOCK).loss
+    assert case.decide(NoiseLevel(form_error=1.0, adequate_loss=exact)).verdict == "adequate"
+
+
+def test_decision_without_candidates() -> None:
+    assert Case(NOISE).decide().verdict == "adequate"
+    assert Case(NOISE + 5.0 * ONE).decide().verdict == "unexplained"

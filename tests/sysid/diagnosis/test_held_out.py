@@ -1,0 +1,169 @@
+"""Held-out loss and gain: size on white and on autocorrelated noise, refit of amplitudes, invariance."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from sysid.diagnosis.held_out import HeldOut, held_out
+from sysid.estimation.misfit import weighted_residual
+from sysid.estimation.reference_fit import fit_stated_model
+from sysid.prediction.problem import Problem, load_problem
+from tests.sysid.slide import NOISE, POSITION, SIGN, TIME, VELOCITY, slide
+
+BLOCKS, LENGTH = 24, 400
+BLOCK = np.repeat(np.arange(BLOCKS), LENGTH)
+
+
+def _noise(seed: int, correlation: float = 0.0) -> np.ndarray:
+    """First-order autoregressive noise (n,) of standard deviation 1."""
+    white = np.random.default_rng(seed).normal(size=BLOCK.size)
+    scaled = lfilter([np.sqrt(1.0 - correlation**2)], [1.0, -correlation], white)
+    return np.asarray(scaled)
+
+
+def test_loss_of_white_noise_is_one() -> None:
+    rng = np.random.default_rng(0)
+    found = HeldOut(rng.normal(size=100_000), np.zeros(100_000, dtype=int))
+    # Standard error sqrt(2/n) = 0.0045; beyond the corner of 4 deviations the Huber square loses less than 1e-4.
+    assert found.loss == pytest.approx(1.0, abs=0.015)
+
+
+def test_loss_is_linear_beyond_the_corner_and_infinite_without_a_prediction() -> None:
+    block = np.zeros(2, dtype=int)
+    assert HeldOut(np.array([3.0, -10.0]), block).loss == pytest.approx((9.0 + 16.0 + 2.0 * 4.0 * 6.0) / 2.0)
+    assert HeldOut(np.array([1.0, np.nan]), block).loss == np.inf
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.9, 0.98])
+def test_significance_of_a_true_effect_has_unit_standard_error(correlation: float) -> None:
+    """With the change d constant the gain of n samples is n d^2 and its standard error that of 2 d sum(r)."""
+    expected = 5.0
+    factor = np.sqrt((1.0 + correlation) / (1.0 - correlation))
+    size = expected * 2.0 * factor / np.sqrt(BLOCK.size)
+    found = []
+    for seed in range(200):
+        noise = _noise(seed, correlation)
+        gain = HeldOut(noise + size, BLOCK).gain_of(HeldOut(noise, BLOCK))
+        assert gain.loss == pytest.approx(size**2 + 2.0 * size * noise.mean(), abs=0.02 * size)
+        found.append(gain.significance)
+    # The spread is estimated from 24 blocks, to 1/sqrt(48) of itself.
+    assert np.median(found) == pytest.approx(expected, rel=0.15)
+    assert np.std(found) == pytest.approx(np.hypot(1.0, expected / np.sqrt(2.0 * BLOCKS)), rel=0.3)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.9])
+def test_change_unrelated_to_the_noise_is_not_significant(correlation: float) -> None:
+    wave = 0.3 * np.sin(0.05 * np.arange(BLOCK.size))
+    gains = [
+        HeldOut(noise, BLOCK).gain_of(HeldOut(noise - wave, BLOCK))
+        for noise in (_noise(seed, correlation) for seed in range(100))
+    ]
+    assert max(gain.significance for gain in gains) < 4.0
+    assert np.mean([gain.loss for gain in gains]) == pytest.approx(-np.mean(wave**2), abs=0.01)
+
+
+def test_steadiness_of_one_block_is_one_and_of_equal_blocks_large() -> None:
+    noise = _noise(1)
+    once = HeldOut(noise + np.where(BLOCK == 7, 3.0, 0.0), BLOCK).gain_of(HeldOut(noise, BLOCK))
+    everywhere = HeldOut(noise + 1.0, BLOCK).gain_of(HeldOut(noise, BLOCK))
+    # Mean over standard error of (0, ..., 0, a, 0, ..., 0): exactly 1 for any number of blocks.
+    assert once.steadiness == pytest.approx(1.0, abs=1e-9)
+    assert everywhere.steadiness > 10.0
+    assert everywhere.p_value == pytest.approx(1.0 / 2001.0)
+    assert once.p_value == pytest.approx(0.5, abs=0.05)
+
+
+def _shifted(folder: Path, rows: int, shift: float) -> Problem:
+    """Coulomb friction that is larger by `shift` N in the held-out record; the fit record has `rows` rows."""
+    slide(folder, 1.5 * SIGN, '"coulomb"', held_out=True)
+    for name, change, kept in (("fit", 0.0, rows), ("validate", shift, TIME.size)):
+        file = folder / f"{name}.csv"
+        header = file.read_text(encoding="utf-8").splitlines()[0]
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        table[:, 3] += change * SIGN
+        np.savetxt(file, table[:kept], "%.9g", ",", header=header, comments="")
+    return load_problem(folder)
+
+
+@pytest.mark.parametrize("rows", [100, 2500])
+def test_amplitude_is_estimated_again_with_the_information_of_the_fit(tmp_path: Path, rows: int) -> None:
+    """Of a shift s of the level the part s A/(A + B) is left, with A and B the information of both sets of records."""
+    shift = NOISE
+    problem = _shifted(tmp_path, rows, shift)
+    base = fit_stated_model(problem)
+    sign = np.sign(VELOCITY[base.weights.samples[0]["friction_force"]])
+    plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
+    assert np.mean(plain * sign) == pytest.approx(shift / NOISE, abs=0.25)
+    found = held_out(base.fitted, problem.validate_records, base.weights)
+    # The residual that the shift enlarges is no measure of the noise: the record counts by its own scale.
+    scale = 1.4826 * float(np.median(np.abs(plain)))
+    of_fit, of_held_out = rows - 1.0, sign.size / scale**2
+    left = np.mean(plain * sign) * of_fit / (of_fit + of_held_out)
+    assert np.mean(found.residual * sign) == pytest.approx(left, abs=0.1 * shift / NOISE)
+    assert found.loss < float(np.mean(plain**2))
+
+
+def test_loss_of_a_true_model_is_hardly_changed_by_the_refit(tmp_path: Path) -> None:
+    problem = _shifted(tmp_path, 2500, 0.0)
+    base = fit_stated_model(problem)
+    plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
+    found = held_out(base.fitted, problem.validate_records, base.weights)
+    assert found.loss == pytest.approx(float(np.mean(plain**2)), rel=5e-3)
+    assert found.loss == pytest.approx(1.0, abs=0.1)
+
+
+def test_amplitude_at_its_bound_stays(tmp_path: Path) -> None:
+    problem = _shifted(tmp_path, 100, 10.0 * NOISE)
+    base = fit_stated_model(problem)
+    key = "coulomb.force"
+    assert key in base.fitted.fit.keys
+    fixed = replace(base.fitted, fit=replace(base.fitted.fit, at_bound=(key,)))
+    plain = weighted_residual(base.fitted.model, problem.validate_records, base.weights)
+    assert np.array_equal(held_out(fixed, problem.validate_records, base.weights).residual, plain)
+
+
+def _written(folder: Path, mirror: float, later: float, unit: str) -> Problem:
+    """One motion with Coulomb friction, drag and a cable that the model lacks: mirrored, later, or in another unit."""
+    scale = {"m": 1.0, "mm": 1e3}[unit]
+    force = 1.5 * SIGN + 20.0 * VELOCITY + 5.0 * POSITION
+    folder.mkdir()
+    for seed, name in enumerate(("fit", "validate")):
+        noise = NOISE * np.random.default_rng(seed).normal(size=TIME.size)
+        columns = TIME + later, mirror * scale * POSITION, mirror * scale * VELOCITY, mirror * (force + noise)
+        header = f"time [s],position [{unit}],velocity [{unit}/s],friction_force [N]"
+        np.savetxt(folder / f"{name}.csv", np.column_stack(columns), "%.12g", ",", header=header, comments="")
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[[record]]\nfile = "validate.csv"\nrole = "validate"\n'
+        f'[noise]\nfriction_force = "{NOISE} N"\n'
+    )
+    return load_problem(folder)
+
+
+@pytest.mark.parametrize("mirror,later,unit", [(-1.0, 0.0, "m"), (1.0, 100.0, "m"), (1.0, 0.0, "mm")])
+def test_loss_does_not_depend_on_direction_start_time_or_unit(
+    tmp_path: Path, mirror: float, later: float, unit: str
+) -> None:
+    losses = []
+    for name, arguments in (("one", (1.0, 0.0, "m")), ("other", (mirror, later, unit))):
+        problem = _written(tmp_path / name, *arguments)
+        base = fit_stated_model(problem)
+        losses.append(held_out(base.fitted, problem.validate_records, base.weights).loss)
+    assert losses[0] > 1.5
+    assert losses[1] == pytest.approx(losses[0], rel=1e-6)
+
+
+def test_refit_does_not_depend_on_the_order_and_scale_of_the_unknowns(tmp_path: Path) -> None:
+    problem = _written(tmp_path / "rig", 1.0, 0.0, "m")
+    base = fit_stated_model(problem)
+    model = base.fitted.model
+    turned = replace(model, unknowns=tuple(replace(u, size=7.0 * u.size) for u in reversed(model.unknowns)))
+    one, other = (
+        held_out(replace(base.fitted, model=m), problem.validate_records, base.weights) for m in (model, turned)
+    )
+    assert np.allclose(one.residual, other.residual, atol=1e-5)
