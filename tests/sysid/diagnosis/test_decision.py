@@ -40,7 +40,7 @@ def _fitted(effects: tuple[Effect, ...], count: int) -> FittedModel:
 
 
 def _curve(coordinate: Coordinate) -> Effect:
-    return Effect(f"free_force_of_{coordinate}", "", (), coordinates=(coordinate,))
+    return Effect(f"free_force_of_{coordinate}", "", coordinates=(coordinate,))
 
 
 @dataclass
@@ -151,9 +151,11 @@ def test_pair_is_not_preferred_to_an_effect_that_explains_as_much() -> None:
 
 
 def test_simplest_of_equivalent_effects_is_named_and_the_others_are_tied() -> None:
+    other = np.random.default_rng(1).normal(size=SIZE)
+    small = 0.02 * (other - NOISE * (other @ NOISE) / (NOISE @ NOISE))
     case = Case(NOISE + 2.0 * ONE)
-    case.effect("stribeck", NOISE, count=3).effect("viscous", 1.0005 * NOISE, count=1)
-    case.effect("quadratic_drag", 1.0006 * NOISE, count=1).effect("cable_spring", NOISE + 0.9 * ONE, count=1)
+    case.effect("stribeck", NOISE, count=3).effect("viscous", NOISE + small, count=1)
+    case.effect("quadratic_drag", NOISE - 1.1 * small, count=1).effect("cable_spring", NOISE + 0.9 * ONE, count=1)
     chosen, ties = equivalent(HeldOut(case.stated, BLOCK), case.ranked, case.ranked[0])
     assert (chosen.public_name, set(ties)) == ("viscous", {"stribeck", "quadratic_drag"})
     found = case.decide()
