@@ -13,7 +13,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Drive:
-    """A drive, built by `force`, `pulled_spring` or `sinusoidal_velocity`.
+    """A drive, built by `force`, `held_force`, `pulled_spring` or `sinusoidal_velocity`.
 
     Args:
         knots: times at which a segment begins, s, shape (m,), increasing.
@@ -53,6 +53,12 @@ def force(time: object, newtons: object) -> Drive:
     """
     t, s = _array(time), _array(newtons)
     return Drive(t, s, np.append(np.diff(s) / np.diff(t), 0.0))
+
+
+def held_force(time: object, newtons: object) -> Drive:
+    """A force held from each instant to the next (the output of a sampled controller); arguments as `force`."""
+    t, s = _array(time), _array(newtons)
+    return Drive(t, s, np.zeros(t.size))
 
 
 def pulled_spring(time: object, pull_position: object, stiffness: float) -> Drive:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -132,7 +132,15 @@ class _Mechanics:
     friction_delay: float = 0.0
 
 
-def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: float) -> Plan:
+class Surroundings(NamedTuple):
+    """Normal load (N) and temperature (degC), (m, 2), at instants that begin at `begin` (s), `step` (s) apart."""
+
+    values: np.ndarray
+    begin: float = 0.0
+    step: float = 1.0
+
+
+def plan_of(model: Model, drive: Drive, mass: float, surroundings: Surroundings) -> Plan:
     """Lay a model out for the integrator.
 
     Raises:
@@ -145,14 +153,15 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
     tables = [np.array(p if len(p) else (0.0,), dtype=float) for p in model.values]
     drive, axis, oscillators = _mechanics(model, drive, mass)
     groups, scales, kept = _groups(model, tables)
-    base = np.array([0.0, 1.0, 0.0, load, temperature])
+    base = np.array([0.0, 1.0, 0.0])
+    varying = surroundings.values.shape[0] > 1
     rows: list[tuple[int, int, int, int]] = []
     required: set[str] = set()
     for effect, p, table in zip(model.effects, model.values, tables):
         if not any(kernels.instantaneous_terms(effect)):
             continue
-        if kernels.is_constant(effect):
-            _add_constant(effect, p, base)
+        if kernels.is_constant(effect) and not (varying and effect.needs):
+            _add_constant(effect, p, base, surroundings)
             continue
         required |= kernels.required_quantities(effect)
         kernel = kernels.effect_kernel(effect)
@@ -160,7 +169,7 @@ def plan_of(model: Model, drive: Drive, mass: float, load: float, temperature: f
         rows += _effect_rows(effect, kernel, table, axis.friction_delay)
     return Plan(
         drive=drive,
-        laws=Laws(np.array(rows, dtype=np.int64).reshape(-1, 4), groups, base, oscillators),
+        laws=Laws(np.array(rows, dtype=np.int64).reshape(-1, 4), groups, base, *surroundings, oscillators),
         head=4 if required & {"travelled", "contact_age"} else 2,
         scales=scales,
         axis=axis,
@@ -230,9 +239,10 @@ def _effect_rows(
     return [(*row, FRICTION * friction + FORCE * force, int(is_delayed))]
 
 
-def _add_constant(effect: Effect, p: Any, base: np.ndarray) -> None:
+def _add_constant(effect: Effect, p: Any, base: np.ndarray, surroundings: Surroundings) -> None:
     """Add an effect that stays constant to the constant terms."""
-    axis = Axis(0.0, 0.0, 0.0, math.nan, base[3], base[4], 0.0, math.nan, 0.0, 1.0)
+    load, temperature = surroundings.values[0]
+    axis = Axis(0.0, 0.0, 0.0, math.nan, load, temperature, 0.0, math.nan, 0.0, 1.0)
     if effect.level is not None:
         base[0] += effect.level(axis, p)
     if effect.factor is not None:

@@ -98,13 +98,18 @@ class Laws(NamedTuple):
             laws depend on the delayed speed; (effects, 4).
         groups: address of the kernel, address of its parameters, first element and number of elements; the first row is
             the friction state model, the others are elements parallel to it; (groups, 4).
-        base: level, factor and force of all that stays constant, normal load, temperature; (5,).
+        base: level, factor and force of all that stays constant, (3,).
+        surroundings: normal load (N) and temperature (degC), (m, 2); linear between instants that begin at `begin` (s)
+            and are `step` (s) apart, or constant for m = 1.
         oscillators: w^2, 2 damping w, and mass of each added oscillator; (oscillators, 3).
     """
 
     effects: np.ndarray
     groups: np.ndarray
     base: np.ndarray
+    surroundings: np.ndarray
+    begin: float
+    step: float
     oscillators: np.ndarray
 
 

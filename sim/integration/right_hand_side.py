@@ -20,11 +20,37 @@ def drive_at(t, drive, segment):
 
 
 @inlined
+def _set_surroundings(t, laws, axis):
+    """Write load and temperature at one instant."""
+    table = laws.surroundings
+    axis[4], axis[5] = table[0, 0], table[0, 1]
+    if table.shape[0] > 1:
+        place = (t - laws.begin) / laws.step
+        i = min(max(int(place), 0), table.shape[0] - 2)
+        axis[4] = table[i, 0] + (place - i) * (table[i + 1, 0] - table[i, 0])
+        axis[5] = table[i, 1] + (place - i) * (table[i + 1, 1] - table[i, 1])
+
+
+@inlined
+def _add_slope_by_surroundings(row, problem, axis, laws):
+    """Add, to the slopes by time of one effect's laws, those by load and temperature: forward differences."""
+    t, ahead = axis[0], 1e-4 * problem.laws.step
+    level, factor, force = laws[0], laws[COLUMNS], laws[2 * COLUMNS]
+    _set_surroundings(t + ahead, problem.laws, axis)
+    call_effect(row[0], axis, row[1], laws, False)
+    _set_surroundings(t, problem.laws, axis)
+    laws[5] += (laws[0] - level) / ahead
+    laws[COLUMNS + 5] += (laws[COLUMNS] - factor) / ahead
+    laws[2 * COLUMNS + 5] += (laws[2 * COLUMNS] - force) / ahead
+    laws[0], laws[COLUMNS], laws[2 * COLUMNS] = level, factor, force
+
+
+@inlined
 def _set_axis(t, y, direction, problem, axis):
     """Write the arguments of the effects' laws; NaN for quantities that the simulation lacks."""
     axis[0], axis[1], axis[2] = t, y[0], y[1]
     axis[3], axis[7] = math.nan, math.nan
-    axis[4], axis[5] = problem.laws.base[3], problem.laws.base[4]
+    _set_surroundings(t, problem.laws, axis)
     axis[6], axis[8] = 0.0, 0.0
     if problem.layout.head > 2:
         axis[6], axis[8] = y[3], y[2]
@@ -47,6 +73,8 @@ def _add_effects(direction, delayed, with_slopes, problem, terms):
         if effects[i, 3]:
             axis[2] = direction * delayed[0]
         call_effect(effects[i, 0], axis, effects[i, 1], laws, with_slopes)
+        if with_slopes and problem.laws.surroundings.shape[0] > 1:
+            _add_slope_by_surroundings(effects[i], problem, axis, laws)
         if effects[i, 3]:
             axis[2] = v
             if with_slopes:

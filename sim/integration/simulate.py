@@ -26,7 +26,9 @@ class Settings:
         mass: kg, positive.
         position, velocity: initial, m and m/s (velocity: that of the drive where it imposes the motion, else zero).
         bristle: initial state of the friction elements, (elements,); zero by default.
-        load, temperature: constant normal load (N) and temperature (degC) for laws that depend on them.
+        travelled, contact_age: initial distance travelled, m, and age of the contact, s.
+        load, temperature: normal load (N) and temperature (degC) for laws that depend on them: constant, or at evenly
+            spaced instants from the start to the end, (m,) each, linear between them.
         memory_length: distance over which a contact's age is renewed, m: by default that of the effect which has one,
             else infinite.
         tolerance: relative error per step, 1e-13 to 1e-2.
@@ -43,8 +45,10 @@ class Settings:
     position: float = 0.0
     velocity: float | None = None
     bristle: Any = None
-    load: float = math.nan
-    temperature: float = math.nan
+    travelled: float = 0.0
+    contact_age: float = 0.0
+    load: Any = math.nan
+    temperature: Any = math.nan
     memory_length: float | None = None
     tolerance: float = 1e-8
     energy: bool = False
@@ -117,20 +121,25 @@ def simulate(model: Model, drive: Drive, time: Any, **settings: Any) -> Simulati
         SimulationError: the step became too small, a law gave a number that is not finite, or too many steps.
     """
     from sim.integration.integrator import DONE, REPORT_HEAD, integrate
-    from sim.integration.plan import plan_of
+    from sim.integration.plan import Surroundings, plan_of
     from sim.integration.problem import WORKS, Output
 
     chosen = Settings(**settings)
     t = np.ascontiguousarray(time, dtype=float)
     if t.ndim != 1 or t.size < 2 or not np.all(t[1:] > t[:-1]):
         raise InputError("simulation: the instants of the output must be two or more, and increase strictly")
-    given = plan_of(model, drive, chosen.mass, chosen.load, chosen.temperature)
+    table = np.column_stack(np.broadcast_arrays(np.atleast_1d(chosen.load), np.atleast_1d(chosen.temperature)))
+    table = np.ascontiguousarray(table, dtype=float)
+    surroundings = Surroundings(table, float(t[0]), float(t[-1] - t[0]) / max(table.shape[0] - 1, 1))
+    given = plan_of(model, drive, chosen.mass, surroundings)
     plan = given.compressed(t[0], t[-1], chosen.tolerance)
     memory_length = plan.memory_length if chosen.memory_length is None else chosen.memory_length
     problem = plan.problem(memory_length, chosen.energy)
     layout = problem.layout
     velocity = drive.initial_velocity if chosen.velocity is None else chosen.velocity
     start = plan.start(layout, chosen.position, velocity, chosen.bristle)
+    if layout.head > 2:
+        start[2], start[3] = chosen.travelled, chosen.contact_age
     tolerance = plan.tolerance(layout, chosen.tolerance, chosen.longest_step, chosen.most_steps)
     output = Output(
         time=t,

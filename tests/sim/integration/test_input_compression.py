@@ -8,8 +8,10 @@ import pytest
 from sim.effects.model import compose
 from sim.integration import drive
 from sim.integration.input_compression import SHARE, compressed, force_at
+from sim.integration.plan import Surroundings
 from sim.integration.simulate import simulate
 
+NO_SURROUNDINGS = Surroundings(np.full((1, 2), np.nan))
 TIME = 1e-4 * np.arange(20_001)
 MODEL = compose(["lugre", "stribeck", "viscous"])
 
@@ -74,7 +76,7 @@ def test_a_drive_with_a_play_is_left_as_it_is():
     from sim.integration.plan import plan_of
 
     given = logged_pull(1e-8)
-    with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, float("nan"), float("nan"))
+    with_play = plan_of(compose(["lugre", "backlash"]), given, 1.0, NO_SURROUNDINGS)
     assert with_play.compressed(0.0, TIME[-1], 1e-4).drive is given
-    without = plan_of(compose(["lugre"]), given, 1.0, float("nan"), float("nan"))
+    without = plan_of(compose(["lugre"]), given, 1.0, NO_SURROUNDINGS)
     assert without.compressed(0.0, TIME[-1], 1e-4).drive.knots.size < TIME.size / 100

@@ -231,3 +231,19 @@ def test_the_cache_falls_back_where_it_cannot_be_written(tmp_path, monkeypatch):
         assert compilation.cache_folder() == tmp_path / "other" / "stagecad" / "kernels"
     finally:
         compilation.cache_folder.cache_clear()
+
+
+def test_a_load_that_varies_is_followed():
+    """Unit mass under 3 N against 1 N of friction in proportion to a load 10 + 4 sin(5 t) N over 10 N, sliding on."""
+    names = ["coulomb", "load_dependent_friction"]
+    values = {"coulomb.force": 1.0, "coulomb.stretch": 1e-9, "load_dependent_friction.sensitivity": 1.0}
+    model = compose(names, {**values, "load_dependent_friction.reference": 10.0})
+    time = np.linspace(0.0, 2.0, 2001)
+    load = 10.0 + 4.0 * np.sin(5.0 * time)
+    run = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=load, bristle=[1.0])
+    velocity = 1.0 + 2.0 * time - 0.4 / 5.0 * (1.0 - np.cos(5.0 * time))
+    # The load is linear between its instants: 25 * 0.4 (1 ms)^2 / 12 of its integral is missing.
+    assert run.velocity == pytest.approx(velocity, abs=1e-6)
+    assert run.level == pytest.approx(load / 10.0, abs=1e-12)
+    steady = simulate(model, drive.force([0.0, 2.0], [3.0, 3.0]), time, velocity=1.0, load=10.0, bristle=[1.0])
+    assert steady.velocity == pytest.approx(1.0 + 2.0 * time, abs=1e-8)
