@@ -111,9 +111,11 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
         predicted = predict(record, model.effects, model.values)
         for channel in record.measured:
             ok = record.valid[channel]
-            r = (record.measured[channel] - predicted[channel])[ok]
-            residuals.setdefault(channel, []).append(r)
-            scaled.setdefault(channel, []).append(r / channel_noise(model, record, channel))
+            r = record.measured[channel] - predicted[channel]
+            residuals.setdefault(channel, []).append(r[ok])
+            compared = ok & ~held_by_measured_force(record, channel, r, model.values)
+            kept = r[compared if compared.any() else ok]
+            scaled.setdefault(channel, []).append(kept / channel_noise(model, record, channel))
             measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
         if isinstance(record, ForceBalanceRecord) and record.stick_phases is not None:
             # Presliding displacements in stick phases count as a misfit of the position.
@@ -137,6 +139,26 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             size=r.size,
         )
     return out
+
+
+HELD = 1e-3
+"""Part of the noise within which a force is that of the measurement."""
+
+
+def held_by_measured_force(
+    record: PreparedRecord, channel: str, residual: np.ndarray, values: Mapping[str, float]
+) -> np.ndarray:
+    """Samples (n,) at which friction holds the body of a driven mass against the measured force.
+
+    There the model's friction is the measured force less the inertia, whose noise cancels: the residual is the noise of
+    the inertia alone, and no comparison.
+    """
+    if not isinstance(record, ForceBalanceRecord) or record.acceleration is None or channel != record.force_channel:
+        return np.zeros(record.size, dtype=bool)
+    inertia = values["rig.mass"] * record.acceleration
+    if channel == "position":
+        inertia = -inertia / values["rig.pull_stiffness"]
+    return np.abs(residual + inertia) <= HELD * record.noise[channel]
 
 
 def worst_over_noise(fit: dict[str, ChannelMisfit], validate: dict[str, ChannelMisfit]) -> float:
