@@ -72,13 +72,21 @@ def load_records(experiment: Experiment) -> list[Record]:
     Raises:
         InputError: one line with file, row and column.
     """
-    records = [_load(experiment, spec) for spec in experiment.records]
+    records = load_whole_records(experiment)
     if all(record.role == "fit" for record in records):
         return _hold_out(records)
     return records
 
 
-def _load(experiment: Experiment, spec: RecordSpec) -> Record:
+def load_whole_records(experiment: Experiment) -> list[Record]:
+    """Read every record of an experiment; nothing is held out. Raises as `load_records`."""
+    rig = experiment.rig
+    return [load_record(spec, rig.declaration, rig.rotary, experiment.noise) for spec in experiment.records]
+
+
+def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str, float] | None = None) -> Record:
+    """Read one record with the columns that a kind of rig has; `noise` is that of the experiment. Raises as
+    `load_records`."""
     name = shown_path(str(spec.path))
     opened = open_record_file(spec.path, name)
     sources = spec.sources
@@ -96,7 +104,7 @@ def _load(experiment: Experiment, spec: RecordSpec) -> Record:
     _check_time(time, opened, name, sources["time"].column.label.strip())
     notes = list(spec.notes)
     time, values = _window(time, values, spec, name, notes)
-    values = _check_values(values, spec, experiment.rig.declaration, name, notes)
+    values = _check_values(values, spec, rig, name, notes)
     steps = np.diff(time)
     step = float(np.median(steps))
     return Record(
@@ -106,13 +114,13 @@ def _load(experiment: Experiment, spec: RecordSpec) -> Record:
         time=time,
         channels=values,
         units={channel: sources[channel].si_unit for channel in values},
-        rotary=experiment.rig.rotary,
+        rotary=rotary,
         notes=tuple(notes),
         sha256=hashlib.sha256(opened.data).hexdigest(),
         step=step,
         uniform=bool(np.all(np.abs(steps - step) <= 0.01 * step)),
         continues=spec.continues,
-        noise={**experiment.noise, **spec.noise},
+        noise={**(noise or {}), **spec.noise},
     )
 
 

@@ -1,4 +1,4 @@
-"""`stagecad simulate`: the thesis's experiments and the driven stage, with data, features and figures."""
+"""`stagecad simulate`: the thesis's experiments, the driven stage, and records of the model of an EXPERIMENT."""
 
 from __future__ import annotations
 
@@ -41,6 +41,8 @@ class Options:
     scheduler: str | None
     kinds: str
     figures: bool
+    motion: Path | None
+    noise: bool
 
     @property
     def formats(self) -> tuple[str, ...]:
@@ -66,7 +68,7 @@ class Output:
 
 
 @click.command("simulate")
-@click.argument("names", nargs=-1, metavar="[tip] [presliding] [hysteresis] [stick-slip] [stage] [passivity]")
+@click.argument("names", nargs=-1, metavar="[EXPERIMENT | tip presliding hysteresis stick-slip stage passivity]")
 @click.option("--mass", default=None, metavar="QUANTITY|design", help="Moving mass (default: the thesis's 1 kg).")
 @click.option(
     "--model", "models", multiple=True, metavar="NAME", help="Friction model; may be repeated (default: all)."
@@ -87,7 +89,15 @@ class Output:
     default=None,
     help="Simulate so many machines sampled from the deviations (+-) and tolerances of the parameters.",
 )
-@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers of --draws.")
+@click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of --draws, and of the noise.")
+@click.option(
+    "--motion",
+    type=click.Path(path_type=Path),
+    default=None,
+    metavar="FILE",
+    help="Simulate EXPERIMENT on the inputs in this file (CSV, Parquet, MAT) instead of its own.",
+)
+@click.option("--noise/--no-noise", default=True, help="Add the noise of each channel to the records of EXPERIMENT.")
 @click.option(
     "--scheduler", default=None, metavar="ADDRESS", help="Send the many runs of stage, --sweep or --draws to a cluster."
 )
@@ -105,9 +115,15 @@ def command(run: Run, names: tuple[str, ...], **given: Any) -> None:
     """Simulate the thesis's experiments and the driven stage; data and figures go to OUT/simulate.
 
     Without a name: tip, presliding, hysteresis, stick-slip, stage. `passivity` audits the energy of the friction
-    models.
+    models. EXPERIMENT, a folder or its experiment.toml: its model is simulated on its inputs, and records with noise
+    are written with an experiment.toml to OUT/simulate/NAME.
     """
     options = Options(**given)
+    if any(_is_experiment(name) for name in names):
+        _simulate_records(run, names, options)
+        return
+    if options.motion is not None or not options.noise:
+        raise InputError(f"--{'motion' if options.motion else 'no-noise'}: only for an EXPERIMENT; name its folder")
     selection = _selection(names, options)
     output = Output(run.out / "simulate", options.formats, options.figures)
     if options.swept is not None:
@@ -118,6 +134,28 @@ def command(run: Run, names: tuple[str, ...], **given: Any) -> None:
         _monte_carlo(run, options, selection, output)
     else:
         _simulate(run, selection, options.scheduler, output)
+
+
+def _is_experiment(name: str) -> bool:
+    """Whether a name is that of an experiment's folder or file, and not of one of the thesis's experiments."""
+    return name not in NAMES and (name.endswith(".toml") or "/" in name or "\\" in name or Path(name).is_dir())
+
+
+def _simulate_records(run: Run, names: tuple[str, ...], options: Options) -> None:
+    """Records of the model of an experiment, and their experiment.toml."""
+    from workbench.console.simulation import print_simulated_records
+    from workbench.simulation.records import write_simulated_records
+
+    if len(names) != 1:
+        raise InputError(f"{' '.join(names)}: one EXPERIMENT at a time, without other names")
+    foreign = {"mass": options.mass, "model": options.models, "study": options.studies, "sweep": options.swept}
+    for option, value in {**foreign, "draws": options.draws, "scheduler": options.scheduler}.items():
+        if value:
+            raise InputError(f"--{option}: not for an EXPERIMENT, whose model is in its experiment.toml")
+    seed = options.seed if options.noise else None
+    document = write_simulated_records(run, Path(names[0]), options.motion, seed, options.formats)
+    print_simulated_records(run, document)
+    run.emit(document)
 
 
 def _selection(names: tuple[str, ...], options: Options) -> Selection:

@@ -38,6 +38,20 @@ def print_features(run: Run, experiment: str, found: dict[str, Any]) -> None:
     run.console.print(table)
 
 
+def print_simulated_records(run: Run, document: dict[str, Any]) -> None:
+    """Values and noise with which the records of an experiment were simulated, and the files."""
+    table = plain_table(f"Simulated: {', '.join(document['effects'])}", "parameter", "value", "from")
+    for key, quantity in document["parameters"].items():
+        table.add_row(key, feature_text(quantity), quantity["from"])
+    run.console.print(table)
+    for channel, noise in document["noise"].items():
+        correlation = f", autocorrelation {noise['autocorrelation']:.2f}" if "autocorrelation" in noise else ""
+        run.echo(f"noise of {channel}: {feature_text(noise)} ({noise['from']}{correlation})")
+    for record in document["records"]:
+        run.echo(f"{record['name']} ({record['role']}): {record['rows']} rows")
+    run.echo(f"wrote {', '.join(document['files'])}")
+
+
 def print_monte_carlo(run: Run, study: Study) -> None:
     """The sampled parameters, and each feature's value at the design, its deviation and 95 % band."""
     listed = "; ".join(one.text for one in study.parameters[:MOST_LISTED])

@@ -1,0 +1,182 @@
+"""`stagecad simulate EXPERIMENT`: records of the experiment's model that `compare` takes at once."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from workbench.cli import run
+
+TIME = 1e-3 * np.arange(6000)
+PULL = 4e-3 * (np.sin(2.0 * np.pi * 0.6 * TIME) + 0.3 * np.sin(2.0 * np.pi * 2.1 * TIME))
+MASS, STIFFNESS, LEVEL = 1.8, 5000.0, 1.4
+EXPERIMENT = f"""schema = 1
+[rig]
+kind = "spring-pull"
+[rig.known]
+mass = "{MASS} kg"
+pull_stiffness = "{STIFFNESS} N/m"
+[model]
+effects = ["coulomb", "viscous"]
+[model.parameters]
+"coulomb.force" = "{LEVEL} N"
+"viscous.coefficient" = {{start = "9 N*s/m", fixed = true}}
+[[record]]
+file = "logged.csv"
+role = "fit"
+[noise]
+position = "1e-7 m"
+spring_force = "0.01 N"
+"""
+
+
+def _write(file: Path, columns: dict[str, np.ndarray]) -> None:
+    table = np.column_stack(list(columns.values()))
+    np.savetxt(file, table, "%.10g", ",", header=",".join(columns), comments="")
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Path:
+    folder = tmp_path / "rig"
+    folder.mkdir()
+    random = np.random.default_rng(2)
+    position = 0.9 * PULL + 1e-7 * random.standard_normal(TIME.size)
+    force = STIFFNESS * 0.1 * PULL + 0.01 * random.standard_normal(TIME.size)
+    columns = {"time [s]": TIME, "pull_position [m]": PULL, "position [m]": position, "spring_force [N]": force}
+    _write(folder / "logged.csv", columns)
+    (folder / "experiment.toml").write_text(EXPERIMENT)
+    return folder
+
+
+def _read(file: Path) -> dict[str, np.ndarray]:
+    names = file.read_text().splitlines()[0].replace('"', "").split(",")
+    return dict(zip(names, np.genfromtxt(file, delimiter=",", skip_header=1).T, strict=True))
+
+
+def _simulated(rig: Path, *options: str) -> tuple[dict, Path]:
+    target, out = rig.parent / "found.json", rig.parent / "out"
+    assert run(["simulate", str(rig), "--out", str(out), "--json", str(target), *options]) == 0
+    return json.loads(target.read_text()), out / "simulate" / "rig"
+
+
+def _euler(pull: np.ndarray, times: int = 200) -> np.ndarray:
+    """Position of a mass on a spring with rigid Coulomb and viscous friction, by semi-implicit Euler steps."""
+    step = (TIME[1] - TIME[0]) / times
+    x = v = 0.0
+    out = np.zeros(pull.size)
+    for k in range(1, pull.size):
+        for part in range(times):
+            end = pull[k - 1] + (pull[k] - pull[k - 1]) * (part + 0.5) / times
+            free = v + step / MASS * (STIFFNESS * (end - x) - 9.0 * v)
+            v = np.sign(free) * max(abs(free) - step / MASS * LEVEL, 0.0)
+            x += step * v
+        out[k] = x
+    return out
+
+
+def test_the_motion_is_that_of_a_mass_on_a_spring_with_dry_friction(rig: Path) -> None:
+    _write(rig / "motion.csv", {"time [s]": TIME[:1500], "pull_position [mm]": 1e3 * PULL[:1500]})
+    document, folder = _simulated(rig, "--motion", str(rig / "motion.csv"), "--no-noise")
+    found = _read(folder / "motion.csv")
+    assert np.abs(found["position [m]"] - _euler(PULL[:1500])).max() < 2e-6
+    stretch = found["pull_position [m]"] - found["position [m]"]
+    assert found["spring_force [N]"] == pytest.approx(STIFFNESS * stretch, abs=1e-8)
+    assert document["noise"] == {}
+    assert document["records"] == [{"name": "motion", "role": "fit", "rows": 1500}]
+
+
+def test_noise_is_added_as_stated_and_repeats_with_its_seed(rig: Path) -> None:
+    exact = _read(_simulated(rig, "--no-noise")[1] / "logged.csv")
+    document, folder = _simulated(rig, "--seed", "4")
+    first = _read(folder / "logged.csv")
+    assert document["seed"] == 4
+    assert document["noise"]["position"]["value"] == 1e-7
+    for name, std in (("position [m]", 1e-7), ("spring_force [N]", 0.01)):
+        assert np.std(first[name] - exact[name]) == pytest.approx(std, rel=0.05)
+    assert np.array_equal(first["pull_position [m]"], exact["pull_position [m]"])
+    again = _read(_simulated(rig, "--seed", "4")[1] / "logged.csv")
+    other = _read(_simulated(rig, "--seed", "5")[1] / "logged.csv")
+    assert np.array_equal(first["position [m]"], again["position [m]"])
+    assert not np.array_equal(first["position [m]"], other["position [m]"])
+
+
+def test_given_values_are_used_as_they_are_and_others_fitted(rig: Path) -> None:
+    document, folder = _simulated(rig)
+    found = document["parameters"]
+    assert found["coulomb.force"] == {"value": LEVEL, "unit": "N", "from": "given"}
+    assert found["rig.mass"] == {"value": MASS, "unit": "kg", "from": "given"}
+    written = tomllib.loads((folder / "experiment.toml").read_text())
+    assert written["model"]["parameters"]["viscous.coefficient"] == {"start": "9 N*s/m", "fixed": True}
+    (rig / "logged.csv").write_text((folder / "logged.csv").read_text())
+    (rig / "experiment.toml").write_text(EXPERIMENT.replace(f'"coulomb.force" = "{LEVEL} N"\n', ""))
+    fitted = _simulated(rig)[0]["parameters"]
+    assert fitted["coulomb.force"]["from"] == "fitted"
+    assert fitted["coulomb.force"]["value"] == pytest.approx(LEVEL, rel=0.01)
+    assert fitted["viscous.coefficient"] == {"value": 9.0, "unit": "N*s/m", "from": "given"}
+
+
+def test_compare_takes_the_result_and_finds_noise(rig: Path) -> None:
+    _, folder = _simulated(rig)
+    target = rig.parent / "compare.json"
+    assert run(["compare", str(folder), "--no-figures", "--json", str(target)]) == 0
+    document = json.loads(target.read_text())
+    assert document["effects"] == ["coulomb", "viscous"]
+    for channel in ("spring_force", "position"):
+        assert document["before"]["fit"][channel]["over_noise"] == pytest.approx(1.0, abs=0.1)
+    # With its own values a simulation repeats the record but for the noise and what follows from it.
+    assert document["parameters"]["coulomb.force"]["value"] == pytest.approx(LEVEL, rel=0.01)
+    for run_of in (document["free_run"], document["horizon"]["0.1 s"], document["horizon"]["1 s"]):
+        for part in ("fit", "validate"):
+            assert run_of[part]["position"]["fit_percent"] > 99.8
+            assert run_of[part]["position"]["rms"]["unit"] == "m"
+
+
+def test_quantisation_of_the_model_rounds_the_channel(rig: Path) -> None:
+    step = 2e-6
+    columns = _read(rig / "logged.csv")
+    columns["position [m]"] = step * np.round(columns["position [m]"] / step)
+    _write(rig / "logged.csv", columns)
+    text = EXPERIMENT.replace('"viscous"]', '"viscous", "sensor_quantisation@position"]')
+    (rig / "experiment.toml").write_text(text)
+    found = _read(_simulated(rig)[1] / "logged.csv")
+    counts = found["position [m]"] / step
+    assert np.abs(counts - np.round(counts)).max() < 1e-6
+    assert np.ptp(np.round(counts)) > 1000
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--motion", "missing.csv"], "missing.csv: no such file"),
+        (["--motion", "wrong.csv"], "no column 'pull_position', which spring-pull needs"),
+        (["--format", "none"], "--format none"),
+        (["--mass", "1 kg"], "--mass: not for an EXPERIMENT"),
+    ],
+)
+def test_bad_input_is_one_line(rig: Path, options: list[str], words: str, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(rig.parent)
+    _write(rig.parent / "wrong.csv", {"time [s]": TIME, "position [m]": PULL})
+    assert run(["simulate", "rig", *options]) == 2
+    message = capsys.readouterr().err.strip()
+    assert words in message
+    assert len(message.splitlines()) == 1
+    assert not (rig.parent / "build").exists()
+
+
+def test_a_law_along_a_whole_record_is_refused_on_a_driven_mass(rig: Path, capsys) -> None:
+    (rig / "experiment.toml").write_text(EXPERIMENT.replace('"viscous"]', '"viscous", "frictional_lag:relaxation"]'))
+    assert run(["simulate", str(rig), "--out", str(rig.parent / "out")]) == 2
+    assert "frictional_lag:relaxation" in capsys.readouterr().err
+    assert not (rig.parent / "out").exists()
+
+
+def test_records_are_not_written_over_those_of_the_experiment(tmp_path: Path, rig: Path, capsys) -> None:
+    place = tmp_path / "simulate" / "rig"
+    place.parent.mkdir()
+    rig.rename(place)
+    assert run(["simulate", str(place), "--out", str(tmp_path)]) == 2
+    assert "would replace" in capsys.readouterr().err
