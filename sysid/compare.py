@@ -11,6 +11,7 @@ from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.experiment.experiment import DesignValues
 from sysid.prediction.problem import Problem, load_problem
+from sysid.prediction.simulation_error import SimulationErrors, simulation_errors
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,7 @@ class Comparison:
         problem, base: the identification problem and the fitted model.
         fit, validate: misfit by channel on the records of the fit and the held-out ones.
         maps: of the residual over every coordinate, largest explained share first.
+        simulation: errors of a free run, and of simulations over short horizons.
         seconds: run time.
     """
 
@@ -29,6 +31,7 @@ class Comparison:
     fit: dict[str, ChannelMisfit]
     validate: dict[str, ChannelMisfit]
     maps: tuple[ResidualMap, ...]
+    simulation: SimulationErrors
     seconds: float
 
 
@@ -53,5 +56,6 @@ def compare(source: str | Path | Problem, design: DesignValues | None = None) ->
         fit=misfit(model, problem.fit_records),
         validate=misfit(model, problem.validate_records),
         maps=tuple(maps),
+        simulation=simulation_errors(problem, model),
         seconds=perf_counter() - began,
     )

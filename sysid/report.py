@@ -9,6 +9,7 @@ import numpy as np
 
 from sim.library.effect import rotary_unit
 from stagecad.parameters.units import as_json
+from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.residual_maps import ResidualMap
@@ -16,11 +17,11 @@ from sysid.estimation.covariance import Intervals, intervals
 from sysid.estimation.fit import FittedModel, root_mean_huber
 from sysid.estimation.identifiability import correlation_json, identifiability_report, public_key, substitution_angle
 from sysid.estimation.misfit import ChannelMisfit
-from sysid.estimation.reference_fit import ReferenceFit
 from sysid.experiment.rigs import CHANNELS
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
+from sysid.prediction.simulation_error import SimulationErrors, SimulationMisfit, simulation_errors
 
 SCHEMA = 1
 LEAST_P = 0.001
@@ -89,6 +90,24 @@ def both_json(
 ) -> dict[str, Any]:
     """Misfit on the records of the fit and on the held-out ones."""
     return {"fit": misfit_json(problem, fit), "validate": misfit_json(problem, validate)}
+
+
+def simulation_json(problem: Problem, errors: SimulationErrors) -> dict[str, Any]:
+    """Errors of a free run, and of simulations over short horizons, by set of records and channel."""
+
+    def of_sets(found: Mapping[str, Mapping[str, SimulationMisfit]]) -> dict[str, Any]:
+        return {
+            part: {
+                channel: {"rms": as_json(m.rms, channel_unit(problem, channel)), "fit_percent": m.fit_percent}
+                for channel, m in by_channel.items()
+            }
+            for part, by_channel in found.items()
+        }
+
+    return {
+        "free_run": of_sets(errors.free_run),
+        "horizon": {name: of_sets(found) for name, found in errors.horizon.items()},
+    }
 
 
 def parameters_json(
@@ -220,6 +239,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "after": both_json(problem, after.after_fit, after.after_validate)
         if after is not None
         else {"fit": {}, "validate": {}},
+        **simulation_json(problem, simulation_errors(problem, diagnosis.base.fitted.model)),
         "ranking": ranking_json(diagnosis),
         "parameters": parameters_json(problem, fitted, found),
         **identifiability_json(fitted, found),
@@ -237,27 +257,22 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     }
 
 
-def comparison_json(
-    problem: Problem,
-    base: ReferenceFit,
-    fit: Mapping[str, ChannelMisfit],
-    validate: Mapping[str, ChannelMisfit],
-    maps: Sequence[ResidualMap],
-    seconds: float,
-) -> dict[str, Any]:
+def comparison_json(comparison: Comparison) -> dict[str, Any]:
     """The document of `compare`."""
+    problem, base = comparison.problem, comparison.base
     found = intervals(base.fitted, problem.fit_records)
     return {
         "schema": SCHEMA,
         "form": problem.form,
         "effects": [e.name for e in base.fitted.model.effects],
         "noise": noise_json(problem),
-        "before": both_json(problem, fit, validate),
+        "before": both_json(problem, comparison.fit, comparison.validate),
+        **simulation_json(problem, comparison.simulation),
         "parameters": parameters_json(problem, base.fitted, found),
         **identifiability_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
         "dead": [public_key(k) for k in base.fitted.fit.inactive],
-        "where": where_json(maps),
-        "notes": list(problem.notes),
-        "seconds": seconds,
+        "where": where_json(comparison.maps),
+        "notes": [*problem.notes, *([comparison.simulation.note] if comparison.simulation.note else [])],
+        "seconds": comparison.seconds,
     }

@@ -34,7 +34,7 @@ def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, se
 
     with run.busy("fitting the model as it stands"):
         found = compare(experiment, design_values(run))
-    document = comparison_json(found.problem, found.base, found.fit, found.validate, found.maps, found.seconds)
+    document = comparison_json(found)
     print_comparison(run, found, document)
     if bootstrap is not None:
         from workbench.console.tables import rich_table

@@ -72,7 +72,7 @@ def _compare(run: Run, folder: Path) -> dict[str, Any]:
     run.echo(f"$ stagecad compare {folder}")
     with run.busy("fitting the model as it stands"):
         found = compare(folder)
-    document = comparison_json(found.problem, found.base, found.fit, found.validate, found.maps, found.seconds)
+    document = comparison_json(found)
     run.echo(f"  {comparison_statement(found)}\n")
     write_comparison(run, found, document)
     return document

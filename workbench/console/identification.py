@@ -27,6 +27,7 @@ from workbench.identification.tables import (
     parameter_table,
     quantity_text,
     ranking_table,
+    simulation_table,
 )
 from workbench.options import Run
 
@@ -42,6 +43,11 @@ def print_comparison(run: Run, comparison: Comparison, document: Mapping[str, An
     _print_notes_and_noise(run, comparison)
     effects = ", ".join(e.name for e in comparison.base.fitted.model.effects) or "no effects"
     run.console.print(rich_table(error_table(f"Model as it stands: {effects}", document["before"])))
+    simulation = simulation_table(document)
+    if simulation.rows:
+        run.console.print(rich_table(simulation))
+    else:
+        run.echo(comparison.simulation.note or "the prediction is the simulation from the inputs: the same errors")
     run.console.print(rich_table(parameter_table(document["parameters"])))
     for line in document["not_identifiable"]:
         run.echo(line)

@@ -116,12 +116,33 @@ def error_table(title: str, before: Row, after: Row | None = None) -> Table:
 def _error_cells(error: Row | None) -> list[str]:
     if error is None:
         return ["", "", ""]
-    percent = error.get("fit_percent")
+    percent, rms = error.get("fit_percent"), error["rms"]["value"]
     return [
-        quantity_text(error["rms"]["value"], error["rms"]["unit"]),
+        quantity_text(rms, error["rms"]["unit"]) if math.isfinite(rms) else "failed",
         over_noise_text(error.get("over_noise")),
         f"{percent:.2f} %" if percent is not None and math.isfinite(percent) else "",
     ]
+
+
+def simulation_table(document: Row) -> Table:
+    """Errors of a free run and of simulations over short horizons from measured states.
+
+    No rows where the prediction along the inputs is the simulation: then they are the errors of the model.
+    """
+    runs = {"free run": document["free_run"], **document["horizon"]}
+    columns = [("records", TEXT), ("channel", TEXT)]
+    columns += [column for name in runs for column in ((name, NUMBER), ("fit", NUMBER))]
+    rows = []
+    for part, label in (("fit", "fit"), ("validate", "held out")):
+        for channel in document["free_run"].get(part, {}):
+            found = [_error_cells(run.get(part, {}).get(channel)) for run in runs.values()]
+            rows.append([label, channel.replace("_", " "), *(cells[k] for cells in found for k in (0, 2))])
+    prediction = document["form"] == "output" and all(run == document["free_run"] for run in runs.values())
+    note = (
+        "Error of the motion simulated from the inputs: from the first row on, and from measured states over short "
+        "horizons. Near stick and slip a small error of force decides when a body slips, and a free run may diverge."
+    )
+    return make_table("Error of simulation (rms)", columns, [] if prediction else rows, note)
 
 
 def parameter_table(parameters: Mapping[str, Row], title: str = "Parameters") -> Table:

@@ -42,6 +42,7 @@ from workbench.identification.tables import (
     parameter_table,
     quantity_text,
     ranking_table,
+    simulation_table,
 )
 from workbench.report.figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
 
@@ -65,6 +66,7 @@ def comparison_section(found: Comparison, document: Mapping[str, Any]) -> Sectio
         "number": over_noise_text(held_out_over_noise(found.fit, found.validate)),
         "headline": comparison_statement(found),
         "errors": error_table("", document["before"]).as_json(),
+        "simulation": simulation_table(document).as_json(),
         "overlays": _overlays(found.problem, {"model": model}, found.validate, (MODEL,)),
         "maps": _maps(found.problem, found.maps),
         "where": dependence_table(document["where"]).as_json(),
@@ -95,6 +97,7 @@ def diagnosis_section(found: Diagnosis, document: Mapping[str, Any]) -> Section:
         "headline": diagnosis_statement(found),
         "equivalent": equivalence_statement(found),
         "errors": error_table("", document["before"], document["after"] if found.best is not None else None).as_json(),
+        "simulation": simulation_table(document).as_json(),
         "overlays": _overlays(problem, models, found.before_validate, inks),
         "ranking": ranking_table(document["ranking"], len(found.trials), before).as_json(),
         "detectable": detectable_table(document["detectable"] if near_noise(found) else []).as_json(),
