@@ -188,6 +188,8 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
         row["loss_reduction"] = 1.0 - trial.error / max(root_mean_huber(diagnosis.base.residual), 1e-300)
         if trial.blocked_reduction >= WORTH_SAYING:
             row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.blocked_reduction, 1.0)))
+        if trial.implausible is not None:
+            row["implausible"] = trial.implausible
         if trial.name != trial.public_name:
             row["law"] = trial.name
         if after is not None:

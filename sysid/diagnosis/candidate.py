@@ -12,6 +12,7 @@ from sim.library.effect import Effect
 from sysid.diagnosis.held_out import Gain, HeldOut, held_out
 from sysid.estimation.fit import FittedModel, root_mean_huber
 from sysid.estimation.misfit import ChannelMisfit, misfit
+from sysid.estimation.plausibility import implausible
 from sysid.estimation.reference_fit import ReferenceFit
 from sysid.prediction.model import public_name
 from sysid.prediction.problem import Problem
@@ -34,6 +35,7 @@ class Candidate:
         fit_gain: reduction of the mean Huber loss on the records of the fit.
         predicted_reduction: share of the squared residual, by the score test.
         blocked_reduction: share that only amplitudes beyond their bounds would remove.
+        implausible: why the fitted values are no explanation, in words; none where they are plausible.
         law: name where it is not that of the added effect (quantisation of one channel).
     """
 
@@ -46,6 +48,7 @@ class Candidate:
     removed: str = ""
     predicted_reduction: float = 0.0
     blocked_reduction: float = 0.0
+    implausible: str | None = None
     law: str = ""
 
     @property
@@ -131,6 +134,7 @@ class Reference:
             removed=removed,
             predicted_reduction=predicted_reduction,
             blocked_reduction=blocked_reduction,
+            implausible=implausible(fitted, [effect.name for effect in added], self.base.fitted),
         )
 
 

@@ -18,7 +18,7 @@ LEAST_GAIN = 0.03
 SUFFICIENT_SHARE = 0.6
 """Share of the excess from which a model is a sufficient explanation."""
 
-CLEAR_MARGIN = 0.1
+CLEAR_MARGIN = 0.07
 """Share of the excess by which a free curve, or a second effect, must exceed a single named effect."""
 
 CURVE_STEADINESS = 2.0

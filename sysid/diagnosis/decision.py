@@ -141,12 +141,12 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
         noise: what is known of the noise level.
     """
     compared = _Comparison(reference, noise)
-    best, curve = next(iter(models.ranked), None), next(iter(models.curves), None)
+    best, curve = _plausible(models.ranked), next(iter(models.curves), None)
     report = _report(compared, best, curve)
     named = best if best is not None and compared.certain(best) else None
     model = named
     if compared.excess > 0.0 and (named is None or compared.share(named) < 1.0 - CLEAR_MARGIN):
-        pair = next(iter(models.pairs), None)
+        pair = _plausible(models.pairs)
         if pair is not None and compared.certain(pair) and (named is None or _clear_pair(compared, pair, named)):
             model = pair
     if model is None:
@@ -169,6 +169,11 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
     return _unexplained(compared, model, curve, beaten, report)
 
 
+def _plausible(candidates: Sequence[Candidate]) -> Candidate | None:
+    """The best candidate whose fitted values are plausible."""
+    return next((c for c in candidates if c.implausible is None), None)
+
+
 def _clear_pair(compared: _Comparison, pair: Candidate, single: Candidate) -> bool:
     gain = single.held_out.gain_of(pair.held_out)
     return gain.significance >= LEAST_SIGNIFICANCE and compared.clearly_better(pair, single, LEAST_STEADINESS)
@@ -182,7 +187,7 @@ def _first_of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> 
         if _equivalent(pair, best, gained):
             for name in pair.families:
                 count[name] = count.get(name, 0) + 1
-    alone = [c for c in models.ranked if c.public_name in best.families]
+    alone = [c for c in models.ranked if c.public_name in best.families and c.implausible is None]
     return max(alone, key=lambda c: (count[c.public_name], c.gain.loss), default=None)
 
 
@@ -210,7 +215,7 @@ def _needed_beside(compared: _Comparison, named: Candidate, beside: Candidate, c
 def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate) -> tuple[Candidate, tuple[str, ...]]:
     """The simplest of the effects whose gains do not differ significantly from the best one's, and the others."""
     gained = reference.loss - best.held_out.loss
-    group = [candidate for candidate in ranked if _equivalent(candidate, best, gained)]
+    group = [c for c in ranked if c.implausible is None and _equivalent(c, best, gained)]
     chosen = min(group, key=lambda c: (c.parameter_count, c.held_out.loss))
     rivals = [c for c in group if c is not chosen and (c is best or c.parameter_count <= chosen.parameter_count)]
     return chosen, tuple(c.public_name for c in rivals)[:2]
