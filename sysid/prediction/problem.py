@@ -13,6 +13,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior, Unknown
+from sysid.noise.decimation import decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise, noise_by_channel, with_quantisation
 from sysid.prediction.actuator_tip import TipRecord, tip_record
 from sysid.prediction.force_balance.imposed_motion import velocity_drive
@@ -91,8 +92,12 @@ def build_problem(experiment: Experiment, records: Sequence[Record], effects: Se
     quantised = [n for n in names if n.partition("@")[0] == "sensor_quantisation"]
     if quantised:
         noise = with_quantisation(noise, quantised)
+    logged, k = records, decimation_factor(records)
+    if k > 1:
+        held = ("drive_force",) if experiment.rig.input_hold == "zero" else ()
+        records, noise = [decimated(record, k, held) for record in records], noise_of_means(noise, k)
     rig, rig_unknowns = rig_parameters(experiment, records, noise)
-    prepared = _prepare(experiment, records, noise, rig)
+    prepared = _prepare(experiment, records, noise, rig, "linear" if k > 1 else experiment.rig.input_hold)
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
             raise InputError(
@@ -117,7 +122,7 @@ def build_problem(experiment: Experiment, records: Sequence[Record], effects: Se
             "rig.known.pull_stiffness taken as exact; write its standard deviation if it has one, as in "
             f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
-    return Problem(experiment, tuple(records), noise, fits, held_out, scales, custom, model, tuple(notes))
+    return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes))
 
 
 def _displacement_by_spring(record: PreparedRecord) -> bool:
@@ -151,7 +156,7 @@ def _need_motion(records: Sequence[Record], fits: Sequence[PreparedRecord], scal
 
 
 def _prepare(
-    experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise], rig: Mapping[str, float]
+    experiment: Experiment, records: Sequence[Record], noise: Mapping[str, Noise], rig: Mapping[str, float], hold: str
 ) -> list[PreparedRecord]:
     kind = experiment.rig.kind
     prepared: list[PreparedRecord] = []
@@ -172,7 +177,7 @@ def _prepare(
                 noise,
                 rig["rig.mass"],
                 rig.get("rig.pull_stiffness"),
-                experiment.rig.input_hold,
+                hold,
                 width,
                 longest_step,
             )
