@@ -43,6 +43,9 @@ class Rail:
     bolt_modulus: float
     """Young's modulus of the bolt, Pa"""
     poisson: float = 0.3
+    """Poisson's ratio of rail and flange"""
+    bed_poisson: float | None = None
+    """Poisson's ratio of thread and bed; that of the rail if left out"""
     joint_ratio: float = 10.0
     """stiffness of the bedded joint over that of the bolt joint"""
 
@@ -52,8 +55,10 @@ class Rail:
         for name in ("rail_modulus", "bed_modulus", "bolt_modulus"):
             _positive(name, getattr(self, name), "Pa")
         _positive("joint_ratio", self.joint_ratio, "")
-        if not np.all((np.asarray(self.poisson) >= 0) & (np.asarray(self.poisson) <= 0.5)):
-            raise InputError("rail: poisson: must lie in 0 to 0.5")
+        for name in ("poisson", "bed_poisson"):
+            ratio = np.asarray(0.0 if getattr(self, name) is None else getattr(self, name))
+            if not np.all((ratio >= 0) & (ratio <= 0.5)):
+                raise InputError(f"rail: {name.replace('_', '-')}: must lie in 0 to 0.5")
 
 
 @dataclass(frozen=True)
@@ -95,12 +100,13 @@ def joint_stiffness(rail: Rail, flange_ratio: ArrayLike) -> JointStiffness:
     tau = np.asarray(flange_ratio, float)
     if not np.all(tau > 0):
         raise InputError("rail: flange-ratio: must be above 0")
-    shear = np.pi / ((1 + rail.poisson) * np.log(2))
+    bed = rail.poisson if rail.bed_poisson is None else rail.bed_poisson
+    flange_shear, thread_shear = (np.pi / ((1 + np.asarray(nu)) * np.log(2)) for nu in (rail.poisson, bed))
     return JointStiffness(
         flange_compression=rail.rail_modulus * np.pi / np.log(5 * (0.5 + 2 * tau) / (2.5 + 2 * tau)),
-        flange_shear=rail.rail_modulus * shear * tau,
-        thread_shear=rail.bed_modulus * shear * np.ones_like(tau),
-        bed_shear=rail.bed_modulus * shear * np.ones_like(tau),
+        flange_shear=rail.rail_modulus * flange_shear * tau,
+        thread_shear=rail.bed_modulus * thread_shear * np.ones_like(tau),
+        bed_shear=rail.bed_modulus * thread_shear * np.ones_like(tau),
         bolt=rail.bolt_modulus * (np.pi / 4) / (tau + 0.75),
     )
 

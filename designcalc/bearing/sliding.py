@@ -59,9 +59,14 @@ def pad_loads(pads: ArrayLike, load: float, centre: ArrayLike) -> Array:
 
     Returns:
         shape (n,); a negative one means the pad would lift.
+
+    Raises:
+        InputError: the pads lie on one line.
     """
     points = np.asarray(pads, float)
     rows = np.vstack([np.ones(len(points)), points.T])
+    if np.linalg.matrix_rank(rows) < 3:
+        raise InputError("sliding bearing: pads: must not lie on one line")
     right = load * np.concatenate([[1.0], np.asarray(centre, float)])
     return rows.T @ np.linalg.solve(rows @ rows.T, right)
 
@@ -104,27 +109,26 @@ def averaged_profile(profile: ArrayLike, step: float, pad_length: float) -> Arra
     return np.convolve(heights, weight / weight.sum(), mode="valid")
 
 
-def averaged_roughness(
-    roughness: ArrayLike, correlation_length: ArrayLike, length: float, width: float, pads: int = 1
-) -> Array:
-    """Rms height of a pad averaging a random surface, m.
+def averaged_roughness(roughness: ArrayLike, correlation_length: ArrayLike, radius: ArrayLike, pads: int = 1) -> Array:
+    """Rms height of a pad that averages a random surface over its Hertzian contact, m.
 
-    ``sigma = Ra sqrt(pi/2)`` of a Gaussian surface with correlation ``exp(-r^2/l^2)``; the mean over L x W much larger
-    than l keeps ``sigma sqrt(pi) l / sqrt(L W)``, and n pads in parallel 1/sqrt(n) of that.
+    ``sigma = Ra sqrt(pi/2)`` of a Gaussian surface with correlation ``exp(-r^2/l^2)``. Averaged with the weight w over
+    an area much larger than l^2 it keeps ``sigma sqrt(pi) l/sqrt(A)`` with ``A = (int w)^2/int w^2``; Hertz's pressure
+    on a circle of radius a has ``A = 8 pi a^2/9``. Of n pads in parallel 1/sqrt(n) remains.
 
     Args:
         roughness: Ra, m.
-        correlation_length: l, m, at most a third of length and width.
-        length, width: of the contact, m.
+        correlation_length: l, m, at most a third of the diameter.
+        radius: a of the contact, m.
         pads: number of pads that share the load.
 
     Raises:
         InputError: correlation length too long for the averaging to be valid.
     """
-    ra, correlation = np.asarray(roughness, float), np.asarray(correlation_length, float)
-    if not np.all(correlation <= min(length, width) / 3):
-        raise InputError("sliding bearing: correlation length: must be at most a third of the contact's sides")
-    return ra * np.sqrt(np.pi / 2) * np.sqrt(np.pi) * correlation / np.sqrt(length * width * pads)
+    ra, correlation, a = (np.asarray(v, float) for v in (roughness, correlation_length, radius))
+    if not np.all(correlation <= 2 * a / 3):
+        raise InputError("sliding bearing: correlation length: must be at most a third of the contact's diameter")
+    return ra * np.sqrt(np.pi / 2) * np.sqrt(np.pi) * correlation / (a * np.sqrt(8 * np.pi / 9 * pads))
 
 
 def friction_heat(friction: ArrayLike, load: ArrayLike, speed: ArrayLike) -> Array:

@@ -47,20 +47,21 @@ def synthetic_profiles(
     surface: Surface,
     length: float,
     contact_length: float,
-    contact_width: float,
     count: int,
     phase: float = 0.0,
     seed: int = 1,
 ) -> tuple[Array, float]:
-    """Profiles along several tracks of a way, each already averaged across the width of the contact.
+    """Profiles along several tracks of a way, each already averaged across a circular contact.
 
     Roughness is a Gaussian random line of rms ``Ra sqrt(pi/2)``; the mean across a width w much larger than l leaves
-    ``sqrt(sqrt(pi) l/w)`` of it. Waves are a sine of the given amplitude.
+    ``sqrt(sqrt(pi) l/w)`` of it. Hertz's pressure on a circle of radius a, summed across, is a parabola along the
+    travel (`averaged_profile`), which averages over ``5 a/3``; with ``w = 8 pi a/15`` the area is Hertz's
+    ``8 pi a^2/9``. Waves are a sine of the given amplitude.
 
     Args:
         surface: after lapping.
         length: over which the pads' middles run, m; at least twenty correlation lengths.
-        contact_length, contact_width: of a pad's contact, m.
+        contact_length: diameter of a pad's contact, m.
         count: of the tracks.
         phase: of the waves on the second track and those after it against the first, rad.
         seed: of the random numbers: the same profiles each time.
@@ -72,8 +73,8 @@ def synthetic_profiles(
         InputError: a correlation length above a third of the contact, for which the mean across is not valid.
     """
     l = surface.correlation_length  # noqa: E741
-    if not l <= min(contact_length, contact_width) / 3:
-        raise InputError("way profile: correlation length: must be at most a third of the contact's sides")
+    if not l <= contact_length / 3:
+        raise InputError("way profile: correlation length: must be at most a third of the contact's diameter")
     if not (length >= 20 * l and count >= 1):
         raise InputError("way profile: length: must be at least twenty correlation lengths")
     step = l / 4
@@ -85,7 +86,7 @@ def synthetic_profiles(
     white = np.fft.rfft(rng.standard_normal((count, n)), axis=-1)
     rough = np.fft.irfft(white * gain, n, axis=-1)
     expected = np.sqrt(np.mean(np.concatenate([gain, gain[1 : (n + 1) // 2]]) ** 2))
-    sigma = surface.roughness * np.sqrt(np.pi / 2) * np.sqrt(np.sqrt(np.pi) * l / contact_width)
+    sigma = surface.roughness * np.sqrt(np.pi / 2) * np.sqrt(np.sqrt(np.pi) * l / (4 * np.pi / 15 * contact_length))
     x = step * np.arange(n)
     shift = np.where(np.arange(count) > 0, phase, 0.0)[:, None]
     waves = surface.waviness * np.sin(2 * np.pi * x / surface.wavelength + shift)

@@ -5,12 +5,25 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
-from designcalc.drive.friction_drive import frequency_for, resonance, stack_current, stack_heat
-from designcalc.drive.piezo_stack import drive_pull, side_load, stack_tension, tilt_stress
+from designcalc.drive.friction_drive import resonance, stack_current, stack_heat
+from designcalc.drive.piezo_stack import drive_pull, stack_tension, tilt_stress
+from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import moved_mass, weight
+from designcalc.machine.loads import load
 from designcalc.machine.pads import pads_stiffness
-from designcalc.machine.tip_dynamics import PIEZOS, mass_on_piezos, tip_resonances, usable_ellipse
+from designcalc.machine.tip_dynamics import (
+    PIEZOS,
+    bent_stack,
+    inertia_on_piezos,
+    mass_on_piezos,
+    peak_tip_force,
+    speed_frequency,
+    sway,
+    sway_resonance,
+    tilt_amplitude,
+    tip_resonances,
+    usable_ellipse,
+)
 from stagecad.parameters.design import Design
 
 _ACTUATOR = "Table 2: actuator"
@@ -18,7 +31,19 @@ _ACTUATOR = "Table 2: actuator"
 
 def checks(design: Design) -> list[CheckFunction]:
     """Every check of tip and piezos."""
-    return [tip_weight, drive_frequency, pad_resonance, pushing_force, heat, current, tension, bending, tilt, step_size]
+    return [
+        tip_weight,
+        drive_frequency,
+        sway_mode,
+        pad_resonance,
+        pushing_force,
+        heat,
+        current,
+        tension,
+        bending,
+        tilt,
+        step_size,
+    ]
 
 
 def tip_weight(r: DesignInputs) -> Check:
@@ -48,11 +73,11 @@ def drive_frequency(r: DesignInputs) -> Check:
 
 def pad_resonance(r: DesignInputs) -> Check:
     springs = pads_stiffness(r)
-    about_along, about_across = r.tilting_inertia()
+    body = moving_body(r)
     modes = {
-        "bounce": float(resonance(springs.normal, moved_mass(r))),
-        "pitch": float(resonance(springs.pitch, about_across)),
-        "roll": float(resonance(springs.roll, about_along)),
+        "bounce": float(resonance(springs.normal, body.mass)),
+        "pitch": float(resonance(springs.pitch, body.inertia[1][1])),
+        "roll": float(resonance(springs.roll, body.inertia[0][0])),
     }
     drive = r("actuator.frequency")
     ratios = {name: max(f, drive) / min(f, drive) for name, f in modes.items()}
@@ -69,7 +94,7 @@ def pad_resonance(r: DesignInputs) -> Check:
 
 def pushing_force(r: DesignInputs) -> Check:
     """The lift-off force at mid-stroke, where each piezo has half of its blocking force left."""
-    force = weight(r) + r("preload.force")
+    force = load(r)
     available = PIEZOS * r("piezo.blocking_force") / 2
     return Check(
         "force of the piezos against the load",
@@ -82,14 +107,8 @@ def pushing_force(r: DesignInputs) -> Check:
     )
 
 
-def _speed_frequency(r: DesignInputs) -> float:
-    """Of the drive at the required speed, coasting, Hz."""
-    X, _ = usable_ellipse(r)
-    return float(frequency_for(r("requirements.speed"), X)["coasting"])
-
-
 def heat(r: DesignInputs) -> Check:
-    f = _speed_frequency(r)
+    f = speed_frequency(r)
     voltage, loss = r("piezo.highest_voltage"), r("piezo.loss_factor")
     watts = 2 * float(stack_heat(r("piezo.capacitance"), voltage, f, loss))
     limit = r("actuator.heat_limit")
@@ -107,7 +126,7 @@ def heat(r: DesignInputs) -> Check:
 
 
 def current(r: DesignInputs) -> Check:
-    f = _speed_frequency(r)
+    f = speed_frequency(r)
     peak = float(stack_current(r("piezo.capacitance"), r("piezo.highest_voltage"), f))
     available = r("amplifier.current")
     return Check(
@@ -123,21 +142,23 @@ def current(r: DesignInputs) -> Check:
 
 
 def tension(r: DesignInputs) -> Check:
+    """At the frequency of the required speed, as heat and current."""
+    f, spacing = speed_frequency(r), r("actuator.piezo_spacing")
     _, Y = usable_ellipse(r)
-    swing = float(stack_tension(mass_on_piezos(r), r("actuator.frequency"), Y))
-    side = r("drive.friction") * (weight(r) + r("preload.force"))
-    push = float(drive_pull(side, r("actuator.tip_height"), r("actuator.piezo_spacing")))
+    swing = float(stack_tension(mass_on_piezos(r), inertia_on_piezos(r), f, Y, tilt_amplitude(r), spacing))
+    side = r("drive.friction") * peak_tip_force(r)
+    push = float(drive_pull(side, r("actuator.tip_height"), spacing))
     area, limit = r("piezo.element_area"), r("piezo.strain_limit")
     pull = swing + push
+    slower = f * np.sqrt(max(limit * area - push, 0.0) / swing) if swing > 0 else f
     return Check(
         "tension of a piezo by the tip's inertia and drive force",
         at_most(pull / area, limit, "Pa"),
-        source="peak inertia of the tip shared by the two driven stacks; the drive force's moment as push and pull on "
-        "them",
-        formula="[m (2 pi f)^2 Y/4 + mu N h/D]/A <= tensile limit",
-        substituted=f"({show(swing, 'N')} + {show(push, 'N')})/{show(area * 1e6, '')} mm^2",
-        proposal=f"preload each stack by {show(pull, 'N')} or more, or drive at "
-        f"{show(r('actuator.frequency') * np.sqrt(max(limit * area - push, 0.0) / swing), 'Hz')} at most",
+        source="inertia of the tip's rise and rocking, shared by the two driven stacks; the moment of the peak drive "
+        "force as push and pull on them",
+        formula="{sqrt[(m w^2 Y/4)^2 + (J w^2 theta/D)^2] + mu N h/D}/A <= tensile limit",
+        substituted=f"f = {show(f, 'Hz')}: ({show(swing, 'N')} + {show(push, 'N')})/{show(area * 1e6, '')} mm^2",
+        proposal=f"preload each stack by {show(pull, 'N')} or more, or drive at {show(slower, 'Hz')} at most",
         requirement=_ACTUATOR,
         note=f"preloaded by {show(pull, 'N')}, {100 * pull / r('piezo.blocking_force'):.2g} % of the blocking force, "
         "the ceramic stays in compression",
@@ -146,35 +167,43 @@ def tension(r: DesignInputs) -> Check:
 
 def bending(r: DesignInputs) -> Check:
     """The tip's side force bends the stacks until they touch their bores."""
-    force = r("drive.friction") * (weight(r) + r("preload.force")) / PIEZOS
-    proud = r("piezo.length") + r("holder.floor") - r("holder.height")
+    force = r("drive.friction") * peak_tip_force(r) / PIEZOS
     play = (r("holder.bore_diameter") - r("piezo.diameter")) / 2
     limit = r("piezo.strain_limit")
-    load = side_load(
-        force, r("piezo.length"), proud, r("piezo.element_area"), r.material("piezo", "youngs_modulus"), play
-    )
+    bent = bent_stack(r, force)
     return Check(
         "side load of the drive on a piezo",
-        at_most(float(load.stress), limit, "Pa"),
-        source="element bent as a cantilever until its bore holds it; its case neglected",
-        formula="sigma = F L c/I <= tensile limit, F = mu N/3",
-        substituted=f"F = {show(force, 'N')}: end bends {show(float(load.deflection), 'm')} in {show(play, 'm')} of "
-        f"play, {'the bore holds it' if load.touches else 'the bore does not hold it'}",
-        proposal=f"a bore of less than {show(r('piezo.diameter') + 2 * float(load.deflection), 'm')}, which holds the "
-        f"stack, or stacks preloaded by {show(float(load.stress) * r('piezo.element_area'), 'N')}",
-        thesis=(
-            "'lateral stiffness is provided by the piezo housing': with play in the bore the stacks bend first"
-            if not load.touches
-            else ""
-        ),
+        at_most(float(bent.stress), limit, "Pa"),
+        source="element bent as a cantilever, and propped by the mouth of its bore once it touches; its case neglected",
+        formula="max M c/I <= tensile limit, M = F L at the foot up to the touch, F (L - b) at the mouth; F = mu N/3",
+        substituted=f"F = {show(force, 'N')}, touches its bore at {show(float(bent.touch_force), 'N')} by "
+        f"{show(play, 'm')} of play; end bends {show(float(bent.deflection), 'm')}",
+        proposal=f"stacks preloaded by {show(float(bent.stress) * r('piezo.element_area'), 'N')}, or guided in their "
+        "bores without play",
+        thesis="'lateral stiffness is provided by the piezo housing': with play in the bore the stacks bend first",
+        requirement=_ACTUATOR,
+    )
+
+
+def sway_mode(r: DesignInputs) -> Check:
+    """The tip on stacks that bend: above this resonance it gives way to the drive force."""
+    first, drive = sway_resonance(r), r("actuator.frequency")
+    return Check(
+        "sway of the tip on its stacks against the drive",
+        at_least(first, 3 * drive, "Hz"),
+        source="three stacks as cantilevers within the play of their bores; a third of the resonance as usual limit",
+        formula="sqrt(3 x 3 E I/L^3/m)/(2 pi) >= 3 f",
+        substituted=f"{show(sway(r), 'N/m')} under {show(mass_on_piezos(r), 'kg')}: {show(first, 'Hz')}; drive "
+        f"{show(drive, 'Hz')}",
+        proposal="a flexure that guides the tip across the stacks, or stacks held in their bores without play",
+        thesis="'lateral stiffness is provided by the piezo housing': with play in the bore only the stacks do",
         requirement=_ACTUATOR,
     )
 
 
 def tilt(r: DesignInputs) -> Check:
     """Why the ends are round: opposed strokes tilt the tip, and flat bonded ends would bend with it."""
-    X, _ = usable_ellipse(r)
-    angle = X / 2 / r("actuator.tip_height")
+    angle = tilt_amplitude(r)
     flat = float(tilt_stress(angle, r("piezo.length"), r("piezo.element_area"), r.material("piezo", "youngs_modulus")))
     # A round end rolls: the reaction moves by R theta across a preload of half the blocking force.
     roll = r("piezo.end_radius") * angle

@@ -14,7 +14,7 @@ from designcalc.contact.hertz import contact_modulus, load_at_pressure, load_at_
 from designcalc.contact.hertz_stress import peak_mises
 from designcalc.drive.suspension import dipole_hessian, rank_sum
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import weight
+from designcalc.machine.loads import load, weight
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness
 from stagecad.parameters.design import Design
 
@@ -212,12 +212,12 @@ def ranking(r: DesignInputs) -> list[Suspension]:
 
     Ranks are summed; unstable suspensions (Earnshaw) and those incompatible with the drive come last.
     """
-    load, count = weight(r) + r("preload.force"), int(r("pads.count"))
-    spot = 2 * float(film(r, heaviest_pad(r)).radius)
+    force, count = load(r), int(r("pads.count"))
+    spot = film(r, heaviest_pad(r)).radius
     correlation = r("bearing.roughness_correlation")
-    slide = float(averaged_roughness(r("bearing.proposed_way_roughness"), correlation, spot, spot, count))
+    slide = float(averaged_roughness(r("bearing.proposed_way_roughness"), correlation, spot, count))
     steel = _ball_modulus(r, "steel")
-    ball = float(point_contact(load / 3, r("candidates.ball_spring.large_diameter") / 2, np.inf, steel).stiffness)
+    ball = float(point_contact(force / 3, r("candidates.ball_spring.large_diameter") / 2, np.inf, steel).stiffness)
     air = "candidates.air_bearing"
     pads = "candidates.sliding_pads"
     balls, magnets = "candidates.ball_spring", "candidates.magnetic_levitation"
@@ -226,7 +226,7 @@ def ranking(r: DesignInputs) -> list[Suspension]:
             name="sliding pads",
             stiffness=pads_stiffness(r).normal,
             smoothness=slide,
-            friction=r("bearing.static_friction") * load,
+            friction=r("bearing.static_friction") * force,
             repeatability=r(f"{pads}.repeatability"),
             cost=int(r(f"{pads}.cost_rank")),
             stable=True,
@@ -248,7 +248,7 @@ def ranking(r: DesignInputs) -> list[Suspension]:
             name="ball on spring",
             stiffness=3 * ball,
             smoothness=r(f"{balls}.roundness"),
-            friction=r(f"{balls}.rolling_friction") * load,
+            friction=r(f"{balls}.rolling_friction") * force,
             repeatability=r(f"{balls}.repeatability"),
             cost=int(r(f"{balls}.cost_rank")),
             stable=True,

@@ -15,9 +15,10 @@ from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import Contribution, budget
 from designcalc.errors.sensors import filtered_noise
-from designcalc.errors.thermal import vibration_at_tip
+from designcalc.errors.thermal import floor_motion
+from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import moved_mass, tip_load, weight
+from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
 from designcalc.machine.tip_dynamics import holding_stiffness
 from stagecad.parameters.design import Design
@@ -57,17 +58,15 @@ def _pads_height(r: DesignInputs, height: float) -> float:
     return height / np.sqrt(r("pads.count"))
 
 
-def _vibration(r: DesignInputs, stiffness: float) -> float:
-    shake = r("environment.floor_velocity") * 2 * np.pi * r("environment.floor_frequency")
-    return float(vibration_at_tip(shake, float(resonance(stiffness, moved_mass(r)))))
+def _vibration(r: DesignInputs, stiffness: float, damping: str) -> float:
+    first = resonance(stiffness, moved_mass(r))
+    return float(floor_motion(r("environment.floor_velocity"), first, r(damping)))
 
 
 def _roughness(r: DesignInputs) -> float:
     """Height error of one pad by the lapped way's roughness, m."""
-    side = 2 * float(film(r, heaviest_pad(r)).radius)
-    return float(
-        averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), side, side)
-    )
+    radius = film(r, heaviest_pad(r)).radius
+    return float(averaged_roughness(r("bearing.proposed_way_roughness"), r("bearing.roughness_correlation"), radius))
 
 
 def resolution(r: DesignInputs) -> list[Contribution]:
@@ -76,10 +75,11 @@ def resolution(r: DesignInputs) -> list[Contribution]:
         r("sensors.probe.resolution"), r("sensors.probe.bandwidth"), r("sensors.filtered_probe.filter_frequency")
     )
     step = 2 * r("actuator.tip_height") / r("actuator.piezo_spacing") * r("piezo.stroke") / 2 ** r("amplifier.bits")
+    floor = _vibration(r, holding_stiffness(r), "piezo.damping_ratio")
     return [
         Contribution("sensor noise", "capacitive probe behind its filter", (float(noise), 0, 0)),
         Contribution("count of the converter", "one count on both piezos", (step / np.sqrt(12), 0, 0)),
-        Contribution("floor", "stage held by the tip", (_vibration(r, holding_stiffness(r)), 0, 0)),
+        Contribution("floor", "stage held by the tip", (floor, 0, 0)),
     ]
 
 
@@ -91,13 +91,14 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
     way = rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
     give = 1 / pads_stiffness(r).normal + 1 / (2 * float(total_stiffness(way, M, tau)))
-    turn = pulse * r("drive.friction") * r.centre_of_mass_height() / pads_stiffness(r).pitch
+    floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
+    turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
     return [
         Contribution("roughness", "averaged by each pad", (0, 0, _pads_height(r, rough))),
         Contribution("roughness, pitch", "pads unlike", rotation=(0, rough * np.sqrt(2) / lever, 0)),
         Contribution("waves of the way", "lapped way; the pads follow them", (0, 0, _pads_height(r, wave))),
         Contribution("waves of the way, pitch", "pads unlike", rotation=(0, wave * np.sqrt(2) / lever, 0)),
-        Contribution("floor", "stage on its pads", (0, 0, _vibration(r, pads_stiffness(r).normal))),
+        Contribution("floor", "stage on its pads", (0, 0, floor)),
         Contribution("the tip's pulsation", "change of the load on pads and ways", (0, 0, pulse * give), random=False),
         Contribution("the tip's pulsation, pitch", "its side force", rotation=(0, turn, 0), random=False),
     ]
@@ -125,7 +126,7 @@ def repeatability(r: DesignInputs) -> list[Contribution]:
     change = r("environment.temperature_change")
     growth = r.material("base", "expansion") * r("stage.travel") / 2 * change
     plate = r.material("stage", "expansion") * r("stage.length") / 2 * change
-    friction = r("bearing.static_friction") * (weight(r) + r("preload.force"))
+    friction = r("bearing.static_friction") * load(r)
     bow, length = r("bearing.way_straightness"), r("bearing_way.length")
     linearity = r("sensors.probe.linearity") * r("sensors.probe.range")
     # A tenth of the pitch is not repeatable: the pads settle differently on their film.

@@ -9,7 +9,7 @@ from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shea
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
 from designcalc.machine.tip_contact import tip_contact
-from designcalc.machine.tip_dynamics import stack_stiffness, stroke_ellipse
+from designcalc.machine.tip_dynamics import peak_tip_force, stack_stiffness, usable_ellipse
 from stagecad.parameters.design import Design
 
 _JOHNSON = "Johnson, Contact Mechanics (1985), section 4.2"
@@ -21,7 +21,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 
 def pressure(r: DesignInputs) -> Check:
-    load = tip_load(r)
+    load = peak_tip_force(r)
     contact = tip_contact(r, load)
     ratio = contact.semi_axis_minor / contact.semi_axis_major
     limits = [
@@ -35,7 +35,7 @@ def pressure(r: DesignInputs) -> Check:
     return Check(
         "tip contact pressure",
         at_most(peak, min(limits), "Pa"),
-        source=_JOHNSON + "; first yield below the surface, section 6.1",
+        source=_JOHNSON + "; first yield below the surface, section 6.1; peak of a tip that carries the load in pulses",
         formula="p0 = (6 F E*^2/(pi^3 R^2))^(1/3) <= Sy/(largest von Mises stress over p0)",
         substituted=f"F = {show(load, 'N')}, R = {show(radius, 'm')}: p0 = {show(peak, 'Pa')}, limit "
         f"{show(min(limits), 'Pa')}",
@@ -48,18 +48,19 @@ def pressure(r: DesignInputs) -> Check:
 
 def coating(r: DesignInputs) -> Check:
     """The nose's coating is thin compared with the contact: it has the strain of the body under it."""
-    peak = float(tip_contact(r, tip_load(r)).peak_pressure)
+    peak, mu = float(tip_contact(r, peak_tip_force(r)).peak_pressure), r("drive.friction")
     body, layer = (
         r.material("tip", "youngs_modulus") / (1 - r.material("tip", "poisson_ratio") ** 2),
         _coating(r, "youngs_modulus") / (1 - _coating(r, "poisson_ratio") ** 2),
     )
-    tension = float(edge_tension(peak, r.material("tip", "poisson_ratio"))) * layer / body
+    tension = float(edge_tension(peak, r.material("tip", "poisson_ratio"), mu)) * layer / body
     return Check(
         "cracking of the tip's coating",
         at_most(tension, _coating(r, "strength"), "Pa"),
-        source="Johnson (1985), section 4.2(b): tension at the contact's edge; coating strained with the body",
-        formula="(1 - 2 nu) p0/3 x E'_coating/E'_tip <= strength",
-        substituted=f"p0 = {show(peak, 'Pa')}, E' ratio {layer / body:.3g}: {show(tension, 'Pa')}",
+        source="Hamilton, Goodman (1966): tension at the trailing edge of the sliding contact; coating strained with "
+        "the body",
+        formula="p0 [(1 - 2 nu)/3 + mu pi (4 + nu)/8] x E'_coating/E'_tip <= strength",
+        substituted=f"p0 = {show(peak, 'Pa')}, mu = {mu:.3g}, E' ratio {layer / body:.3g}: {show(tension, 'Pa')}",
         proposal="a larger nose radius, or a softer coating",
         requirement="Table 2: friction layer",
     )
@@ -71,7 +72,7 @@ def _coating(r: DesignInputs, quantity: str) -> float:
 
 def swallowed_stroke(r: DesignInputs) -> Check:
     contact = tip_contact(r, tip_load(r))
-    rise = float(stroke_ellipse(r).normal)
+    rise = usable_ellipse(r)[1]
     # The printed deflection is the law of the semi-axes, ~F^(1/3); as a force's potential it must go as F^(2/3).
     # On a flat, Re = R/2 and lambda = 0.75.
     printed = printed_approach(float(contact.load), r("tip.nose_radius"), float(contact.approach))

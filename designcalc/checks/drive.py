@@ -8,7 +8,6 @@ import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.drive.friction_drive import (
-    GRAVITY,
     acceleration_limit,
     frequency_for,
     preload_ratio_for,
@@ -17,7 +16,7 @@ from designcalc.drive.friction_drive import (
     tip_force_limit,
 )
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import preload_ratio, weight
+from designcalc.machine.loads import gravity, load_centre, preload_ratio, weight
 from designcalc.machine.pads import pad_positions
 from designcalc.machine.tip_dynamics import PIEZOS, mass_on_piezos, stack_stiffness, tip_resonance, usable_ellipse
 from stagecad.parameters.design import Design
@@ -33,6 +32,7 @@ def checks(design: Design) -> list[CheckFunction]:
         speed,
         partial(acceleration, key="acceleration_low", label="0.2 G"),
         partial(acceleration, key="acceleration", label="1 G"),
+        preload_and_acceleration,
         tip_over,
         travel_left,
         sea_length,
@@ -100,34 +100,48 @@ def speed(r: DesignInputs) -> Check:
 
 def acceleration(r: DesignInputs, key: str, label: str) -> Check:
     wanted = r(f"requirements.{key}")
-    mu, p = r("drive.friction"), preload_ratio(r)
-    limit = float(acceleration_limit(mu, p))
-    needed = float(preload_ratio_for(wanted, mu))
+    mu, p, g = r("drive.friction"), preload_ratio(r), gravity(r)
+    limit = float(acceleration_limit(mu, p, gravity=g))
+    needed = float(preload_ratio_for(wanted, mu, g))
     return Check(
         f"acceleration of {label} without lift-off",
         at_least(limit, wanted, "m/s^2"),
         source="the tip presses at most with weight and preload",
         formula="a <= mu (1 + p) g",
-        substituted=f"mu = {mu:.3g}, p = {p:.3g}: {limit / GRAVITY:.3g} g",
+        substituted=f"mu = {mu:.3g}, p = {p:.3g}: {limit / g:.3g} g",
         proposal=f"a preload of {needed:.3g} times the weight ({show(needed * weight(r), 'N')})",
-        thesis=(
-            "a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3" if key == "acceleration" else ""
-        ),
+        requirement="Table 1: acceleration",
+    )
+
+
+def preload_and_acceleration(r: DesignInputs) -> Check:
+    """Two requirements that exclude each other, whatever the magnets really pull."""
+    wanted, mu, share, g = r("requirements.acceleration"), r("drive.friction"), r("preload.ratio"), gravity(r)
+    limit = float(acceleration_limit(mu, share, gravity=g))
+    needed = float(preload_ratio_for(wanted, mu, g))
+    return Check(
+        "acceleration of 1 G with the preload asked for",
+        at_least(limit, wanted, "m/s^2"),
+        source="the tip presses at most with weight and preload",
+        formula="a <= mu (1 + p) g, p the ratio of preload to load that is asked for",
+        substituted=f"mu = {mu:.3g}, p = {share:.3g}: {limit / g:.3g} g",
+        proposal=f"ask for a preload of {needed:.3g} times the weight ({show(needed * weight(r), 'N')})",
+        thesis="a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3",
         requirement="Table 1: acceleration",
     )
 
 
 def tip_over(r: DesignInputs) -> Check:
-    mu, mu_pad, p = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r)
+    mu, mu_pad, p, g = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r), gravity(r)
     end = r("stage.travel") / 2
     places = pad_positions(r)
-    centre = r.centre_of_mass()
+    centre = load_centre(r)
     shares = [tip_force_limit(places, centre, (side * end, 0.0)) for side in (-1, 1)]
     share = min(shares)
     wanted = r("requirements.acceleration_low")
-    reached = float(acceleration_limit(mu, p, share, mu_pad))
+    reached = float(acceleration_limit(mu, p, share, mu_pad, g))
     # share needed, from a = g (1+p) [mu s - mu_pad (1-s)], and the half-span that gives it
-    needed = (wanted / (GRAVITY * (1 + p)) + mu_pad) / (mu + mu_pad)
+    needed = (wanted / (g * (1 + p)) + mu_pad) / (mu + mu_pad)
     span = needed * end / (1 - needed) if needed < 1 else np.inf
     return Check(
         "acceleration at the end of the travel without tipping",
@@ -135,7 +149,7 @@ def tip_over(r: DesignInputs) -> Check:
         source="moments about the pads' edge; F/W = s/(s + x)",
         formula="a = g (1+p) [mu s/(s+x) - mu_pad x/(s+x)]",
         substituted=f"x = {show(end, 'm')}: the tip may carry {share:.3g} of the load, and accelerates "
-        f"{reached / GRAVITY:.3g} g",
+        f"{reached / g:.3g} g",
         proposal=f"a half-span of the pads on the tip's line of {show(float(span), 'm')}, a preload that stays over "
         "the tip, or pads fixed on the base under the tip",
         thesis="a tip force away from the pads tips the stage; the thesis considers the middle of the travel only",

@@ -7,7 +7,7 @@ import math
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.machine.height_adjustment import clamp_wrap, clamping_shift, screw_preload, wedge
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.tip_dynamics import stroke_ellipse
+from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
 
 
@@ -18,7 +18,7 @@ def checks(design: Design) -> list[CheckFunction]:
 
 def sensitivity(r: DesignInputs) -> Check:
     drive = wedge(r)
-    rise = float(stroke_ellipse(r).normal)
+    rise = usable_ellipse(r)[1]
     key = math.degrees(r("actuator.key_angle"))
     return Check(
         "height adjustment within the ellipse",
@@ -62,7 +62,7 @@ def adjustment_range(r: DesignInputs) -> Check:
 
 def shim(r: DesignInputs) -> Check:
     thinnest = r("shim.thinnest")
-    rise = float(stroke_ellipse(r).normal)
+    rise = usable_ellipse(r)[1]
     return Check(
         "thinnest shim against the ellipse",
         at_most(thinnest, rise, "m"),
@@ -114,7 +114,7 @@ def clamping(r: DesignInputs) -> Check:
     force, wrap = screw_preload(r, "clamp_long"), clamp_wrap(r)
     shift = clamping_shift(r)
     moved = shift.squeeze + shift.drop
-    rise = float(stroke_ellipse(r).normal)
+    rise = usable_ellipse(r)[1]
     return Check(
         "shift of the tip's height by clamping",
         at_most(moved, 0.1 * rise, "m"),

@@ -8,10 +8,12 @@ import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.drive.friction_drive import GRAVITY
+from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import weight
+from designcalc.machine.loads import gravity, load, weight
+from designcalc.machine.loads import preload as acting_preload
 from designcalc.machine.pads import film, heaviest_pad, pad_forces, pads_stiffness
+from designcalc.machine.teeth import CIRCUITS, magnets
 from stagecad.parameters.design import Design
 
 _FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
@@ -46,17 +48,17 @@ def lightest_pad(r: DesignInputs) -> Check:
 
 
 def pressure(r: DesignInputs) -> Check:
-    load = heaviest_pad(r)
-    contact = film(r, load)
+    heaviest = heaviest_pad(r)
+    contact = film(r, heaviest)
     peak, allowed = float(contact.peak_pressure), r("bearing.allowable_pressure")
     return Check(
         "pad pressure",
         at_most(peak, allowed, "Pa"),
         source=_FILM,
         formula="p0 = (1.5 to 2) F/(pi a^2) <= p_allowed",
-        substituted=f"F = {show(load, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
+        substituted=f"F = {show(heaviest, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
         f"{show(float(contact.radius), 'm')}",
-        proposal=f"a crown radius of {show(crown_for(r, load, allowed), 'm')}, or a lighter pad load",
+        proposal=f"a crown radius of {show(crown_for(r, heaviest, allowed), 'm')}, or a lighter pad load",
     )
 
 
@@ -74,9 +76,9 @@ def crown_for(r: DesignInputs, load: float, allowed: float) -> float:
 
 
 def pv(r: DesignInputs) -> Check:
-    load = heaviest_pad(r)
-    contact = film(r, load)
-    mean = load / (np.pi * float(contact.radius) ** 2)
+    heaviest = heaviest_pad(r)
+    contact = film(r, heaviest)
+    mean = heaviest / (np.pi * float(contact.radius) ** 2)
     speed, allowed = r("requirements.speed"), r("bearing.allowable_pv")
     return Check(
         "PTFE pressure times speed",
@@ -131,7 +133,7 @@ def stiction(r: DesignInputs) -> Check:
 
 def preload(r: DesignInputs) -> Check:
     wanted = r("preload.ratio") * weight(r)
-    force = r("preload.force")
+    force = acting_preload(r)
     return Check(
         "preload against the share of the load asked for",
         at_least(force, wanted, "N"),
@@ -145,7 +147,7 @@ def preload(r: DesignInputs) -> Check:
 def normal(r: DesignInputs) -> Check:
     """Deflection of the pads by a payload that is a tenth heavier."""
     springs = pads_stiffness(r)
-    more = 0.1 * r("payload.mass") * GRAVITY
+    more = 0.1 * r("payload.mass") * gravity(r)
     sink = more / springs.normal
     return Check(
         "give of the pads under a tenth of the payload",
@@ -160,8 +162,8 @@ def normal(r: DesignInputs) -> Check:
 
 def pitch(r: DesignInputs) -> Check:
     springs = pads_stiffness(r)
-    lever = r.centre_of_mass_height()
-    force = (weight(r) + r("preload.force")) * r("drive.friction")
+    lever = moving_body(r).centre_of_mass[2]
+    force = load(r) * r("drive.friction")
     tilt = force * lever / springs.pitch
     half = r("stage.travel") / 2
     drop = tilt * half
@@ -180,14 +182,11 @@ def pitch(r: DesignInputs) -> Check:
 
 def yaw(r: DesignInputs) -> Check:
     """Yaw by unequal friction of the pads on both sides, against the lateral stiffness of the teeth."""
-    from designcalc.machine.teeth import CIRCUITS, teeth
-
-    work = teeth(r)
     reach = r("tooth_iron.length")
-    hold = CIRCUITS * work.point.lateral_stiffness
+    hold = CIRCUITS * magnets(r).lateral_stiffness
     # Each iron is a line of lateral springs along the travel: about its middle k L^2/12.
     turn = hold * reach**2 / 12
-    unlike = 0.1 * r("bearing.dynamic_friction") * (weight(r) + r("preload.force"))
+    unlike = 0.1 * r("bearing.dynamic_friction") * load(r)
     moment = unlike * r("pads.spacing_across") / 2
     angle = moment / turn
     limit = r("requirements.straightness") / (r("stage.length") / 2)

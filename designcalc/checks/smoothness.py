@@ -61,13 +61,13 @@ def smoothness(r: DesignInputs, key: str, label: str) -> Check:
     side = spot(r)
     rough = r(f"bearing.{key}")
     number = int(r("pads.count"))
-    left = float(averaged_roughness(rough, r("bearing.roughness_correlation"), side, side, number))
+    left = float(averaged_roughness(rough, r("bearing.roughness_correlation"), side / 2, number))
     limit = r("requirements.smoothness")
     return Check(
         f"smoothness of the {label}",
         at_most(left, limit, "m"),
         source=_AVERAGING,
-        formula="Ra sqrt(pi/2) sqrt(pi) l/(2a sqrt(n)) <= 1 nm rms",
+        formula="Ra sqrt(pi/2) sqrt(pi) l/(a sqrt(8 pi n/9)) <= 1 nm rms",
         substituted=f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
         proposal=f"Ra of {show(rough * limit / left, 'm')}, or flatter pads",
         thesis=(_printed_rule(rough) if key == "way_roughness" else ""),
@@ -118,7 +118,7 @@ def _carried_rms(r: DesignInputs, surface: Surface, side: float, places: NDArray
     tracks, track_of = np.unique(places[:, 1], return_inverse=True)
     found = []
     for phase in (0.0, np.pi):
-        profiles, step = synthetic_profiles(surface, travel + spacing, side, side, len(tracks), phase)
+        profiles, step = synthetic_profiles(surface, travel + spacing, side, len(tracks), phase)
         count = int((travel + side) / step)
         starts = np.rint((places[:, 0] - places[:, 0].min()) / step).astype(int)
         heights = [profiles[track, start : start + count] for track, start in zip(track_of, starts, strict=True)]

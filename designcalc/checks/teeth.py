@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+import math
 
 import numpy as np
 from scipy.optimize import root_scalar
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
-from designcalc.drive.magnetic_teeth import teeth_field, working_point
+from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import pads_stiffness
-from designcalc.machine.teeth import CIRCUITS, TeethModel, teeth
+from designcalc.machine.teeth import CIRCUITS, MagnetCircuit, attraction, circuit, magnets, tooth_field
 from stagecad.parameters.design import Design
 
+_MAGNETS = "finite elements in the cross-section of magnet, irons and bar, leakage included; virtual work"
 _FIELD = "field of one cell by mode matching (K_x = -d2W/dx2, K_z = d2W/de2)"
 
 
@@ -42,108 +42,86 @@ def ratio(r: DesignInputs) -> Check:
 
 
 def lateral(r: DesignInputs) -> Check:
-    work = teeth(r)
+    field, pitch, gap = tooth_field(r), r("teeth.pitch"), r("teeth.gap")
     widths = np.arange(0.10, 0.81, 0.05)
-    fields = [teeth_field(work.pitch, w * work.pitch, work.gap, work.depth, functions=8) for w in widths]
+    fields = [teeth_field(pitch, w * pitch, gap, r("teeth.groove_depth"), functions=8) for w in widths]
     values = np.array([f.lateral_stiffness for f in fields])
     best = int(np.argmax(values))
     return Check(
         "lateral stiffness of the teeth against the best width",
-        at_least(work.field.lateral_stiffness / values[best], 0.85, ""),
+        at_least(field.lateral_stiffness / values[best], 0.85, ""),
         source=_FIELD,
         formula="K_x(l)/max K_x over l/p at this gap",
-        substituted=f"l/p = {work.width / work.pitch:.3g}, e/p = {work.gap / work.pitch:.3g}: K_x/K_z = "
-        f"{work.field.lateral_over_normal:.4g}; best K_x at l/p = {widths[best]:.2f}",
-        proposal=f"tooth width of {show(float(widths[best] * work.pitch), 'm')}",
+        substituted=f"l/p = {r('teeth.width') / pitch:.3g}, e/p = {gap / pitch:.3g}: K_x/K_z = "
+        f"{field.lateral_over_normal:.4g}; best K_x at l/p = {widths[best]:.2f}",
+        proposal=f"tooth width of {show(float(widths[best] * pitch), 'm')}",
     )
 
 
 def preload(r: DesignInputs) -> Check:
-    work = teeth(r)
-    pull = CIRCUITS * work.point.attraction
-    wanted = r("preload.force")
+    pull, wanted = attraction(r), r("preload.force")
     return Check(
         "attraction of the magnets as preload",
         at_least(pull, wanted, "N"),
-        source=_FIELD + ", magnet on its recoil line",
-        formula="F = -dV/de, V = F_m^2/2 P/(1 + R P)",
-        substituted=f"gap flux density {show(work.point.gap_flux_density, 'T')}, two pockets pull {show(pull, 'N')}",
+        source=_MAGNETS,
+        formula="F = -u^T (dP/de) u/2 of both pockets",
+        substituted=f"gap flux density {show(magnets(r).gap_flux_density, 'T')}, two pockets pull {show(pull, 'N')}",
         proposal="a smaller gap, a longer iron, or a stronger magnet",
     )
 
 
 def preload_share(r: DesignInputs) -> Check:
-    work = teeth(r)
-    pull = CIRCUITS * work.point.attraction
-    wanted = r("preload.force")
+    pull, wanted = attraction(r), r("preload.force")
     if wanted > 0:
-        gap = gap_for(work, 1.2 * wanted)
-        length = magnet_area_for(work, 1.2 * wanted) / r("magnet.height")
+        gap = gap_for(circuit(r), 1.2 * wanted)
         wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
-        proposal = f"magnets {show(length, 'm')} long, {wider}, or require the preload that the magnets give"
+        proposal = f"{wider}, smaller magnets, or require the preload that the magnets give"
     else:
         proposal = "no magnets (teeth.fitted = false), or require the preload that they give"
     return Check(
         "attraction of the magnets beyond the preload asked for",
         at_most(pull, 1.5 * wanted, "N"),
-        source=_FIELD + ", magnet on its recoil line",
+        source=_MAGNETS,
         formula="F <= 1.5 x required preload (friction grows with it)",
         substituted=f"two pockets pull {show(pull, 'N')}, required {show(wanted, 'N')}",
         proposal=proposal,
-        note="leakage around the gap is neglected: the real pull is smaller",
+        note=f"{100 * magnets(r).leakage:.2g} % of the magnets' flux leaks past the bars; every check takes this pull "
+        "as the preload",
     )
 
 
-def gap_for(work: TeethModel, pull: float) -> float | None:
+def gap_for(one: MagnetCircuit, pull: float) -> float | None:
     """Gap at which the magnets pull as much as `pull`, m; none up to five pitches."""
 
     def excess(logarithm: float) -> float:
-        gap = float(np.exp(logarithm))
-        field = teeth_field(work.pitch, work.width, gap, work.depth, functions=6)
-        return CIRCUITS * working_point(field, work.circuit, work.pitch, work.width).attraction / pull - 1
+        return CIRCUITS * one.forces(0.5, gap=math.exp(logarithm)).attraction / pull - 1
 
-    low, high = float(np.log(work.gap)), float(np.log(5 * work.pitch))
+    low, high = math.log(one.section.gap), math.log(5 * one.section.pitch)
     if excess(low) < 0 or excess(high) > 0:
         return None
-    return float(np.exp(_root(excess, low, high)))
-
-
-def magnet_area_for(work: TeethModel, pull: float) -> float:
-    """Cross-section of a magnet of the same thickness with which the magnets pull as much as `pull`, m^2."""
-
-    def excess(logarithm: float) -> float:
-        circuit = replace(work.circuit, area=float(np.exp(logarithm)))
-        return CIRCUITS * working_point(work.field, circuit, work.pitch, work.width).attraction / pull - 1
-
-    high = float(np.log(work.circuit.area))
-    return float(np.exp(_root(excess, high - 20, high))) if excess(high) > 0 else work.circuit.area
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Root between two points of opposite sign, to 0.1 % of an exponent, which suffices for a proposal."""
-    return float(root_scalar(function, bracket=(low, high), xtol=1e-3).root)
+    # To 0.1 % of the exponent, which suffices for a proposal.
+    return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-3).root))
 
 
 def saturation(r: DesignInputs) -> Check:
-    work = teeth(r)
+    point = magnets(r)
     return Check(
         "flux density in the teeth",
-        at_most(work.point.tooth_flux_density, 0.8 * r("teeth.saturation"), "T"),
-        source=_FIELD + "; all flux of a pitch gathered in its tooth",
+        at_most(point.tooth_flux_density, 0.8 * r("teeth.saturation"), "T"),
+        source=_MAGNETS + "; all flux of a pitch gathered in its tooth",
         formula="B p/l <= 0.8 B_sat",
-        substituted=f"{show(work.point.gap_flux_density, 'T')} x {work.pitch / work.width:.3g}",
+        substituted=f"{show(point.gap_flux_density, 'T')} x {r('teeth.pitch') / r('teeth.width'):.3g}",
         proposal="wider teeth, or a thinner magnet",
     )
 
 
 def against_pads(r: DesignInputs) -> Check:
-    work = teeth(r)
-    soft = CIRCUITS * work.point.normal_stiffness
+    soft = CIRCUITS * magnets(r).normal_stiffness
     stiffness = pads_stiffness(r).normal
     return Check(
         "negative stiffness of the teeth against the pads'",
         at_most(soft, 0.1 * stiffness, "N/m"),
-        source=_FIELD + "; pads as crowned contacts",
+        source=_MAGNETS + "; pads as crowned contacts",
         formula="K_z <= K_pads/10",
         substituted=f"{show(soft, 'N/m')} against {show(stiffness, 'N/m')}",
         proposal="a wider gap",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import weight
+from designcalc.machine.loads import load
 from designcalc.machine.pads import heaviest_pad
 from stagecad.parameters.design import Design
 
@@ -32,8 +32,8 @@ def running_in(r: DesignInputs) -> Check:
     """The film must outlive its own running in."""
     cycles, travel = r("bearing.run_in_cycles"), r("stage.travel")
     distance = 2 * travel * cycles
-    load, radius = heaviest_pad(r), r("pads.crown_radius")
-    worn = float(crown_wear_depth(distance, radius, r("bearing.run_in_wear_rate"), load))
+    radius = r("pads.crown_radius")
+    worn = float(crown_wear_depth(distance, radius, r("bearing.run_in_wear_rate"), heaviest_pad(r)))
     thickness = r("bearing.film_thickness")
     limit = thickness / 2
     hours = distance / r("requirements.speed") / 3600
@@ -50,31 +50,31 @@ def running_in(r: DesignInputs) -> Check:
 
 
 def life(r: DesignInputs) -> Check:
-    load = heaviest_pad(r)
+    heaviest = heaviest_pad(r)
     radius, depth = r("pads.crown_radius"), r("bearing.film_thickness") / 2
-    distance = float(crown_wear_distance(depth, radius, r("bearing.wear_rate"), load))
+    distance = float(crown_wear_distance(depth, radius, r("bearing.wear_rate"), heaviest))
     wanted = r("bearing.life")
     return Check(
         "life of the PTFE film",
         at_least(distance, wanted, "m"),
         source="Archard, the crown worn by half the film",
         formula="s = pi R (t/2)^2/(k F)",
-        substituted=f"R = {show(radius, 'm')}, F = {show(load, 'N')}: {show(distance, 'm')}, "
+        substituted=f"R = {show(radius, 'm')}, F = {show(heaviest, 'N')}: {show(distance, 'm')}, "
         f"{distance / (2 * r('stage.travel')):.3g} strokes there and back",
         proposal=f"a crown radius of {show(radius * wanted / distance, 'm')}",
     )
 
 
 def heat(r: DesignInputs) -> Check:
-    load = weight(r) + r("preload.force")
-    watts = float(friction_heat(r("bearing.dynamic_friction"), load, r("requirements.speed")))
+    force = load(r)
+    watts = float(friction_heat(r("bearing.dynamic_friction"), force, r("requirements.speed")))
     limit = r("bearing.heat_limit")
     return Check(
         "heat of sliding at full speed",
         at_most(watts, limit, "W"),
         source="friction power",
         formula="mu N v",
-        substituted=f"{show(load, 'N')}: {show(watts, 'W')}",
+        substituted=f"{show(force, 'N')}: {show(watts, 'W')}",
         proposal=f"full speed for {100 * min(ratio(limit, watts), 1.0):.2g} % of the time, or less preload",
         note=f"the worst friction the thesis allows, mu = {r('bearing.dynamic_friction_high'):.2g}, makes it "
         f"{show(watts * r('bearing.dynamic_friction_high') / r('bearing.dynamic_friction'), 'W')}",

@@ -57,7 +57,7 @@ def film_contact(
         `FilmContact`. Valid while the film is thin, t < a, and little dented: check `indentation` against t.
 
     Raises:
-        InputError: an argument not above zero.
+        InputError: an argument not above zero, or a film thicker than the contact's radius.
 
     Source: Johnson, Contact Mechanics (1985), sections 4.2 and 5.8; the series between the limits is an interpolation.
     """
@@ -79,6 +79,11 @@ def film_contact(
     for _ in range(30):
         film, hertz = force * film_scale / a**4, force * hertz_scale / a**3
         a = a * np.exp((film + hertz - 1) / (4 * film + 3 * hertz))
+    if not np.all(thickness <= a):
+        raise InputError(
+            f"sliding bearing: film thickness: {thickness:g} m is more than the radius {float(np.min(a)):.3g} m of the "
+            "contact; the formula is for thin films"
+        )
     share = force * film_scale / a**4  # 1 where only the film deflects
     film_stiffness = np.pi * film_modulus * a**2 / thickness
     peak = (1.5 + 0.5 * share) * force / (np.pi * a**2)

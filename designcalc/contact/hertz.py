@@ -167,25 +167,30 @@ def point_contact(
         `PointContact` of the broadcast shape. Valid for a contact small compared with the radii, elastic, frictionless.
 
     Raises:
-        InputError: load or modulus not above zero, or a plane without curvature (that is a line contact).
+        InputError: load or modulus not above zero or not finite, a plane without curvature (that is a line contact), or
+            a contact whose minor semi-axis exceeds the smallest radius.
 
     Source: Johnson, Contact Mechanics (1985), section 4.2(c).
     """
     force, e_star = np.asarray(load, float), np.asarray(modulus, float)
     _require(np.all(force > 0) and np.all(np.isfinite(force)), "load", "must be above 0 N, and finite")
-    _require(np.all(e_star > 0), "modulus", "must be above 0 Pa")
-    small, large = relative_curvatures(
+    _require(np.all(e_star > 0) and np.all(np.isfinite(e_star)), "modulus", "must be above 0 Pa, and finite")
+    radii = (
         radius_1,
         radius_1 if radius_1_minor is None else radius_1_minor,
         radius_2,
         radius_2 if radius_2_minor is None else radius_2_minor,
     )
+    small, large = relative_curvatures(*radii)
     _require(np.all(small > 0), "radius", "both bodies are straight in one plane: a line contact, which needs a length")
     k = ellipse_ratio(small / large)
     square = k**2
     a = np.cbrt(force * elliprd(0.0, 1.0, square) / (2 * np.pi * e_star * large))
     b = k * a
     approach = 3 * force * elliprf(0.0, square, 1.0) / (2 * np.pi * a * e_star)
+    sharpest = np.min(np.broadcast_arrays(*(np.abs(np.asarray(radius, float)) for radius in radii)), axis=0)
+    wide = "presses the bodies over a contact that is not small compared with their radii: larger than the smallest"
+    _require(np.all(b <= sharpest), "load", wide)
     return PointContact(
         load=force * np.ones_like(a),
         semi_axis_major=a,

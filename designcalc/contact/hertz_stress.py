@@ -127,19 +127,22 @@ def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:
     return np.maximum(inner, mises(np.zeros(k.shape)))
 
 
-def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike) -> Array:
-    """Largest tensile stress of a circular contact, at its edge on the surface: ``(1 - 2 nu) p0/3``, Pa.
+def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike, friction: ArrayLike = 0.0) -> Array:
+    """Largest tensile stress of a circular contact that slides, at its trailing edge on the surface, Pa.
 
+    ``p0 [(1 - 2 nu)/3 + mu pi (4 + nu)/8]``: the contact's own radial tension, and that of the traction mu p over it.
     It cracks a brittle body or coating. In a thin coating on a body the stress is this times the ratio of
     ``E/(1 - nu^2)`` of coating and body.
 
     Args:
         peak_pressure: p0, Pa.
         poisson: Poisson's ratio, 0 to 0.5.
+        friction: mu of the sliding contact, >= 0; 0 without traction.
 
-    Source: Johnson (1985), eq. 3.44 and section 4.2(b).
+    Source: Johnson (1985), eq. 3.44 and section 4.2(b); Hamilton, Goodman, J. Appl. Mech. 33 (1966) 371.
     """
-    return (1 - 2 * np.asarray(poisson, float)) * np.asarray(peak_pressure, float) / 3
+    nu, mu = np.asarray(poisson, float), np.asarray(friction, float)
+    return np.asarray(peak_pressure, float) * ((1 - 2 * nu) / 3 + mu * np.pi * (4 + nu) / 8)
 
 
 def _golden_maximum(function: Callable[[Array], Array], low: Array, high: Array) -> Array:

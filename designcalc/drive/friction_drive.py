@@ -54,7 +54,11 @@ def tip_ellipse(amplitude: ArrayLike, phase: ArrayLike, piezo_spacing: ArrayLike
 
 
 def acceleration_limit(
-    friction: ArrayLike, preload_ratio: ArrayLike, share: ArrayLike = 1.0, pad_friction: ArrayLike = 0.0
+    friction: ArrayLike,
+    preload_ratio: ArrayLike,
+    share: ArrayLike = 1.0,
+    pad_friction: ArrayLike = 0.0,
+    gravity: ArrayLike = GRAVITY,
 ) -> Array:
     """Largest acceleration of the stage without lifting it off its pads, m/s^2.
 
@@ -66,6 +70,7 @@ def acceleration_limit(
         preload_ratio: p, preload over weight, >= 0.
         share: part of the load the tip takes, 0 to 1 (1: about to lift off; less where the stage would tip).
         pad_friction: mu of the pads.
+        gravity: g, m/s^2.
 
     Returns:
         acceleration, m/s^2 (negative: the tip cannot even overcome the pads).
@@ -73,15 +78,15 @@ def acceleration_limit(
     mu, p, s, mu_pad = (np.asarray(v, float) for v in (friction, preload_ratio, share, pad_friction))
     if not (np.all(mu >= 0) and np.all(p >= 0) and np.all((s >= 0) & (s <= 1))):
         raise InputError("friction drive: friction and preload ratio must be 0 or more, the share 0 to 1")
-    return GRAVITY * (1 + p) * (mu * s - mu_pad * (1 - s))
+    return np.asarray(gravity, float) * (1 + p) * (mu * s - mu_pad * (1 - s))
 
 
-def preload_ratio_for(acceleration: ArrayLike, friction: ArrayLike) -> Array:
+def preload_ratio_for(acceleration: ArrayLike, friction: ArrayLike, gravity: ArrayLike = GRAVITY) -> Array:
     """Preload over weight needed for an acceleration (m/s^2) with the tip about to lift the stage: ``a/(mu g) - 1``."""
     a, mu = np.asarray(acceleration, float), np.asarray(friction, float)
     if not np.all(mu > 0):
         raise InputError("friction drive: friction: must be above 0")
-    return np.maximum(a / (mu * GRAVITY) - 1, 0.0)
+    return np.maximum(a / (mu * np.asarray(gravity, float)) - 1, 0.0)
 
 
 def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float:
@@ -100,6 +105,8 @@ def tip_force_limit(pads: ArrayLike, centre: ArrayLike, tip: ArrayLike) -> float
         F/W, 0 (the stage tips by itself) to 1 (tip under the centre).
     """
     points, c, t = np.asarray(pads, float), np.asarray(centre, float), np.asarray(tip, float)
+    if not all(np.all(np.isfinite(v)) for v in (points, c, t)):
+        raise InputError("friction drive: the places of pads, load and tip must be finite")
     if points.ndim != 2 or points.shape[0] < 3:
         raise InputError("friction drive: at least three pads are needed to carry the stage")
     normals, offsets = _hull_edges(points)

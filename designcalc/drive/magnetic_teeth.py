@@ -60,45 +60,6 @@ class TeethField:
         return self.lateral_stiffness / self.normal_stiffness
 
 
-@dataclass(frozen=True)
-class MagnetCircuit:
-    """Two toothed gaps, one under each bar, in series with magnets, whose reluctance makes the potential finite.
-
-    The magnets are a source ``Br t/(mu0 mu_r)`` behind a reluctance ``t/(mu0 mu_r A)`` (straight recoil line).
-    """
-
-    remanence: Number
-    """Br, T"""
-    thickness: Number
-    """magnet thickness t along its magnetisation, m"""
-    area: Number
-    """magnet cross-section A, m^2"""
-    recoil_permeability: Number
-    """mu_r"""
-    gap_area: Number
-    """area of one toothed gap (iron length times pitches), m^2"""
-    gaps: int = 1
-    """toothed gaps in series with one magnet"""
-
-
-@dataclass(frozen=True)
-class MagnetWorkingPoint:
-    """Absolute forces of one magnetic circuit, SI units."""
-
-    potential: Number
-    """magnetic potential difference across one toothed gap, A"""
-    gap_flux_density: Number
-    """mean over the gap area, T"""
-    tooth_flux_density: Number
-    """at the root of a tooth, all the flux of its pitch gathered in its width, T"""
-    attraction: Number
-    """of all gaps of the circuit, N"""
-    lateral_stiffness: Number
-    """N/m"""
-    normal_stiffness: Number
-    """N/m; works as -K_z on the pads"""
-
-
 def teeth_field(
     pitch: float | Array,
     tooth_width: float | Array,
@@ -181,46 +142,6 @@ def ratio_map(width_ratios: Array, gap_ratios: Array, depth_ratio: float = 0.5) 
         for row, gap in enumerate(gap_ratios):
             _, _, _, lateral[row, column], normal[row, column] = _solve(1.0, width, gap, depth_ratio, 0.0, 10)
     return lateral / normal, lateral, normal
-
-
-def working_point(
-    field: TeethField, circuit: MagnetCircuit, pitch: float | Array, tooth_width: float | Array
-) -> MagnetWorkingPoint:
-    """Forces and stiffnesses with the magnet's own reluctance in series.
-
-    With the permeance of n gaps in series ``P = 2 W A_gap/n``, the co-energy at fixed magnetomotive force is
-    ``V = F^2/2 P/(1 + R P)``; forces and stiffnesses are its derivatives, so a stiff magnet (large R) holds the flux
-    rather than the potential, and softens the negative normal stiffness.
-
-    Args:
-        field: the toothed gap at its working gap and offset.
-        circuit: magnet and areas.
-        pitch, tooth_width: of the teeth, m, for the flux density in a tooth.
-
-    Returns:
-        `MagnetWorkingPoint`.
-    """
-    for name in ("remanence", "thickness", "area", "recoil_permeability", "gap_area"):
-        if not np.all(np.asarray(getattr(circuit, name)) > 0):
-            raise InputError(f"teeth: magnet {name.replace('_', ' ')} must be above 0")
-    recoil = MU_0 * circuit.recoil_permeability
-    source = circuit.remanence * circuit.thickness / recoil
-    reluctance = circuit.thickness / (recoil * circuit.area)
-    scale = 2 * circuit.gap_area / circuit.gaps
-    permeance = field.coenergy * scale
-    load = 1 + reluctance * permeance
-    slope, lateral, normal = -field.attraction * scale, -field.lateral_stiffness * scale, field.normal_stiffness * scale
-    half = 0.5 * source**2
-    flux = source * permeance / load
-    density = flux / circuit.gap_area
-    return MagnetWorkingPoint(
-        potential=source / load / circuit.gaps,
-        gap_flux_density=density,
-        tooth_flux_density=density * pitch / tooth_width,
-        attraction=-half * slope / load**2,
-        lateral_stiffness=-half * lateral / load**2,
-        normal_stiffness=half * (normal / load**2 - 2 * reluctance * slope**2 / load**3),
-    )
 
 
 def _within(key: str, name: str, value: float, low: float, high: float) -> None:

@@ -17,25 +17,36 @@ class SideLoad:
     """A stack bent by a force across its end."""
 
     stress: Array
-    """largest bending stress, at the foot or where the bore holds it, Pa"""
+    """largest bending stress while the force rises to its value, at the foot or at the mouth of the bore, Pa"""
     deflection: Array
     """of the free end, m"""
+    touch_force: Array
+    """at which the stack touches the mouth of its bore, N"""
     touches: NDArray[np.bool_]
-    """whether the end bends as far as its bore, which then holds it"""
+    """whether it touches, so that the mouth props it"""
 
 
-def stack_tension(mass: ArrayLike, frequency: ArrayLike, travel: ArrayLike, stacks: ArrayLike = 2) -> Array:
-    """Peak pull on each of the stacks that swing a mass between them: ``m (2 pi f)^2 (Y/2)/n``, N.
+def stack_tension(
+    mass: ArrayLike, inertia: ArrayLike, frequency: ArrayLike, rise: ArrayLike, tilt: ArrayLike, spacing: ArrayLike
+) -> Array:
+    """Peak pull on each of the two driven stacks by the inertia of the tip on them, N.
+
+    ``sqrt[(m w^2 Y/4)^2 + (J w^2 theta/D)^2]``: the two stacks share the force of the rise, and take the moment of the
+    rocking as a pair of forces D apart. Rise and rocking, mean and difference of two sines of one amplitude, are a
+    quarter of a period apart, so the two forces add by squares.
 
     Args:
         mass: m, tip and what moves with it, kg.
-        frequency: f of the drive, Hz.
-        travel: Y, peak to peak along the stacks, m.
-        stacks: n that share it.
+        inertia: J of the same about an axis in the plane of the stacks' ends, kg m^2.
+        frequency: w/(2 pi) of the drive, Hz.
+        rise: Y, peak to peak along the stacks, m.
+        tilt: theta, amplitude of the rocking, rad.
+        spacing: D of the driven stacks, m.
     """
-    m, f, Y, n = (np.asarray(v, float) for v in (mass, frequency, travel, stacks))
-    _require(np.all(m >= 0) and np.all(f >= 0) and np.all(Y >= 0) and np.all(n >= 1), "mass, frequency and travel")
-    return m * (2 * np.pi * f) ** 2 * Y / 2 / n
+    m, J, f, Y, theta, D = (np.asarray(v, float) for v in (mass, inertia, frequency, rise, tilt, spacing))
+    _require(all(np.all(v >= 0) for v in (m, J, f, Y, theta)) and np.all(D > 0), "mass, inertia, frequency and motion")
+    square = (2 * np.pi * f) ** 2
+    return np.hypot(m * square * Y / 4, J * square * theta / D)
 
 
 def drive_pull(force: ArrayLike, tip_height: ArrayLike, piezo_spacing: ArrayLike) -> Array:
@@ -59,34 +70,44 @@ def side_load(
     modulus: ArrayLike,
     clearance: ArrayLike,
 ) -> SideLoad:
-    """A square ceramic element bent as a cantilever by a force across its end.
+    """A square ceramic element bent by a force across its end, in a bore with clearance.
 
-    ``deflection = F L^3/(3 E I)``, ``stress = F L c/I`` with ``I = A^2/12``, ``c = sqrt(A)/2``. While the deflection
-    is less than the bore's clearance, the whole length bends; beyond, the bore holds the stack and the length that
-    projects from it bends.
+    Up to the force that closes the clearance g at the mouth of the bore, at ``b = L - free`` from the foot, a
+    cantilever, ``F b^2 (3 L - b)/(6 E I) = g``; beyond, a cantilever propped at the mouth by ``R = 3 [F b^2 (3 L - b)/6
+    - E I g]/b^3``. Its moments are ``F L - R b`` at the foot and ``F (L - b)`` at the mouth. The foot is bent most when
+    the stack touches, so the largest stress while the force rises never falls with the force.
 
     Args:
         force: F on one stack, N.
         length: L of the stack from its foot, m.
         free_length: proud of its bore, m, at most L.
-        area: A of the element, m^2.
+        area: A of the element, m^2; ``I = A^2/12``, and the edge is ``sqrt(A)/2`` off the axis.
         modulus: E, Pa.
-        clearance: of the stack in its bore, on the radius, m.
+        clearance: g of the stack in its bore, on the radius, m.
 
     Returns:
         `SideLoad` of the broadcast shape. The case's own stiffness is left out: the true stress is smaller.
 
     Raises:
         InputError: an argument not above zero, or a free length beyond the whole.
+
+    Source: superposition of cantilevers (Roark's Formulas for Stress and Strain, table 8.1, case 1a).
     """
-    F, L, free, A, E, play = (np.asarray(v, float) for v in (force, length, free_length, area, modulus, clearance))
+    arrays = (np.asarray(v, float) for v in (force, length, free_length, area, modulus, clearance))
+    F, L, free, A, E, play = np.broadcast_arrays(*arrays)
     _require(all(np.all(v > 0) for v in (L, free, A, E)) and np.all(play >= 0), "lengths, area and modulus")
     _require(np.all(free <= L), "the free length: at most the whole length, and both")
-    inertia, edge = A**2 / 12, np.sqrt(A) / 2
-    deflection = np.abs(F) * L**3 / (3 * E * inertia)
-    touches = deflection > play
-    stress = np.abs(F) * np.where(touches, free, L) * edge / inertia
-    return SideLoad(stress, deflection, touches)
+    F, EI, b = np.abs(F), E * A**2 / 12, L - free
+    # Without a bore (b = 0) nothing props the stack.
+    inside = b > 0
+    b = np.where(inside, b, 1.0)
+    touch = np.where(inside, 6 * EI * play / (b**2 * (3 * L - b)), np.inf)
+    touches = touch < F
+    prop = np.where(touches, (F - np.where(touches, touch, 0.0)) * (3 * L - b) / (2 * b), 0.0)
+    foot = np.maximum(np.minimum(F, touch) * L, np.abs(F * L - prop * b))
+    moment = np.maximum(foot, F * free)
+    deflection = F * L**3 / (3 * EI) - prop * b**2 * (3 * L - b) / (6 * EI)
+    return SideLoad(moment * np.sqrt(A) / 2 / (A**2 / 12), deflection, touch, touches)
 
 
 def tilt_stress(angle: ArrayLike, length: ArrayLike, area: ArrayLike, modulus: ArrayLike) -> Array:
@@ -110,6 +131,19 @@ def rocking_stiffness(stack_stiffness: ArrayLike, piezo_spacing: ArrayLike) -> A
     k, D = np.asarray(stack_stiffness, float), np.asarray(piezo_spacing, float)
     _require(np.all(k > 0) and np.all(D > 0), "stiffness and spacing")
     return k * D**2 / 2
+
+
+def sway_stiffness(length: ArrayLike, area: ArrayLike, modulus: ArrayLike) -> Array:
+    """Stiffness across the end of a square element clamped at its foot, within its bore's play: ``3 E I/L^3``, N/m.
+
+    Args:
+        length: L, m.
+        area: A, m^2; ``I = A^2/12``.
+        modulus: E, Pa.
+    """
+    L, A, E = (np.asarray(v, float) for v in (length, area, modulus))
+    _require(all(np.all(v > 0) for v in (L, A, E)), "length, area and modulus")
+    return 3 * E * A**2 / 12 / L**3
 
 
 def tip_inertia(mass: ArrayLike, circle: ArrayLike, tip_height: ArrayLike) -> Array:

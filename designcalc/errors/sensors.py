@@ -11,10 +11,10 @@ Array = NDArray[np.float64]
 
 
 def count_size(span: ArrayLike, bits: ArrayLike) -> Array:
-    """Step of a converter over a span (m): ``span/2^bits``, m; bits 1 to 32."""
+    """Step of a converter over a span (m): ``span/2^bits``, m; bits 1 to 32, whole."""
     n, whole = np.asarray(bits, float), np.asarray(span, float)
-    if not np.all((n >= 1) & (n <= 32)):
-        raise InputError("sensors: bits: must lie in 1 to 32")
+    if not np.all((n >= 1) & (n <= 32) & (n == np.round(n))):
+        raise InputError("sensors: bits: must be a whole number in 1 to 32")
     _require(np.all(whole > 0), "span", "must be above 0 m")
     return whole / 2**n
 

@@ -10,14 +10,17 @@ from stagecad.parameters.errors import InputError
 Array = NDArray[np.float64]
 
 
-def loop_drift(lengths: ArrayLike, expansions: ArrayLike) -> float:
+def loop_drift(lengths: ArrayLike, expansions: ArrayLike) -> Array:
     """Opening of a loop of members per kelvin: ``sum(alpha_i L_i)``, m/K.
 
     Args:
-        lengths: signed lengths along the sensitive direction, m, shape (n,): positive where growth opens the gap.
-        expansions: coefficients of expansion, 1/K, shape (n,).
+        lengths: signed lengths along the sensitive direction, m, shape (..., n): positive where growth opens the gap.
+        expansions: coefficients of expansion, 1/K, shape (..., n).
+
+    Returns:
+        shape (...).
     """
-    return float(np.dot(np.asarray(lengths, float), np.asarray(expansions, float)))
+    return np.sum(np.asarray(lengths, float) * np.asarray(expansions, float), axis=-1)
 
 
 def differential_growth(length: ArrayLike, expansion_1: ArrayLike, expansion_2: ArrayLike) -> Array:
@@ -79,17 +82,47 @@ def preload_change(
     return apart * t / (1 / bolt + 1 / clamped)
 
 
-def vibration_at_tip(floor_acceleration: ArrayLike, resonance: ArrayLike) -> Array:
-    """Relative motion across a loop by shaking its base well below its resonance: ``a/(2 pi f)^2``, m.
+THIRD_OCTAVES = 1000.0 * 2.0 ** (np.arange(-21, -10) / 3.0)
+"""Middle frequencies of the third octaves of 8 to 80 Hz, in which the VC criteria limit the floor's velocity, Hz."""
+
+
+def floor_motion(velocity: ArrayLike, resonance: ArrayLike, damping: ArrayLike) -> Array:
+    """Relative motion across a loop by the floor's vibration in all third octaves of 8 to 80 Hz, m rms.
+
+    The floor has the rms velocity v in each third octave, evenly spread over it, as a criterion VC permits. A loop with
+    the resonance f_1 follows it with ``x_rel/x_floor = r^2/(1 - r^2 + 2 i zeta r)``, ``r = f/f_1``; ``x_floor = v/(2 pi
+    f)``. Powers are integrated over each third octave and added.
 
     Args:
-        floor_acceleration: amplitude or rms, m/s^2, >= 0.
-        resonance: first resonance f of the loop, Hz, > 0; the shaking must lie well below it.
+        velocity: v, rms in each third octave, m/s, >= 0.
+        resonance: f_1, Hz, > 0.
+        damping: zeta, 0 to below 1, > 0.
 
     Raises:
         InputError: outside the range.
+
+    Source: Gordon, Generic vibration criteria, Proc. SPIE 1619 (1991) 71; single-degree-of-freedom transmissibility.
     """
-    shake, f = np.asarray(floor_acceleration, float), np.asarray(resonance, float)
-    if not (np.all(shake >= 0) and np.all(f > 0)):
-        raise InputError("thermal: the floor's acceleration must be 0 or more, the resonance above 0")
-    return shake / (2 * np.pi * f) ** 2
+    v, f_1, zeta = np.broadcast_arrays(*(np.asarray(a, float) for a in (velocity, resonance, damping)))
+    if not (np.all(v >= 0) and np.all(f_1 > 0) and np.all((zeta > 0) & (zeta < 1))):
+        raise InputError("thermal: the floor's velocity must be 0 or more, the resonance above 0, the damping 0 to 1")
+    low, high = THIRD_OCTAVES * 2 ** (-1 / 6), THIRD_OCTAVES * 2 ** (1 / 6)
+
+    def power(band: tuple[float, float]) -> Array:
+        # |x_rel|^2 df = v^2/(width 4 pi^2 f^2) r^4/|...|^2 df; with s = r^2 the resonance is resolved by an arctangent.
+        start, end = band[0] / f_1, band[1] / f_1
+        return (_resonant_integral(end, zeta) - _resonant_integral(start, zeta)) / (end - start)
+
+    total = sum(power(band) for band in zip(low, high, strict=True))
+    return v / (2 * np.pi * f_1) * np.sqrt(total)
+
+
+def _resonant_integral(r: Array, zeta: Array) -> Array:
+    """Integral of ``r^2/[(1 - r^2)^2 + (2 zeta r)^2]`` over r from 0, in closed form.
+
+    Partial fractions over the roots ``+-p``, ``+-conj(p)`` of the denominator, ``p = sqrt(1 - zeta^2) + i zeta``.
+    """
+    p = np.sqrt(1 - zeta**2) + 1j * zeta
+    # 1/[(r^2 - p^2)(r^2 - conj(p)^2)] = Im[1/(r^2 - p^2)]/Im(p^2), and r^2/(r^2 - p^2) = 1 + p^2/(r^2 - p^2).
+    inner = p / 2 * (np.log((p - r) / (p + r)))
+    return np.imag(inner) / np.imag(p**2)

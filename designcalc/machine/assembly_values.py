@@ -6,7 +6,7 @@ from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance
 from designcalc.machine.height_adjustment import clamping_shift, screw_preload, wedge
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import heaviest_pad
-from designcalc.machine.teeth import CIRCUITS, teeth
+from designcalc.machine.teeth import attraction
 from designcalc.machine.tip_dynamics import usable_ellipse
 
 
@@ -24,7 +24,7 @@ def assembly_values(r: DesignInputs) -> dict[str, float | None]:
         "way_preload": screw_preload(r, "way"),
         "bar_preload": screw_preload(r, "bar"),
         "clamp_force": screw_preload(r, "clamp_long"),
-        "magnet_pull": CIRCUITS * float(teeth(r).point.attraction) if r.design.teeth.fitted else None,
+        "magnet_pull": attraction(r) if r.design.teeth.fitted else None,
         "lift_per_turn": float(drive.lift_per_turn),
         "lift_per_degree": float(drive.lift_per_degree),
         "adjustment": float(drive.range) / 2,

@@ -10,7 +10,7 @@ from designcalc.bearing.sliding import PadStiffness, pad_loads, pad_stiffness
 from designcalc.contact.film import FilmContact, confined_modulus, film_contact
 from designcalc.contact.hertz import contact_modulus
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import weight
+from designcalc.machine.loads import load, load_centre
 from designcalc.machine.tip_contact import elastic_constants
 
 Array = NDArray[np.float64]
@@ -18,9 +18,9 @@ Array = NDArray[np.float64]
 
 def pad_positions(r: DesignInputs) -> Array:
     """Pad centres (n, 2), x along the travel and y across, from the middle of the stage, m."""
-    along, across, count = r("pads.spacing_along") / 2, r("pads.spacing_across") / 2, r("pads.count")
-    far = [(0.0, -across)] if count == 3 else [(-along, -across), (along, -across)]
-    return np.array([(-along, across), (along, across), *far])
+    for key in ("pads.spacing_along", "pads.spacing_across", "pads.count"):
+        r(key)
+    return np.array(r.design.derived.pad_places) * 1e-3
 
 
 def film(r: DesignInputs, load: float, crown_radius: float | None = None) -> FilmContact:
@@ -32,9 +32,14 @@ def film(r: DesignInputs, load: float, crown_radius: float | None = None) -> Fil
     )
 
 
+def mean_film(r: DesignInputs) -> FilmContact:
+    """Contact of a pad under the mean of the pads' loads."""
+    return film(r, load(r) / len(pad_positions(r)))
+
+
 def pad_forces(r: DesignInputs) -> Array:
     """Load of each pad under weight and preload, N."""
-    return pad_loads(pad_positions(r), weight(r) + r("preload.force"), r.centre_of_mass())
+    return pad_loads(pad_positions(r), load(r), load_centre(r))
 
 
 def heaviest_pad(r: DesignInputs) -> float:
@@ -62,5 +67,6 @@ def rail(r: DesignInputs) -> Rail:
         bed_modulus=r.material("base", "youngs_modulus"),
         bolt_modulus=r("materials.alloy_steel.youngs_modulus"),
         poisson=r.material("bearing_way", "poisson_ratio"),
+        bed_poisson=r.material("base", "poisson_ratio"),
         joint_ratio=r("bearing_way.joint_ratio"),
     )

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from designcalc.drive.magnetic_teeth import MagnetCircuit, MagnetWorkingPoint, TeethField, teeth_field, working_point
+from designcalc.drive.magnetic_circuit import MagnetForces, MagnetSection, magnet_forces
+from designcalc.drive.magnetic_teeth import TeethField, teeth_field
 from designcalc.machine.inputs import DesignInputs
 
 CIRCUITS = 2
@@ -12,28 +13,54 @@ CIRCUITS = 2
 
 
 @dataclass(frozen=True)
-class TeethModel:
-    """The tooth field of the design, and the working point of one magnet (of two, one over each bar)."""
+class MagnetCircuit:
+    """One magnet with its two irons and its bar.
 
-    field: TeethField
-    circuit: MagnetCircuit
-    point: MagnetWorkingPoint
-    pitch: float
-    width: float
-    gap: float
-    depth: float
+    Args:
+        section: geometry across the travel.
+        length: of magnet and irons along the travel, m.
+        remanence: T.
+        recoil_permeability: relative.
+    """
+
+    section: MagnetSection
+    length: float
+    remanence: float
+    recoil_permeability: float
+
+    def forces(self, refinement: float = 1.0, **changes: float) -> MagnetForces:
+        """Forces of the circuit, with some lengths of its section changed."""
+        section = replace(self.section, **changes)
+        return magnet_forces(section, self.length, self.remanence, self.recoil_permeability, refinement)
 
 
-def teeth(r: DesignInputs) -> TeethModel:
-    """Field and forces of the toothed irons of the design."""
-    pitch, width, gap, depth = (r(f"teeth.{name}") for name in ("pitch", "width", "gap", "groove_depth"))
-    field = teeth_field(pitch, width, gap, depth)
-    circuit = MagnetCircuit(
-        remanence=r("magnet.remanence"),
-        thickness=r("magnet.thickness"),
-        area=r("magnet.length") * r("magnet.height"),
-        recoil_permeability=r("magnet.recoil_permeability"),
-        gap_area=r("tooth_iron.length") * r("teeth.per_iron") * pitch,
-        gaps=2,  # down through one iron of a pocket, along the bar, up through the other
+def circuit(r: DesignInputs) -> MagnetCircuit:
+    """One of the two magnetic circuits of the design."""
+    section = MagnetSection(
+        pitch=r("teeth.pitch"),
+        tooth_width=r("teeth.width"),
+        gap=r("teeth.gap"),
+        groove_depth=r("teeth.groove_depth"),
+        teeth=int(r("teeth.per_iron")),
+        iron_height=r("tooth_iron.height"),
+        magnet_thickness=r("magnet.thickness"),
+        magnet_height=r("magnet.height"),
+        channel_depth=r("tooth_bar.channel_depth"),
     )
-    return TeethModel(field, circuit, working_point(field, circuit, pitch, width), pitch, width, gap, depth)
+    length = min(r("tooth_iron.length"), r("magnet.length"))
+    return MagnetCircuit(section, length, r("magnet.remanence"), r("magnet.recoil_permeability"))
+
+
+def magnets(r: DesignInputs) -> MagnetForces:
+    """Working point of one circuit of the design, leakage included."""
+    return circuit(r).forces()
+
+
+def attraction(r: DesignInputs) -> float:
+    """Pull of all magnets of the design on the stage, N; 0 without teeth."""
+    return CIRCUITS * magnets(r).attraction if r.design.teeth.fitted else 0.0
+
+
+def tooth_field(r: DesignInputs) -> TeethField:
+    """Field of one cell of the teeth, which repeats across the travel."""
+    return teeth_field(r("teeth.pitch"), r("teeth.width"), r("teeth.gap"), r("teeth.groove_depth"))

@@ -1,14 +1,15 @@
-"""Motion of the tip on its piezos: ellipse, moved mass, resonances, and stiffness along the travel."""
+"""Motion of the tip on its piezos: ellipse, moved mass, resonances, sway, peak force, stiffness along the travel."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from designcalc.drive.friction_drive import TipEllipse, piezo_stiffness, resonance, tip_ellipse
-from designcalc.drive.piezo_stack import rocking_stiffness, tip_inertia
+from designcalc.contact.pulsed import peak_of_mean
+from designcalc.drive.friction_drive import frequency_for, piezo_stiffness, resonance, tip_ellipse
+from designcalc.drive.piezo_stack import SideLoad, rocking_stiffness, side_load, sway_stiffness, tip_inertia
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
-from designcalc.machine.tip_contact import tip_contact, tip_shear_stiffness
+from designcalc.machine.tip_contact import contact_stiffness
 
 PIEZOS = 3
 """Under one tip."""
@@ -19,19 +20,21 @@ def stack_stiffness(r: DesignInputs) -> float:
     return float(piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke")))
 
 
-def stroke_ellipse(r: DesignInputs) -> TipEllipse:
-    """Path of the tip at the drive's own stroke and phase."""
-    return _ellipse(r, r("actuator.stroke_amplitude"))
-
-
 def usable_ellipse(r: DesignInputs) -> tuple[float, float]:
     """X and Y of the ellipse at the drive's own stroke, or at the piezo's where that is less, m."""
-    path = _ellipse(r, min(r("piezo.stroke") / 2, r("actuator.stroke_amplitude")))
+    amplitude = min(r("piezo.stroke") / 2, r("actuator.stroke_amplitude"))
+    path = tip_ellipse(amplitude, r("actuator.phase"), r("actuator.piezo_spacing"), r("actuator.tip_height"))
     return float(path.along), float(path.normal)
 
 
-def _ellipse(r: DesignInputs, amplitude: float) -> TipEllipse:
-    return tip_ellipse(amplitude, r("actuator.phase"), r("actuator.piezo_spacing"), r("actuator.tip_height"))
+def tilt_amplitude(r: DesignInputs) -> float:
+    """Amplitude of the tip's rocking, rad."""
+    return usable_ellipse(r)[0] / 2 / r("actuator.tip_height")
+
+
+def speed_frequency(r: DesignInputs) -> float:
+    """Frequency of the drive at the required speed, coasting, Hz."""
+    return float(frequency_for(r("requirements.speed"), usable_ellipse(r)[0])["coasting"])
 
 
 def mass_on_piezos(r: DesignInputs) -> float:
@@ -39,13 +42,24 @@ def mass_on_piezos(r: DesignInputs) -> float:
     return r.tip_mass() + PIEZOS * r("piezo.moving_mass")
 
 
+def inertia_on_piezos(r: DesignInputs) -> float:
+    """Moment of inertia of the same about an axis in the plane of the stacks' ends, kg m^2.
+
+    The tip by its solid (mean of both axes), or as a disc and a column; the moving part of each stack as a point.
+    """
+    if r.masses is not None:
+        about = r.masses.tip.inertia_about((0.0, 0.0, 0.0))
+        own = r.given("tip inertia", 0.5 * (about[0][0] + about[1][1]), "kg*m^2", "measured from the solids")
+    else:
+        own = float(tip_inertia(r.tip_mass(), r("actuator.piezo_spacing") / np.sqrt(3), r("actuator.tip_height")))
+    return own + r("piezo.moving_mass") * r("actuator.piezo_spacing") ** 2 / 2
+
+
 def tip_resonances(r: DesignInputs) -> tuple[float, float]:
     """Resonances of the free tip on its piezos, Hz: vertical on all three, rocking on the two along the travel."""
-    mass, stack = mass_on_piezos(r), stack_stiffness(r)
-    circle = r("actuator.piezo_spacing") / np.sqrt(3)
-    inertia = tip_inertia(mass, circle, r("actuator.tip_height"))
+    stack = stack_stiffness(r)
     rocking = rocking_stiffness(stack, r("actuator.piezo_spacing"))
-    return float(resonance(PIEZOS * stack, mass)), float(resonance(rocking, inertia))
+    return float(resonance(PIEZOS * stack, mass_on_piezos(r))), float(resonance(rocking, inertia_on_piezos(r)))
 
 
 def tip_resonance(r: DesignInputs) -> float:
@@ -53,11 +67,42 @@ def tip_resonance(r: DesignInputs) -> float:
     return min(tip_resonances(r))
 
 
+def sway(r: DesignInputs) -> float:
+    """Stiffness of the tip across its stacks, which bend within the play of their bores, N/m."""
+    one = sway_stiffness(r("piezo.length"), r("piezo.element_area"), r.material("piezo", "youngs_modulus"))
+    return PIEZOS * float(one)
+
+
+def sway_resonance(r: DesignInputs) -> float:
+    """Resonance of the free tip that sways on its stacks, Hz."""
+    return float(resonance(sway(r), mass_on_piezos(r)))
+
+
+def bent_stack(r: DesignInputs, force: float) -> SideLoad:
+    """One stack of the design under a force across its end, N."""
+    proud = r("piezo.length") + r("holder.floor") - r("holder.height")
+    play = (r("holder.bore_diameter") - r("piezo.diameter")) / 2
+    modulus = r.material("piezo", "youngs_modulus")
+    return side_load(force, r("piezo.length"), proud, r("piezo.element_area"), modulus, play)
+
+
+def peak_tip_force(r: DesignInputs) -> float:
+    """Peak of the tip's normal force when it carries the whole load in pulses, N.
+
+    Between the resonance of the stage on its pads and that of the tip on its stacks: below the former the stage follows
+    the tip, near the latter the tip rises farther than commanded.
+    """
+    load = tip_load(r)
+    rate = contact_stiffness(r, load).rate
+    peak = peak_of_mean(load, usable_ellipse(r)[1], rate, PIEZOS * stack_stiffness(r))
+    return r.given("peak tip force", peak, "N", "the load carried in pulses over the rise of the ellipse")
+
+
 def holding_stiffness(r: DesignInputs) -> float:
     """Stiffness with which a tip that does not slip holds the stage along its travel, N/m.
 
-    Rocking of the tip on its piezos, and shear of the contact, in series.
+    Rocking of the tip on its piezos, sway of the stacks, and shear of the contact, in series.
     """
     rocking = rocking_stiffness(stack_stiffness(r), r("actuator.piezo_spacing")) / r("actuator.tip_height") ** 2
-    shear = tip_shear_stiffness(r, tip_contact(r, tip_load(r)))
-    return 1 / (1 / float(rocking) + 1 / shear)
+    shear = contact_stiffness(r, tip_load(r)).tangential
+    return 1 / (1 / float(rocking) + 1 / shear + 1 / sway(r))

@@ -91,6 +91,10 @@ COMPUTED: dict[str, Formula] = {
     "spring.installed_length": Formula(
         "base.pin_1_bore_end - height_pin_1.length / 2", lambda d: d.base.pin_1_bore_end - d.height_pin_1.length / 2
     ),
+    "piezo.loss_factor": Formula(
+        "tan(asin(piezo.hysteresis)): the loop's width over its stroke is the sine of the loss angle",
+        lambda d: math.tan(math.asin(d.piezo.hysteresis)),
+    ),
     "piezo.stiffness": Formula(
         "piezo.blocking_force / piezo.stroke", lambda d: d.piezo.blocking_force / d.piezo.stroke
     ),

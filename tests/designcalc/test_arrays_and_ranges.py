@@ -8,22 +8,17 @@ import numpy as np
 import pytest
 
 from designcalc.bearing import bolted_rail, fastener, porous_air, sliding
-from designcalc.contact import film, hertz
+from designcalc.contact import film, hertz, pulsed
 from designcalc.drive import friction_drive, height_adjustment, magnetic_teeth, piezo_stack
 from designcalc.errors import sensors, thermal
 from stagecad.parameters.errors import InputError
 
-RAIL = (0.28, 0.01, 0.07, 0.0254, 9.525e-3, 410e9, 141e9, 207e9, 0.14, 10.0)
+RAIL = (0.28, 0.01, 0.07, 0.0254, 9.525e-3, 410e9, 141e9, 207e9, 0.14, 0.29, 10.0)
 THREAD = fastener.UnifiedThread(9.525e-3, 25.4e-3 / 16)
 
 
 def of_rail(*numbers):
     return bolted_rail.total_stiffness(bolted_rail.Rail(*numbers), 4.0, 1.5)
-
-
-def of_circuit(*numbers):
-    field = magnetic_teeth.teeth_field(2e-3, 0.8e-3, 0.4e-3)
-    return magnetic_teeth.working_point(field, magnetic_teeth.MagnetCircuit(*numbers), 2e-3, 0.8e-3)
 
 
 CALLS = [
@@ -47,15 +42,15 @@ CALLS = [
     (height_adjustment.clamp_shift, (5e3, 0.8, 76e-3, 36e-3, 50e-6, 62e-3, 141e9, 0.29)),
     (height_adjustment.screw_force, (100.0, 0.05, 0.15)),
     (magnetic_teeth.teeth_field, (2e-3, 0.8e-3, 0.4e-3, 1e-3, 0.1e-3)),
-    (of_circuit, (1.17, 3e-3, 2e-4, 1.05, 4e-4)),
-    (piezo_stack.stack_tension, (0.03, 5e3, 12e-6, 2.0)),
+    (piezo_stack.stack_tension, (0.03, 8e-6, 5e3, 12e-6, 3e-4, 46e-3)),
+    (piezo_stack.sway_stiffness, (36e-3, 25e-6, 50e9)),
     (piezo_stack.drive_pull, (10.0, 20e-3, 46e-3)),
     (piezo_stack.side_load, (3.3, 36e-3, 5e-3, 25e-6, 50e9, 25e-6)),
     (piezo_stack.tilt_stress, (3e-4, 36e-3, 25e-6, 50e9)),
     (piezo_stack.rocking_stiffness, (47e6, 46e-3)),
     (piezo_stack.tip_inertia, (0.03, 0.026, 0.02)),
     (lambda gap: porous_air.stiffness_of_gap(gap, 5e-6, 90.0, 25.4e-3, 413e3), (4e-6,)),
-    (sensors.count_size, (25.4e-3, 12.0)),
+    (lambda span: sensors.count_size(span, 12.0), (25.4e-3,)),
     (sensors.filtered_noise, (25e-9, 5e3, 24.0)),
     (sensors.velocity_noise, (6e-6, 1e3)),
     (sensors.lag_error, (0.2, 500.0)),
@@ -64,11 +59,12 @@ CALLS = [
     (lambda load: film.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),
     (sliding.crown_wear_distance, (1e-6, 2.0, 1e-15, 16.0)),
     (sliding.crown_wear_depth, (1200.0, 2.0, 1e-15, 16.0)),
+    (sliding.averaged_roughness, (20e-9, 20e-6, 0.75e-3)),
     (sliding.friction_heat, (0.05, 33.0, 0.2)),
     (thermal.differential_growth, (0.28, 4e-6, 1.3e-6)),
     (thermal.bow_of_layers, (0.28, 0.025, 410e9, 4e-6, 0.09, 141e9, 1.3e-6)),
     (thermal.preload_change, (14e-3, 12e-6, 4e-6, 3e8, 3e9)),
-    (thermal.vibration_at_tip, (4.7e-3, 330.0)),
+    (thermal.floor_motion, (25e-6, 330.0, 0.02)),
 ]
 
 
@@ -91,7 +87,16 @@ def test_an_array_gives_what_its_elements_give(call, arguments):
 @pytest.mark.parametrize(
     "call",
     [
+        lambda: bolted_rail.Rail(*RAIL[:-3], 0.7),
         lambda: bolted_rail.Rail(*RAIL[:-2], 0.7),
+        lambda: hertz.point_contact(10.0, 0.02, np.inf, np.inf),
+        lambda: hertz.point_contact(1e6, 1e-3, np.inf, 50e9),
+        lambda: film.film_contact(10.0, 2.0, 5e-3, 1e9, 60e9),
+        lambda: sliding.pad_loads([(0, 0), (1, 1), (2, 2)], 10.0, (0, 0)),
+        lambda: sensors.count_size(0.02, 12.5),
+        lambda: friction_drive.tip_force_limit([(0, 0), (1, 0), (0, 1)], (0.2, 0.2), (np.nan, 0.0)),
+        lambda: thermal.floor_motion(25e-6, 330.0, 0.0),
+        lambda: pulsed.peak_of_mean(-1.0, 12e-6, 7e9, 1.4e8),
         lambda: bolted_rail.Rail(np.array([0.28, -1.0]), *RAIL[1:]),
         lambda: fastener.preload_of_torque(15.0, 9.5e-3, 0.9),
         lambda: fastener.head_pressure(1.0, 0.01, 0.02),
@@ -120,5 +125,5 @@ def test_an_array_gives_what_its_elements_give(call, arguments):
     ],
 )
 def test_outside_its_range_a_calculator_says_so(call):
-    with pytest.raises(InputError, match=r"must|larger than its hole"):
+    with pytest.raises(InputError, match=r"must|larger than its hole|not small|for thin films"):
         call()

@@ -48,9 +48,9 @@ def _smoothness(run: Run, v: Values) -> dict[str, Any]:
         )
     surface = Surface(v["roughness"], v["correlation_length"], v["waviness"], v["wavelength"])
     count = int(v["pads"])
-    profiles, step = synthetic_profiles(surface, v["travel"], v["contact_length"], v["contact_width"], count)
+    profiles, step = synthetic_profiles(surface, v["travel"], v["contact_length"], count)
     carried = carried_height(profiles, step, v["contact_length"])
-    closed = averaged_roughness(v["roughness"], v["correlation_length"], v["contact_length"], v["contact_width"], count)
+    closed = averaged_roughness(v["roughness"], v["correlation_length"], v["contact_length"] / 2, count)
     return quantities(
         rms=(np.std(carried), "m"), peak_to_valley=(np.ptp(carried), "m"), roughness_by_formula=(closed, "m")
     )
@@ -127,8 +127,7 @@ BEARING_CALCULATORS: dict[str, Calculator] = {
             "correlation_length": Option("m", "of the roughness", from_key("bearing.roughness_correlation")),
             "waviness": Option("m", "amplitude of the waves", from_key("bearing.way_waviness")),
             "wavelength": Option("m", "of the waves", from_key("bearing.waviness_length")),
-            "contact_length": Option("m", "of a pad along the travel", _contact),
-            "contact_width": Option("m", "of a pad across", _contact),
+            "contact_length": Option("m", "diameter of a pad's contact", _contact),
             "pads": Option("", "that share the load, each on a separate track", from_key("pads.count")),
             "travel": Option("m", "ridden over", from_key("stage.travel")),
         },

@@ -81,7 +81,8 @@ def _hertz(run: Run, v: Values) -> dict[str, Any]:
         major, minor, pressure = contact.semi_axis_major, contact.semi_axis_minor, contact.peak_pressure
         approach, stiffness = as_json(float(contact.approach), "m"), as_json(float(contact.stiffness), "N/m")
         secant = as_json(float(contact.secant_stiffness), "N/m")
-        tension = max(float(hertz_stress.edge_tension(pressure, v[name])) for name in ("poisson_1", "poisson_2"))
+        ratios = (v["poisson_1"], v["poisson_2"])
+        tension = max(float(hertz_stress.edge_tension(pressure, nu, v["friction"])) for nu in ratios)
     else:
         line = hertz.line_contact(v["load"], v["length"], v["radius_1"], v["radius_2"], modulus)
         peak = hertz_stress.line_shear_peak(line)
@@ -106,11 +107,16 @@ def _hertz(run: Run, v: Values) -> dict[str, Any]:
     }
 
 
+def _bed_poisson(r: DesignInputs, given: Values) -> float:
+    own = r.material("bearing_way", "poisson_ratio")
+    return r.material("base", "poisson_ratio") if given["poisson"] == own else given["poisson"]
+
+
 def _rail(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.bearing.bolted_rail import Rail, joint_stiffness, total_stiffness
 
     names = ("length", "overhang_a", "overhang_b", "height", "bolt_diameter")
-    names += ("rail_modulus", "bed_modulus", "bolt_modulus", "poisson", "joint_ratio")
+    names += ("rail_modulus", "bed_modulus", "bolt_modulus", "poisson", "bed_poisson", "joint_ratio")
     rail = Rail(**{name: v[name] for name in names})
     joint = joint_stiffness(rail, v["flange_ratio"]).joint_per_diameter
     rows = [
@@ -130,11 +136,9 @@ def _rail(run: Run, v: Values) -> dict[str, Any]:
 
 
 def _teeth(run: Run, v: Values) -> dict[str, Any]:
-    from dataclasses import replace
-
-    from designcalc.drive.magnetic_teeth import teeth_field, working_point
+    from designcalc.drive.magnetic_teeth import teeth_field
     from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.teeth import CIRCUITS, teeth
+    from designcalc.machine.teeth import CIRCUITS, circuit
 
     field = teeth_field(v["pitch"], v["tooth_width"], v["gap"], v["groove_depth"])
     ratio = as_json(field.lateral_over_normal, "")
@@ -146,11 +150,8 @@ def _teeth(run: Run, v: Values) -> dict[str, Any]:
             "attraction": as_json(field.attraction, "N/m^2/A^2"),
             "error": as_json(field.error, ""),
         }
-    r = DesignInputs(run.design)
     # The irons keep their number of teeth: another pitch makes them wider.
-    area = r("tooth_iron.length") * r("teeth.per_iron") * v["pitch"]
-    circuit = replace(teeth(r).circuit, gap_area=area)
-    point = working_point(field, circuit, v["pitch"], v["tooth_width"])
+    point = circuit(DesignInputs(run.design)).forces(**{name: v[name] for name in v if name != "magnet"})
     return {
         "lateral_over_normal": as_json(point.lateral_stiffness / point.normal_stiffness, ""),
         "lateral_stiffness": as_json(CIRCUITS * point.lateral_stiffness, "N/m"),
@@ -158,6 +159,7 @@ def _teeth(run: Run, v: Values) -> dict[str, Any]:
         "attraction": as_json(CIRCUITS * point.attraction, "N"),
         "gap_flux_density": as_json(point.gap_flux_density, "T"),
         "tooth_flux_density": as_json(point.tooth_flux_density, "T"),
+        "leakage": as_json(point.leakage, ""),
         "magnetic_potential": as_json(point.potential, "A"),
         "error": as_json(field.error, ""),
     }
@@ -178,6 +180,7 @@ CALCULATORS: dict[str, Calculator] = {
             "poisson_2": Option("", "Poisson's ratio of body 2", from_material("stage", "poisson_ratio")),
             "strength_1": Option("Pa", "yield strength of body 1", from_material("tip", "strength")),
             "strength_2": Option("Pa", "yield strength of body 2", from_material("stage", "strength")),
+            "friction": Option("", "coefficient of sliding friction, for the tension at the edge", constant(0.0)),
             "length": Option("m", "of a line contact; a point contact without it", constant(None)),
         },
         _hertz,
@@ -198,6 +201,7 @@ CALCULATORS: dict[str, Calculator] = {
             "bed_modulus": Option("Pa", "of thread and bed", from_material("base", "youngs_modulus")),
             "bolt_modulus": Option("Pa", "of the bolts", from_material("screws.way", "youngs_modulus")),
             "poisson": Option("", "of the rail", from_material("bearing_way", "poisson_ratio")),
+            "bed_poisson": Option("", "of the bed; that of the rail if another one is given for it", _bed_poisson),
             "joint_ratio": Option("", "bedded joint over bolt joint", from_key("bearing_way.joint_ratio")),
         },
         _rail,

@@ -33,8 +33,11 @@ def _drive(run: Run, v: Values) -> dict[str, Any]:
         frequency_coasting=(needed["coasting"], "Hz"),
         frequency_apex=(needed["apex"], "Hz"),
         resonance=(first, "Hz"),
-        acceleration_limit=(drive.acceleration_limit(v["friction"], v["preload_ratio"]), "m/s^2"),
-        preload_ratio_for_1g=(drive.preload_ratio_for(drive.GRAVITY, v["friction"]), ""),
+        acceleration_limit=(
+            drive.acceleration_limit(v["friction"], v["preload_ratio"], gravity=v["gravity"]),
+            "m/s^2",
+        ),
+        preload_ratio_for_1g=(drive.preload_ratio_for(drive.GRAVITY, v["friction"], v["gravity"]), ""),
     )
 
 
@@ -50,11 +53,17 @@ def _side_force(r: DesignInputs, given: Values) -> float:
     return r("drive.friction") * tip_load(r)
 
 
+def _tilt(r: DesignInputs, given: Values) -> float:
+    from designcalc.machine.tip_dynamics import tilt_amplitude
+
+    return tilt_amplitude(r)
+
+
 def _stack(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.drive.friction_drive import stack_current, stack_heat
     from designcalc.drive.piezo_stack import drive_pull, side_load, stack_tension
 
-    swing = stack_tension(v["mass"], v["frequency"], v["rise"])
+    swing = stack_tension(v["mass"], v["inertia"], v["frequency"], v["rise"], v["tilt"], v["piezo_spacing"])
     push = drive_pull(v["side_force"], v["tip_height"], v["piezo_spacing"])
     bent = side_load(
         v["side_force"] / v["piezos"], v["length"], v["free_length"], v["area"], v["modulus"], v["clearance"]
@@ -79,8 +88,14 @@ def _tip_over(run: Run, v: Values) -> dict[str, Any]:
     share = tip_force_limit(places, (0.0, 0.0), (-v["position"], 0.0))
     return quantities(
         share_of_load=(share, ""),
-        acceleration=(acceleration_limit(v["friction"], v["preload_ratio"], share, v["pad_friction"]), "m/s^2"),
-        acceleration_before_lift_off=(acceleration_limit(v["friction"], v["preload_ratio"]), "m/s^2"),
+        acceleration=(
+            acceleration_limit(v["friction"], v["preload_ratio"], share, v["pad_friction"], v["gravity"]),
+            "m/s^2",
+        ),
+        acceleration_before_lift_off=(
+            acceleration_limit(v["friction"], v["preload_ratio"], gravity=v["gravity"]),
+            "m/s^2",
+        ),
     )
 
 
@@ -171,7 +186,8 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
             "blocking_force": Option("N", "of a piezo", from_key("piezo.blocking_force")),
             "free_stroke": Option("m", "of a piezo", from_key("piezo.stroke")),
             "friction": Option("", "between tip and stage", from_key("drive.friction")),
-            "preload_ratio": Option("", "preload over weight", from_key("preload.ratio")),
+            "preload_ratio": Option("", "preload over weight", from_model("loads", "preload_ratio")),
+            "gravity": Option("m/s^2", "", from_key("environment.gravity")),
         },
         _drive,
     ),
@@ -180,7 +196,11 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
         {
             "mass": Option("kg", "that swings on the stacks", from_model("tip_dynamics", "mass_on_piezos")),
             "frequency": Option("Hz", "of the drive", from_key("actuator.frequency")),
+            "inertia": Option(
+                "kg*m^2", "of the same about the stacks' ends", from_model("tip_dynamics", "inertia_on_piezos")
+            ),
             "rise": Option("m", "of the tip, peak to peak", _rise),
+            "tilt": Option("rad", "amplitude of the tip's rocking", _tilt),
             "side_force": Option("N", "of the tip on the stage", _side_force),
             "tip_height": Option("m", "h", from_key("actuator.tip_height")),
             "piezo_spacing": Option("m", "D", from_key("actuator.piezo_spacing")),
@@ -210,7 +230,8 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
             "position": Option("m", "of the stage from the middle", lambda r, given: r("stage.travel") / 2),
             "friction": Option("", "between tip and stage", from_key("drive.friction")),
             "pad_friction": Option("", "of the pads", from_key("bearing.dynamic_friction")),
-            "preload_ratio": Option("", "preload over weight", from_key("preload.ratio")),
+            "preload_ratio": Option("", "preload over weight", from_model("loads", "preload_ratio")),
+            "gravity": Option("m/s^2", "", from_key("environment.gravity")),
         },
         _tip_over,
     ),

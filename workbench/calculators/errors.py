@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.units import as_json
@@ -24,13 +23,10 @@ def _bow(run: Run, v: Values) -> dict[str, Any]:
 
 def _vibration(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.drive.friction_drive import resonance
-    from designcalc.errors.thermal import vibration_at_tip
+    from designcalc.errors.thermal import floor_motion
 
     first = resonance(v["stiffness"], v["mass"])
-    shake = 2 * math.pi * v["floor_frequency"] * v["floor_velocity"]
-    return quantities(
-        resonance=(first, "Hz"), floor_acceleration=(shake, "m/s^2"), motion=(vibration_at_tip(shake, first), "m")
-    )
+    return quantities(resonance=(first, "Hz"), motion=(floor_motion(v["floor_velocity"], first, v["damping"]), "m"))
 
 
 def _alignment(run: Run, v: Values) -> dict[str, Any]:
@@ -74,10 +70,10 @@ ERROR_CALCULATORS: dict[str, Calculator] = {
         _bow,
     ),
     "vibration": Calculator(
-        "Displacement by the floor's vibration of a mass that is held by a stiffness, well below its resonance.",
+        "Motion, rms, of a mass on a stiffness against a floor that vibrates in all third octaves of 8 to 80 Hz.",
         {
-            "floor_velocity": Option("m/s", "rms", from_key("environment.floor_velocity")),
-            "floor_frequency": Option("Hz", "of the floor", from_key("environment.floor_frequency")),
+            "floor_velocity": Option("m/s", "rms in each third octave", from_key("environment.floor_velocity")),
+            "damping": Option("", "damping ratio of the mass", from_key("piezo.damping_ratio")),
             "stiffness": Option(
                 "N/m", "by default of tip and contact along the travel", from_model("tip_dynamics", "holding_stiffness")
             ),

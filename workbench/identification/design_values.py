@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import hypot
+from typing import TYPE_CHECKING
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import format_quantity
 from sysid.experiment.known import DesignValue
 from workbench.options import Run
+
+if TYPE_CHECKING:
+    from designcalc.machine.inputs import DesignInputs
 
 MASS_DEVIATION = 0.01
 """Relative standard deviation of a mass computed from solids (assumed: densities from catalogues, cables and glue left
@@ -43,14 +47,17 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
 
     def value(name: str) -> DesignValue:
         if name == "mass":
-            mass = _design_mass(run)
+            from designcalc.machine.loads import moved_mass
+
+            mass = moved_mass(_inputs(run))
             return DesignValue(mass, MASS_DEVIATION * mass)
         if name == "contact_stiffness":
             # Its elliptic integrals come from a library that takes a third of a second to load.
-            from designcalc.machine.inputs import DesignInputs
-            from designcalc.machine.tip_contact import contact_without_payload
+            from designcalc.machine.loads import load
+            from designcalc.machine.tip_contact import contact_stiffness
 
-            contact = contact_without_payload(DesignInputs(run.design), _design_mass(run))
+            r = _inputs(run)
+            contact = contact_stiffness(r, load(r))
             run.note(
                 f"note: contact_stiffness = {format_quantity(contact.tangential, 'N/m')} along the surface (Mindlin), "
                 f"{format_quantity(contact.normal, 'N/m')} across it (Hertz), under the {contact.load:.3g} N of weight "
@@ -73,11 +80,12 @@ def design_values(run: Run) -> Callable[[str], DesignValue]:
     return value
 
 
-def _design_mass(run: Run) -> float:
-    """Mass of the design's moving body (stage, irons, magnets), kg."""
+def _inputs(run: Run) -> DesignInputs:
+    """The design with the masses of its solids, as checks and simulation of the stage read it."""
+    from designcalc.machine.inputs import DesignInputs
     from stagecad.solids.assembly.machine import body_masses
 
-    return body_masses(run.design).moving.mass
+    return DesignInputs(run.design, body_masses(run.design))
 
 
 def _entry(run: Run, key: str) -> DesignValue:

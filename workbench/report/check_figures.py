@@ -126,24 +126,24 @@ def speed_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | 
 @check_figure(6.4, 4.0)
 def travel_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str | None:
     """Acceleration the tip can give over the travel without tipping the stage off its pads."""
-    from designcalc.drive.friction_drive import GRAVITY, acceleration_limit, tip_force_limit
+    from designcalc.drive.friction_drive import acceleration_limit, tip_force_limit
     from designcalc.machine.inputs import DesignInputs
-    from designcalc.machine.loads import preload_ratio
+    from designcalc.machine.loads import gravity, load_centre, preload_ratio
     from designcalc.machine.pads import pad_positions
 
     r = DesignInputs(design, masses)
-    half, places, centre = r("stage.travel") / 2, pad_positions(r), r.centre_of_mass()
+    half, places, centre = r("stage.travel") / 2, pad_positions(r), load_centre(r)
     x = np.linspace(-half, half, 161)
     # With the stage at x the tip acts at -x on it.
     share = np.array([tip_force_limit(places, centre, (-place, 0.0)) for place in x])
     mu, mu_pad, p = r("drive.friction"), r("bearing.dynamic_friction"), preload_ratio(r)
-    axes.plot(1e3 * x, acceleration_limit(mu, p, share, mu_pad) / GRAVITY, color="tab:blue", label="before a pad lifts")
-    axes.axhline(
-        float(acceleration_limit(mu, p)) / GRAVITY, color="tab:orange", ls="--", label="before lift-off, mu (1 + p)"
-    )
+    g = gravity(r)
+    axes.plot(1e3 * x, acceleration_limit(mu, p, share, mu_pad, g) / g, color="tab:blue", label="before a pad lifts")
+    lift_off = float(acceleration_limit(mu, p, gravity=g)) / g
+    axes.axhline(lift_off, color="tab:orange", ls="--", label="before lift-off, mu (1 + p)")
     for key, label in (("acceleration_low", "required, least"), ("acceleration", "required, most")):
-        axes.axhline(r(f"requirements.{key}") / GRAVITY, color="0.4", lw=0.8)
-        axes.text(-1e3 * half, r(f"requirements.{key}") / GRAVITY, label, va="bottom", fontsize=8, color="0.4")
+        axes.axhline(r(f"requirements.{key}") / g, color="0.4", lw=0.8)
+        axes.text(-1e3 * half, r(f"requirements.{key}") / g, label, va="bottom", fontsize=8, color="0.4")
     axes.axhline(0, color="0.8", lw=0.8)
     axes.set_xlabel("stage from the middle of its travel, mm")
     axes.set_ylabel("acceleration, g")
@@ -161,7 +161,7 @@ def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str 
 
     r = DesignInputs(design, masses)
     surface, side = lapped_surface(r), spot(r)
-    profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, side, 1)
+    profiles, step = synthetic_profiles(surface, 4 * surface.wavelength, side, 1)
     height = averaged_profile(profiles[0], step, side)
     x = step * np.arange(profiles.shape[1])
     first = (x.size - height.size) // 2

@@ -65,15 +65,18 @@ def moving_mass(design: Design, given: str | None) -> float:
 
     Args:
         design: the design.
-        given: None for `friction.mass` (the thesis's 1 kg), `design` for the design's moving body, or a quantity.
+        given: None for `friction.mass` (the thesis's 1 kg), `design` for the design's moving body with its payload,
+            or a quantity.
     """
     if given is None:
         return design.friction.mass
     if given != "design":
         return parse_mass(given)
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.loads import moved_mass
     from stagecad.solids.assembly.machine import body_masses
 
-    return body_masses(design).moving.mass
+    return moved_mass(DesignInputs(design, body_masses(design)))
 
 
 def parse_mass(text: str) -> float:

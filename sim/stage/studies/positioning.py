@@ -25,10 +25,10 @@ from sim.stage.studies.steps import LOAD_SHARE
 from sim.stage.waveforms import two_piezo_ellipse, volts_for
 
 TARGET = 0.5e-3
-COARSE_HEIGHT = -0.45
+COARSE_HEIGHT = 0.0
 """Of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 DECELERATION = 0.15
-"""m/s^2, of the desired speed; a third of what the pads' friction gives."""
+"""m/s^2, of the desired speed; a tenth of what the pads' friction gives."""
 SPEED_SCALE = 5e-3
 """Speed error at which the output is full, m/s."""
 HAND_OVER = 0.5e-6

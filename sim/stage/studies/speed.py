@@ -17,7 +17,7 @@ LAWS = {"stopping": 1.0, "coasting": 2.0, "apex": math.pi}
 NEAR = 0.15
 """A law is met where the speed is within this part of it."""
 FREQUENCIES = (20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0, 7000.0, 8000.0)
-HEIGHTS = {"grazing": -0.6, "halfway": -0.3, "level": 0.0}
+HEIGHTS = {"halfway": -0.3, "level": 0.0, "raised": 0.3}
 """Height of the apex at mid-stroke over the drive surface, in amplitudes of the ellipse's height."""
 
 

@@ -26,7 +26,7 @@ class Piezo:
     strain_limit: float = number("tensile stress that the ceramic withstands without preload", "Pa", closed=True)
     element_area: float = number("cross-section of the ceramic element in its case", "m^2")
     moving_mass: float = number("share of the stack that moves with the tip", "kg", closed=True)
-    loss_factor: float = number("tan(delta) at large signal", high=1, closed=True)
+    loss_factor: float = number("tan(delta) at large signal", high=1, closed=True, computed=True)
     creep: float = number("stretch gained per decade of time", high=1, closed=True)
     damping_ratio: float = number("of a body on the stacks", high=1, closed=True)
 

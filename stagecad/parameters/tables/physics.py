@@ -187,8 +187,9 @@ class Environment:
     temperature: float = number("", "degC", low=-273.15)
     temperature_change: float = number("that the machine must bear", "K", closed=True)
     storage_change: float = number("that its joints must bear in store and transport", "K", closed=True)
-    floor_velocity: float = number("of the floor's vibration, rms", "m/s", closed=True)
-    floor_frequency: float = number("at which the floor's vibration matters most", "Hz")
+    floor_velocity: float = number(
+        "of the floor's vibration, rms in each third octave of 8 to 80 Hz", "m/s", closed=True
+    )
     gravity: float = number("", "m/s^2")
 
 

@@ -90,11 +90,18 @@ def test_averaged_roughness_is_that_of_a_random_surface():
         np.fft.fft2(rng.standard_normal((n, n))) * np.exp(-(kx**2 + ky**2) * correlation**2 / 8)
     ).real
     surface = filtered / filtered.std()
-    length, width = 128, 64
-    patches = surface.reshape(n // width, width, n // length, length).mean(axis=(1, 3))
+    radius, side = 64, 128
+    x, y = np.meshgrid(*(np.arange(side) - (side - 1) / 2,) * 2)
+    pressure = np.sqrt(np.maximum(1 - (x**2 + y**2) / radius**2, 0.0))
+    patches = surface.reshape(n // side, side, n // side, side).transpose(0, 2, 1, 3)
+    heights = np.sum(patches * pressure, axis=(2, 3)) / pressure.sum()
     ra = float(np.mean(np.abs(surface)))
-    expected = bearing.averaged_roughness(ra, correlation, length, width)
-    assert float(np.sqrt(np.mean(patches**2))) == pytest.approx(float(expected), rel=0.2)  # 128 patches: +-6 %
+    expected = bearing.averaged_roughness(ra, correlation, radius)
+    assert float(np.sqrt(np.mean(heights**2))) == pytest.approx(float(expected), rel=0.2)  # 64 patches: +-9 %
+    # Integrated over the circle of Hertz's pressure: 20.3 nm for one pad of Ra 1 um and 0.407 nm for Ra 20 nm, by a
+    # separate quadrature; the square about it has 17.0 and 0.340 nm.
+    assert float(bearing.averaged_roughness(1e-6, 20e-6, 0.7560e-3, 3)) == pytest.approx(20.3e-9, rel=5e-3)
+    assert float(bearing.averaged_roughness(20e-9, 20e-6, 0.7560e-3, 3)) == pytest.approx(0.407e-9, rel=5e-3)
 
 
 def test_averaged_profile_keeps_slow_and_stops_fast():

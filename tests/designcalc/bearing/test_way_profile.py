@@ -14,31 +14,30 @@ SIDE = 0.8e-3
 
 
 def test_the_made_up_profile_has_its_roughness_and_its_correlation():
-    profiles, step = synthetic_profiles(ROUGH, 0.5, SIDE, SIDE, 3)
-    across = np.sqrt(np.sqrt(np.pi) * ROUGH.correlation_length / SIDE)
+    profiles, step = synthetic_profiles(ROUGH, 0.5, SIDE, 3)
+    across = np.sqrt(np.sqrt(np.pi) * ROUGH.correlation_length / (4 * np.pi / 15 * SIDE))
     assert np.std(profiles) == pytest.approx(ROUGH.roughness * np.sqrt(np.pi / 2) * across, rel=0.02)
     lag = round(ROUGH.correlation_length / step)
     assert np.mean(profiles[:, lag:] * profiles[:, :-lag]) / np.var(profiles) == pytest.approx(np.exp(-1), abs=0.02)
-    again, _ = synthetic_profiles(ROUGH, 0.5, SIDE, SIDE, 3)
+    again, _ = synthetic_profiles(ROUGH, 0.5, SIDE, 3)
     np.testing.assert_array_equal(profiles, again)
 
 
 def test_pads_leave_of_roughness_what_the_closed_form_says():
-    """A parabola averages over 1/1.2 of its length: the mean square of its weights is 1.2 times that of a box."""
-    profiles, step = synthetic_profiles(ROUGH, 1.0, SIDE, SIDE, 3)
+    profiles, step = synthetic_profiles(ROUGH, 1.0, SIDE, 3)
     left = np.std(carried_height(profiles, step, SIDE))
-    box = float(averaged_roughness(ROUGH.roughness, ROUGH.correlation_length, SIDE, SIDE, 3))
-    assert left == pytest.approx(box * np.sqrt(1.2), rel=0.05)
+    circle = float(averaged_roughness(ROUGH.roughness, ROUGH.correlation_length, SIDE / 2, 3))
+    assert left == pytest.approx(circle, rel=0.05)
 
 
 def test_waves_longer_than_the_contact_pass_and_opposed_ones_cancel():
     waves = Surface(roughness=0.0, correlation_length=20e-6, waviness=5e-9, wavelength=10e-3)
-    in_step, step = synthetic_profiles(waves, 0.3, SIDE, SIDE, 2)
+    in_step, step = synthetic_profiles(waves, 0.3, SIDE, 2)
     half = np.pi * SIDE / waves.wavelength
     transfer = 3 * (np.sin(half) - half * np.cos(half)) / half**3  # Fourier transform of a parabola
     # the contact is rounded down to whole steps of the profile, and its weights to points
     assert np.std(carried_height(in_step, step, SIDE)) == pytest.approx(5e-9 / np.sqrt(2) * transfer, rel=2e-3)
-    opposed, _ = synthetic_profiles(waves, 0.3, SIDE, SIDE, 2, phase=np.pi)
+    opposed, _ = synthetic_profiles(waves, 0.3, SIDE, 2, phase=np.pi)
     assert np.std(carried_height(opposed, step, SIDE)) < 1e-12
 
 
@@ -47,8 +46,8 @@ def test_waves_longer_than_the_contact_pass_and_opposed_ones_cancel():
     [
         (lambda: Surface(1e-8, 0.0, 0.0, 1e-2), "correlation length must be above 0"),
         (lambda: Surface(1e-8, 1e-5, -1e-9, 1e-2), "waviness must be 0 or more"),
-        (lambda: synthetic_profiles(ROUGH, 0.3, 30e-6, SIDE, 1), "a third of the contact"),
-        (lambda: synthetic_profiles(ROUGH, 1e-4, SIDE, SIDE, 1), "twenty correlation lengths"),
+        (lambda: synthetic_profiles(ROUGH, 0.3, 30e-6, 1), "a third of the contact"),
+        (lambda: synthetic_profiles(ROUGH, 1e-4, SIDE, 1), "twenty correlation lengths"),
     ],
 )
 def test_outside_the_range_is_said(call, words):

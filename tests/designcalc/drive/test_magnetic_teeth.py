@@ -14,11 +14,9 @@ from scipy.sparse.linalg import spsolve
 
 from designcalc.drive.magnetic_teeth import (
     MU_0,
-    MagnetCircuit,
     flat_field,
     ratio_map,
     teeth_field,
-    working_point,
 )
 from stagecad.parameters.errors import InputError
 
@@ -129,22 +127,6 @@ def test_map_has_the_shape_the_thesis_missed():
     ratio, lateral, _ = ratio_map(widths, np.array([0.2]))
     assert np.all(np.diff(ratio[0]) < 0)
     assert 0.2 <= widths[np.argmax(lateral[0])] <= 0.4
-
-
-def test_magnet_circuit_reduces_to_fixed_potential_and_to_fixed_flux():
-    field = teeth_field(5e-3, 2e-3, 1e-3, 2.5e-3)
-    area = 240e-6 * 40
-    thin = MagnetCircuit(1.2, 1e-6, 1.0, 1.05, area)
-    point = working_point(field, thin, 5e-3, 2e-3)
-    fixed = (1.2 * 1e-6 / (MU_0 * 1.05)) ** 2 * area
-    assert point.attraction == pytest.approx(fixed * field.attraction, rel=1e-2)
-    assert point.normal_stiffness == pytest.approx(fixed * field.normal_stiffness, rel=1e-2)
-    # a magnet of large reluctance holds the flux at Br A: the force is flux^2/2 dR/de
-    stiff = MagnetCircuit(1.2, 10.0, 1e-4, 1.05, area)
-    point = working_point(field, stiff, 5e-3, 2e-3)
-    flux, step = 1.2 * 1e-4, 1e-6
-    reluctance = [1 / (2 * teeth_field(5e-3, 2e-3, e, 2.5e-3).coenergy * area) for e in (1e-3 - step, 1e-3 + step)]
-    assert point.attraction == pytest.approx(0.5 * flux**2 * (reluctance[1] - reluctance[0]) / (2 * step), rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -8,18 +8,18 @@ import pytest
 
 import workbench.identification.design_values
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.tip_contact import contact_without_payload
+from designcalc.machine.loads import load
+from designcalc.machine.tip_contact import contact_stiffness
 from sysid.experiment.known import DesignValue
 from workbench.identification.design_values import design_values
 from workbench.options import Run
 
-MASS = 1.8
-
 
 def test_an_experiment_takes_the_stiffness_with_a_note(monkeypatch: pytest.MonkeyPatch, capsys):
-    monkeypatch.setattr(workbench.identification.design_values, "_design_mass", lambda run: MASS)
     run = Run(None, (), Path("build"), None)
-    expected = contact_without_payload(DesignInputs(run.design), MASS)
+    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design))
+    r = DesignInputs(run.design)
+    expected = contact_stiffness(r, load(r))
     value = design_values(run)("contact_stiffness")
     assert value == DesignValue(pytest.approx(expected.tangential), pytest.approx(0.2 * expected.tangential))
     printed = " ".join(capsys.readouterr())

@@ -1,0 +1,77 @@
+"""Checks, simulation of the stage, experiments and procedure read one physical model of the design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stagecad.solids.assembly.machine
+from designcalc.checks import run_checks
+from designcalc.machine.assembly_values import assembly_values
+from designcalc.machine.inputs import DesignInputs
+from sim.stage.from_design import stage_machine
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from workbench.identification.design_values import design_values
+from workbench.options import Run
+
+BODY = MassProperties(7e-4, 2.0, (0, 0, 0.033), np.diag([0.012, 0.009, 0.02]), ((-0.1, -0.1, 0.02), (0.1, 0.1, 0.04)))
+TIP = MassProperties(8.5e-6, 0.023, (0, 0, 0.004), np.eye(3) * 4e-6, ((-0.03, -0.02, 0), (0.03, 0.03, 0.02)))
+MASSES = BodyMasses(BODY, TIP)
+PULL = 78.7
+"""Of the packaged magnets, N."""
+
+
+@pytest.mark.parametrize(
+    "overrides, load",
+    [
+        ((), 3.0 * 9.80665 + PULL),
+        (("environment.gravity=1.62 m/s^2",), 3.0 * 1.62 + PULL),
+        (("payload.mass=4 kg",), 6.0 * 9.80665 + PULL),
+        (("preload.force=7 N",), 3.0 * 9.80665 + PULL),
+        (("magnet.remanence=0.6 T",), 3.0 * 9.80665 + PULL / 4),
+        (("teeth.fitted=false", "preload.force=5 N"), 3.0 * 9.80665 + 5.0),
+        (("materials.al_6061_t6.youngs_modulus=35 GPa",), 3.0 * 9.80665 + PULL),
+        (("materials.al_6061_t6.poisson_ratio=0.1",), 3.0 * 9.80665 + PULL),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkeypatch):
+    monkeypatch.setattr(stagecad.solids.assembly.machine, "body_masses", lambda design: MASSES)
+    run = Run(None, overrides, Path("build"), None)
+    design = run.design
+    checks = {check.name: check for check in run_checks(design, MASSES)}
+    machine = stage_machine(design, MASSES)
+    assert machine.load == pytest.approx(load, rel=2e-3)
+    # Loads of the checks: sliding heat mu N v, force on the piezos, shares of the pads.
+    assert checks["heat of sliding at full speed"].value == pytest.approx(0.05 * machine.load * 0.2)
+    assert checks["force of the piezos against the load"].value == pytest.approx(machine.load)
+    # The contact: the simulated one at this load has the stiffness that check and experiment state.
+    depth = (machine.load / machine.contact.rate) ** (2 / 3)
+    normal = 1.5 * machine.load / depth
+    assert checks["tip contact against piezo stiffness"].value == pytest.approx(normal)
+    experiment = design_values(run)
+    assert experiment("contact_stiffness").value == pytest.approx(normal * machine.contact.tangential_ratio)
+    assert experiment("mass").value == pytest.approx(machine.stage.mass)
+    # The pads: bounce of the checks is that of the simulated springs, but for unequal pad loads.
+    pads = machine.pads
+    bounce = 1.5 * pads.contact_rate * (load / 3 / pads.contact_rate) ** (1 / 3) * 3
+    found = checks["resonances of the stage on its pads against the drive"].substituted
+    hertz = np.sqrt(bounce / machine.stage.mass) / (2 * np.pi)
+    stated = float(found.split("bounce ")[1].split(" ")[0]) * (1e3 if "kHz" in found.split(",")[0] else 1)
+    assert stated == pytest.approx(hertz, rel=0.03)
+    # The procedure's wear goes as the root of the heaviest pad's load.
+    wear = assembly_values(DesignInputs(design, MASSES))["run_in_wear"]
+    heaviest = max(float(word.split()[0]) for word in checks["lightest pad load over the mean"].substituted.split(", "))
+    assert wear == pytest.approx(np.sqrt(3e-13 * heaviest * 1200 / (np.pi * 2)), rel=1e-3)
+
+
+def test_the_tip_of_the_checks_is_the_simulated_one():
+    design = Run(None, (), Path("build"), None).design
+    tip = stage_machine(design, MASSES).tip
+    found = {check.name: check for check in run_checks(design, MASSES, ("piezo actuator",))}
+    stated = found["drive frequency against the tip's resonances"].substituted
+    up = np.sqrt(3 * tip.stiffness / tip.mass) / (2 * np.pi)
+    rocking = np.sqrt(tip.stiffness * 0.046**2 / 2 / tip.inertia) / (2 * np.pi)
+    assert f"f_up = {up / 1e3:.4g} kHz, f_rock = {rocking / 1e3:.4g} kHz" in stated
