@@ -32,9 +32,6 @@ OF_THE_BEST = 0.1
 """Predicted share of the squared residual, and its ratio to the largest one, below which no short fit is made. In
 generated records with two missing effects, the second one had at least 0.05, and 0.4 of the largest."""
 
-OF_THE_NEEDED = 0.25
-"""The same limit relative to the share needed: a fit may remove several times the share predicted by the score."""
-
 ROWS_SEEN = 5000
 """Least number of rows of the residual at which the sensitivities are kept; all rows if there are fewer."""
 
@@ -79,7 +76,6 @@ def screen_all(
     progress: Progress | None = None,
     promising: int | None = None,
     jacobians: CandidateJacobians | None = None,
-    needed: float = 0.0,
 ) -> ScreeningResult:
     """Screen every candidate on top of a fitted model.
 
@@ -90,7 +86,6 @@ def screen_all(
         progress: called after each step with the name of the effect, the number of steps before, and their total.
         promising: largest number of short fits, made in the order of the scores; no limit where left out.
         jacobians: sensitivities of a similar model, used for the scores; computed for effects that are not in them.
-        needed: share of the squared residual that an effect has to remove to be useful.
     """
     fitted, records = truncated(base.fitted, problem.fit_records)
     size = fitted.fit.residual.size
@@ -126,7 +121,7 @@ def screen_all(
     known = sorted((one for one, _ in scored), key=lambda one: -one.score)
     # Effects without a linear amplitude are always fitted.
     best = max((one.score for one in known if one.linear), default=0.0)
-    least = max(LEAST_PROMISE, OF_THE_BEST * best, OF_THE_NEEDED * needed)
+    least = max(LEAST_PROMISE, OF_THE_BEST * best)
     fits = [
         promising is None or not one.linear or (k < promising and one.score >= least) for k, one in enumerate(known)
     ]

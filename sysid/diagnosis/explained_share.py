@@ -6,7 +6,8 @@ recur. With p its prediction of test samples r, the explained share is the squar
 
     share = max(0, r'p)^2 / (r'r p'p)
 
-tested on every other sample (split share), and on each block of time from the others (cross-validated).
+tested on every other sample, and limited by the share of a prediction of each block of time from the others
+(cross-validated).
 """
 
 from __future__ import annotations
@@ -170,7 +171,6 @@ class Predictor:
         cells: of the samples.
         prediction: cross-validated prediction of the residual, in `drawn` bins.
         share: explained share, limited by the cross-validated one.
-        split_share: explained share of every other sample.
     """
 
     values: np.ndarray
@@ -183,7 +183,6 @@ class Predictor:
     prediction: np.ndarray
     drawn: int
     share: float
-    split_share: float
 
 
 def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:
@@ -201,7 +200,7 @@ def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:
     half = np.arange(residual.size) % 2 == 0
     table = means_of(cells[half], residual[half], int(cells.max()) + 1)
     predicted, r = table[cells[~half]], residual[~half]
-    split_share = share = _share(r, predicted)
+    share = _share(r, predicted)
     prediction, drawn = _cross_validated(cells, residual, block), DRAWN_BINS
     if name not in PER_RECORD:
         share = min(share, CROSS_VALIDATION_RATIO * _share(residual, prediction))
@@ -211,10 +210,9 @@ def predictor_of(name: str, learn: Samples, judge: Samples) -> Predictor:
         )
         if _share(residual, fine_prediction) > share:
             prediction, share, drawn = fine_prediction, _share(residual, fine_prediction), FINE_BINS
-        split_share = max(split_share, share)
     if name not in PER_RECORD and all(_monotonic_in_time(s[0], name) for s in together):
-        share, split_share = 0.5 * share, 0.5 * split_share
-    return Predictor(values, time, direction, residual, block, record, cells, prediction, drawn, share, split_share)
+        share *= 0.5
+    return Predictor(values, time, direction, residual, block, record, cells, prediction, drawn, share)
 
 
 def share_beyond_time(predictor: Predictor) -> float:

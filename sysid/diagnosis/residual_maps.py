@@ -31,7 +31,6 @@ class ResidualMap:
     Args:
         coordinate: its name.
         share: cross-validated share of the residual's variance that the coordinate explains, in [0, 1].
-        split_share: the same, tested on every other sample only; the decision uses it.
         beside_time: share explained by the coordinate after removal of the time dependence, minus the share explained
             by time after removal of the dependence on the coordinate.
         p_value: of the cross-validated prediction, by a sign-flip test over blocks of time.
@@ -41,7 +40,6 @@ class ResidualMap:
 
     coordinate: str
     share: float
-    split_share: float
     p_value: float
     centres: np.ndarray
     forward: np.ndarray
@@ -68,28 +66,9 @@ def residual_maps(
         maps.append(_spectrum_map(model, held_out or fit_records, channel))
     best: dict[str, ResidualMap] = {}
     for m in maps:
-        other = best.get(m.coordinate, m)
-        kept = m if m.share > other.share else other
-        best[m.coordinate] = replace(kept, split_share=max(m.split_share, other.split_share))
+        if m.coordinate not in best or m.share > best[m.coordinate].share:
+            best[m.coordinate] = m
     return order_maps(list(best.values()))
-
-
-def dependence_by_coordinate(
-    model: Model,
-    fit_records: Sequence[PreparedRecord],
-    fit_weights: ResidualWeights,
-    held_out: Sequence[PreparedRecord],
-    held_out_weights: ResidualWeights,
-) -> dict[str, float]:
-    """`ResidualMap.split_share` by coordinate, without the maps."""
-    out: dict[str, float] = {}
-    for channel, learn, judge in paired_samples(model, fit_records, fit_weights, held_out, held_out_weights):
-        for name in common_coordinates(learn, judge):
-            out[name] = max(out.get(name, 0.0), predictor_of(name, learn, judge).split_share)
-        out["frequency"] = max(
-            out.get("frequency", 0.0), _spectrum_map(model, held_out or fit_records, channel).split_share
-        )
-    return out
 
 
 def compared_with_time(
@@ -149,7 +128,7 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     means = means_of(cells_of(predictor.values, predictor.direction, fine), predictor.residual, 2 * (fine.size - 1))
     centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], predictor.values)
     forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
-    return ResidualMap(name, predictor.share, predictor.split_share, p_value, centres, forward, backward)
+    return ResidualMap(name, predictor.share, p_value, centres, forward, backward)
 
 
 def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -170,7 +149,7 @@ def _p_value(residual: np.ndarray, predicted: np.ndarray, block: np.ndarray, rng
 
 def _spectrum_map(model: Model, records: Sequence[PreparedRecord], channel: str) -> ResidualMap:
     """Share of the residual in its strongest narrow band (three spectral lines), with the spectrum as the map."""
-    best = ResidualMap("frequency", 0.0, 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
+    best = ResidualMap("frequency", 0.0, 1.0, np.empty(0), np.empty(0), np.empty(0))
     for record in records:
         if channel not in record.measured or record.size < 2 * (8 + 1):
             continue
@@ -194,5 +173,5 @@ def _spectrum_map(model: Model, records: Sequence[PreparedRecord], channel: str)
             edges = np.linspace(0, frequency.size, rough + 1).astype(int)
             mean = np.array([power[a:b].max() for a, b in pairwise(edges)])
             centre = 0.5 * (frequency[edges[:-1]] + frequency[np.minimum(edges[1:], frequency.size - 1)])
-            best = ResidualMap("frequency", share, share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
+            best = ResidualMap("frequency", share, p, centre, np.sqrt(mean / r.size), np.zeros(rough))
     return best

@@ -1,5 +1,4 @@
-"""Residuals of a model in standard deviations of the noise, and their size: by channel, by block of time, away from
-events."""
+"""Residuals of a model in standard deviations of the noise, and their size: by channel, by block of time."""
 
 from __future__ import annotations
 
@@ -217,48 +216,6 @@ def weighted_residual(
         for channel, pick in samples.items():
             parts.append((scored[channel][0][pick] - predicted[channel]) / scales[channel])
     return np.concatenate(parts) if parts else np.empty(0)
-
-
-def in_stick_phase(weights: ResidualWeights) -> np.ndarray:
-    """Mask (n,) of the scored samples that are displacements in stick phases."""
-    parts = [
-        np.full(pick.size, channel == STICK_DISPLACEMENT)
-        for samples in weights.samples
-        for channel, pick in samples.items()
-    ]
-    return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
-
-
-EVENT_WIDTHS = 4.0
-"""Filter widths around a sticking onset, a break-away or a reversal within which a force balance depends on its
-time."""
-
-
-def away_from_events(records: Sequence[PreparedRecord], weights: ResidualWeights) -> np.ndarray:
-    """Mask (n,) of the scored samples of driven masses outside the neighbourhoods of their events.
-
-    Near a sticking onset, a break-away or a reversal the force balance depends on the time of the event to a fraction
-    of a sample; elsewhere on the force laws alone.
-    """
-    parts = []
-    for record, samples in zip(records, weights.samples, strict=True):
-        near = np.ones(record.size, dtype=bool)
-        if isinstance(record, ForceBalanceRecord) and record.slip_phases is not None and record.full_filter is not None:
-            near = _near(record, EVENT_WIDTHS * record.full_filter.width / record.step)
-        parts += [
-            ~near[pick] if channel != STICK_DISPLACEMENT else np.zeros(pick.size, bool)
-            for channel, pick in samples.items()
-        ]
-    return np.concatenate(parts) if parts else np.empty(0, dtype=bool)
-
-
-def _near(record: ForceBalanceRecord, reach: float) -> np.ndarray:
-    assert record.slip_phases is not None and record.reversals is not None
-    near = np.zeros(record.size + 1, dtype=int)
-    for time in (*record.slip_phases.end, *record.slip_phases.break_away, *np.abs(record.reversals)):
-        if np.isfinite(time):
-            near[max(0, int(time - reach)) : int(time + reach) + 2] = 1
-    return near[:-1].astype(bool)
 
 
 def blocks(records: Sequence[PreparedRecord], weights: ResidualWeights, per_record: int = 24) -> np.ndarray:

@@ -70,7 +70,6 @@ def test_texture_finer_than_the_bins_is_explained_by_position(tmp_path: Path) ->
     position = next(iter(found.values()))
     assert position.coordinate == "position"
     assert position.share > 0.4
-    assert position.split_share == position.share
     assert position.p_value < 0.01
 
 
@@ -79,9 +78,7 @@ def test_events_in_time_depend_on_no_position_or_velocity(tmp_path: Path) -> Non
     found = maps(slide(tmp_path, (1.5 + 0.08 * stuck) * SIGN, '"coulomb"'))
     first = next(iter(found.values()))
     assert first.coordinate == "time"
-    # On every other sample, some bins of place and distance happen to hold those moments.
     others = [m for m in found.values() if m.coordinate not in ("time", "distance_travelled", "frequency")]
-    assert max(m.split_share for m in others) > 0.15
     assert max(m.share for m in others) < 0.1
 
 
@@ -116,9 +113,9 @@ def test_single_outlier_does_not_change_the_map(tmp_path: Path) -> None:
 
 def test_coordinate_is_ordered_before_time_if_it_explains_nearly_as_much() -> None:
     empty = np.empty(0)
-    time, place = (ResidualMap(n, s, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
+    time, place = (ResidualMap(n, s, 0.0, empty, empty, empty) for n, s in (("time", 0.55), ("position", 0.5)))
     assert [m.coordinate for m in order_maps([time, place])] == ["position", "time"]
-    much = ResidualMap("time", 0.65, 0.65, 0.0, empty, empty, empty)
+    much = ResidualMap("time", 0.65, 0.0, empty, empty, empty)
     assert [m.coordinate for m in order_maps([place, much])] == ["time", "position"]
 
 
@@ -126,7 +123,7 @@ def test_time_is_ordered_first_if_it_explains_more_beside_a_motion_coordinate() 
     empty = np.empty(0)
 
     def one(name: str, share: float, beside_time: float = 0.0) -> ResidualMap:
-        return ResidualMap(name, share, share, 0.0, empty, empty, empty, beside_time)
+        return ResidualMap(name, share, 0.0, empty, empty, empty, beside_time)
 
     time, less, more = one("time", 0.6), one("velocity", 0.7, -0.1), one("velocity", 0.7, 0.1)
     place = one("position", 0.7, -0.1)
