@@ -18,7 +18,7 @@ TIME = np.linspace(0.0, 0.8, 401)
 
 
 def test_a_lagged_drive_charges_up_exponentially():
-    step = drive.held_force([0.0, 0.01], [0.0, 2.0])
+    step = drive.Drive(np.array([0.0, 0.01]), np.array([0.0, 2.0]), np.zeros(2))
     time = np.linspace(0.0, 0.2, 201)
     run = simulate(compose(["drive_lag"], {"drive_lag.time_constant": 0.03}), step, time, tolerance=1e-11)
     late = np.clip(time - 0.01, 0.0, None)

@@ -49,7 +49,7 @@ def test_dense_output_is_as_good_as_the_steps():
 
 def test_a_corner_and_a_jump_of_the_drive_cost_no_accuracy():
     # Unit mass, viscous 0.4: v' = u - 0.4 v, solved piece by piece.
-    pushes = drive.held_force([0.0, 0.37, 0.71], [1.0, -2.0, 0.0])
+    pushes = drive.Drive(np.array([0.0, 0.37, 0.71]), np.array([1.0, -2.0, 0.0]), np.zeros(3))
     time = np.array([0.0, 0.37, 0.71, 1.3])
     run = simulate(compose(["viscous"]), pushes, time, tolerance=1e-10)
     v = 0.0
