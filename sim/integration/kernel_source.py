@@ -15,6 +15,7 @@ from typing import Any
 from sim.library.effect import Axis, Effect
 from sim.library.friction_state import FrictionStateModel
 from sim.numerics import compilation
+from sim.numerics.elasto_plastic import smooth_element
 from stagecad.parameters.atomic import atomic_write_text
 
 LAWS = ("level", "factor", "force")
@@ -88,6 +89,23 @@ def kernel(z, v, direction, g, p, out, n, slopes):
             )
 """
 
+_ELEMENTS_TEXT = """\
+from numba import carray, njit
+from sim.numerics.elasto_plastic import smooth_element
+
+element = njit({options})(smooth_element)
+
+
+def kernel(z, v, direction, g, p, out, n, slopes):
+    state = carray(z, (n,))
+    table = carray(p, (n, 3))
+    r = carray(out, (n, 8))
+    for k in range(n):
+        terms = element(state[k], v, direction, g, table[k, 0], table[k, 1], table[k, 2])
+        for i in range(8):
+            r[k, i] = terms[i]
+"""
+
 _LAW_OPTIONS = "error_model='numpy', no_cpython_wrapper=True, no_cfunc_wrapper=True"
 """Options of a law within its kernel: wrappers for calls from outside take as long to compile as the law."""
 
@@ -142,15 +160,26 @@ def compile_effect(effect: Effect, slopes: SlopePlan) -> Kernel | None:
 
 def compile_state(effect: Effect) -> Kernel | None:
     """The kernel of the friction elements of a built-in effect; None where numba cannot compile it."""
-    from numba import types
-
     model: FrictionStateModel = effect.friction_state or effect.parallel_element
     size = max(len(effect.parameters), 1)
     text = _STATE_TEXT.format(name=effect.name, size=size, values=_values_text(effect), options=_LAW_OPTIONS)
-    pointer = types.CPointer(types.double)
-    signature = types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
     files = _source_files([model.law, model.slopes])
-    return _compile(text, f"state_{effect.values_type.__name__}", signature, files)
+    return _compile(text, f"state_{effect.values_type.__name__}", _state_signature(), files)
+
+
+def compile_elements() -> Kernel:
+    """The kernel of parallel elasto-plastic elements; its `p` is `FrictionStateModel.table`."""
+    text = _ELEMENTS_TEXT.format(options=_LAW_OPTIONS)
+    kernel = _compile(text, "parallel_elements", _state_signature(), _source_files([smooth_element]))
+    assert kernel is not None
+    return kernel
+
+
+def _state_signature() -> Any:
+    from numba import types
+
+    pointer = types.CPointer(types.double)
+    return types.void(pointer, *[types.double] * 3, pointer, pointer, types.int64, types.int64)
 
 
 def _source_files(functions: list[Callable[..., Any] | None]) -> list[str]:

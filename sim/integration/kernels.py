@@ -29,6 +29,7 @@ from sim.integration.kernel_source import (
     Kernel,
     SlopePlan,
     compile_effect,
+    compile_elements,
     compile_state,
 )
 from sim.library.effect import Axis, Effect, Parameter
@@ -150,6 +151,9 @@ def _compiled_state(name: str) -> Kernel | None:
     return compile_state(find(name))
 
 
+_compiled_elements = functools.cache(compile_elements)
+
+
 def effect_kernel(effect: Effect) -> Kernel:
     """The kernel of one effect; see the head of this file for its signature."""
     compiled = _compiled_effect(effect.name) if is_built_in(effect) else None
@@ -164,6 +168,8 @@ def state_kernel(effect: Effect) -> Kernel:
     """
     if effect.friction_state is None and effect.parallel_element is None:
         raise InputError(f"effect '{effect.name}' has no friction state model: it does not turn a level into a force")
+    if (effect.friction_state or effect.parallel_element).table is not None:
+        return _compiled_elements()
     compiled = _compiled_state(effect.name) if is_built_in(effect) else None
     return compiled if compiled is not None else _state_callback(effect)
 

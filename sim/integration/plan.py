@@ -213,7 +213,10 @@ def _mechanics(model: Model, drive: Drive, mass: float) -> tuple[Drive, _Mechani
 
 
 def _groups(model: Model, tables: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray, list[kernels.Kernel]]:
-    """Rows of `Laws.groups`, scales of their elements, and their kernels; the friction state model comes first."""
+    """Rows of `Laws.groups`, scales of their elements, and their kernels; the friction state model comes first.
+
+    Tables of elements are appended to `tables`, which own the memory.
+    """
     first_row = [(0, 0, 0, 0)] if model.state_effect is None else []
     having = [i for i, e in enumerate(model.effects) if e.friction_state is not None or e.parallel_element is not None]
     rows, scales, kept = first_row, [], []
@@ -222,7 +225,10 @@ def _groups(model: Model, tables: list[np.ndarray]) -> tuple[np.ndarray, np.ndar
         declared = effect.friction_state or effect.parallel_element
         kernel, count = kernels.state_kernel(effect), int(declared.elements(p))
         kept.append(kernel)
-        rows.append((kernel.address, tables[i].ctypes.data, len(scales), count))
+        table = tables[i]
+        if declared.table is not None:
+            tables.append(table := np.ascontiguousarray(declared.table(p)))
+        rows.append((kernel.address, table.ctypes.data, len(scales), count))
         scales += [float(declared.scale(p))] * count
     return np.array(rows, dtype=np.int64), np.array(scales), kept
 

@@ -19,6 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from sim.numerics.elasto_plastic import Elements, force_along, smooth_element, sticking_fraction
+
 Element = Callable[[int, float, float, float, float, Any], tuple[float, float]]
 """`law(k, z, v, direction, g, p) -> (rate, force)` of element k."""
 
@@ -43,9 +45,9 @@ class FrictionStateModel:
         elements: how many states; a function of `p`.
         stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
             function exists.
-        springs: stretches (N,) at which parallel ideal springs slip, m, and the parts (N,) of the level they carry,
-        where the
-            model consists of such; a function of `p`.
+        springs: the parallel elasto-plastic elements that the model consists of, if it does; a function of `p`.
+        table: stretch, weight and damping of each element, (elements, 3), for a model made by `parallel_elements`; a
+            function of `p`.
     """
 
     name: str
@@ -56,4 +58,41 @@ class FrictionStateModel:
     state: str = "stretch of the bristles, m"
     elements: Callable[[Any], int] = lambda p: 1
     stored: Callable[[int, Any, Any, Any], Any] | None = None
-    springs: Callable[[Any], tuple[np.ndarray, np.ndarray]] | None = None
+    springs: Callable[[Any], Elements] | None = None
+    table: Callable[[Any], np.ndarray] | None = None
+
+
+def parallel_elements(
+    name: str, elements: Callable[[Any], Elements], damping: Callable[[Any], float] | None = None
+) -> FrictionStateModel:
+    """A model of parallel elasto-plastic elements: ideal along a record, yielding smoothly in a simulation.
+
+    Args:
+        name: of the model.
+        elements: a function of `p`.
+        damping: dashpots in place of springs, N s/m all together; a function of `p`.
+    """
+
+    def table(p: Any) -> np.ndarray:
+        stretches, weights = elements(p)
+        viscous = 0.0 if damping is None else damping(p)
+        return np.column_stack([stretches, weights * (damping is None), weights * viscous])
+
+    def terms(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, ...]:
+        return smooth_element(z, v, direction, g, *table(p)[k].tolist())
+
+    def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+        if damping is None:
+            return force_along(position, level, elements(p))
+        return damping(p) * velocity * sticking_fraction(position, elements(p))
+
+    return FrictionStateModel(
+        name,
+        law=lambda *at: terms(*at)[:2],  # pyright: ignore[reportArgumentType]
+        slopes=lambda *at: terms(*at)[2:],  # pyright: ignore[reportArgumentType]
+        along_record=along,
+        scale=lambda p: float(np.min(elements(p).stretches)),
+        elements=lambda p: elements(p).stretches.size,
+        springs=elements if damping is None else None,
+        table=table,
+    )

@@ -132,39 +132,6 @@ def play(signal: np.ndarray, half_width: float) -> np.ndarray:
 
 
 @compiled
-def stop(position: np.ndarray, stretch: float) -> np.ndarray:
-    """Stop operator over +-`stretch`, as a fraction in [-1, 1]: an elastic, ideally plastic bristle on `position`."""
-    out = np.empty(position.size)
-    z = 0.0
-    out[0] = 0.0
-    for i in range(1, position.size):
-        z += (position[i] - position[i - 1]) / stretch
-        z = min(1.0, max(-1.0, z))
-        out[i] = z
-    return out
-
-
-@compiled
-def sticking_fraction(position: np.ndarray, stretch: float) -> np.ndarray:
-    """Fraction, 0 to 1, of the steps at a row in which an elastic, ideally plastic bristle of +-`stretch` sticks.
-
-    The mean of the step before and the one after each row, (n,).
-    """
-    out = np.ones(position.size)
-    z = 0.0
-    for i in range(1, position.size):
-        way = (position[i] - position[i - 1]) / stretch
-        after = min(1.0, max(-1.0, z + way))
-        if way != 0.0:
-            out[i] = (after - z) / way
-        else:
-            out[i] = 1.0 if abs(z) < 1.0 else 0.0
-        z = after
-    out[:-1] = 0.5 * (out[:-1] + out[1:])
-    return out
-
-
-@compiled
 def contact_age(time: np.ndarray, position: np.ndarray, memory_length: float) -> np.ndarray:
     """Mean age of the contacts by the ageing law, age' = 1 - |v| age / L (Dieterich 1979, Ruina 1983), exact a step."""
     out = np.empty(time.size)

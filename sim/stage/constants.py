@@ -9,7 +9,7 @@ import numpy as np
 from sim.stage.dynamics import ELEMENTS
 from sim.stage.machine import StageMachine
 from sim.stage.piezo import LAGS, PLAYS, piezo_response
-from sim.stage.slip_elements import mindlin, parabola, slip_elements
+from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.state import Constants, State
 from sim.stage.statics import Rest, contact_depth
 from stagecad.parameters.errors import InputError
@@ -48,8 +48,8 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
     stage, pads, tip, contact, piezo = machine.stage, machine.pads, machine.tip, machine.contact, machine.piezo
     response = piezo_response(piezo)
     centre = np.asarray(stage.centre, dtype=float)
-    pad_stiffness, pad_cap, pad_slope = slip_elements(parabola)
-    contact_stiffness, contact_cap, _ = slip_elements(mindlin)
+    pad_springs, contact_springs = slip_springs(parabola), slip_springs(mindlin)
+    pad_slope, contact_slope = float(np.sum(pad_springs.stiffness)), float(np.sum(contact_springs.stiffness))
     irons = np.atleast_2d(np.asarray(stage.guide_places, dtype=float)).reshape(-1, 2)
     return Constants(
         step=step,
@@ -67,8 +67,8 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         pad_static=pads.static_friction,
         pad_dynamic=pads.dynamic_friction,
         pad_stribeck=pads.stribeck_velocity,
-        pad_stiffness_shares=pad_stiffness,
-        pad_cap_shares=pad_cap,
+        pad_stiffness_shares=pad_springs.stiffness / pad_slope,
+        pad_cap_shares=pad_springs.limit,
         guide_at=_heights(irons, 0.0) - centre,
         guide_stiffness=stage.guide_stiffness,
         guide_yaw=stage.guide_stiffness * stage.guide_length**2 / 12.0,
@@ -85,8 +85,8 @@ def make_constants(machine: StageMachine, rest: Rest, step: float = STEP) -> Con
         contact_damping=contact.damping,
         contact_friction=contact.friction,
         contact_ratio=contact.tangential_ratio,
-        contact_stiffness_shares=contact_stiffness,
-        contact_cap_shares=contact_cap,
+        contact_stiffness_shares=contact_springs.stiffness / contact_slope,
+        contact_cap_shares=contact_springs.limit,
         amplifier_rate=2.0 * math.pi * piezo.bandwidth,
         voltage_rate=piezo.voltage_rate,
         voltage_high=piezo.highest_voltage,

@@ -16,7 +16,7 @@ from designcalc.machine.teeth import magnets
 from designcalc.machine.tip_contact import contact_stiffness
 from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness
 from sim.stage.machine import Contact, Pads, Piezo, Sensors, Stage, StageMachine, Tip
-from sim.stage.slip_elements import parabola, slip_elements
+from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
 
@@ -99,7 +99,8 @@ def _pads(r: DesignInputs) -> Pads:
     depth = 1.5 * each / stiffness
     critical = 2.0 * math.sqrt(len(places) * stiffness * mass)
     damping = r("bearing.damping_ratio") * critical / len(places)
-    shear = slip_elements(parabola)[2] * r("bearing.static_friction") * whole / r("bearing.presliding_distance")
+    rise = float(np.sum(slip_springs(parabola).stiffness))
+    shear = rise * r("bearing.static_friction") * whole / r("bearing.presliding_distance")
     return Pads(
         places=places,
         contact_rate=each / depth**1.5,

@@ -13,8 +13,9 @@ from typing import TypeAlias
 import numpy as np
 
 from sim.effects.catalogue import find, laws_of
-from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_shares, free_stretches
+from sim.effects.friction_state.maxwell_slip import HELD_SHARE, free_stretches
 from sim.library.effect import Effect
+from sim.numerics.elasto_plastic import elements_along
 from stagecad.parallel import fork_map
 from sysid.estimation.driven_stage_search import SYNCHRONISED_STEPS, synchronised_starts
 from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
@@ -218,7 +219,7 @@ def _equivalent_elements(model: Model, core: Effect, free: Effect, span: float) 
     """Values of the free elements that reproduce the hysteresis curve of the fitted core."""
     stretch, curvature = (model.values[f"{core.name}.{name}"] for name in ("stretch", "curvature"))
     stretches = free_stretches(stretch, span)
-    shares = free_shares(stretches, 1.0 - (1.0 - np.minimum(stretches / stretch, 1.0)) ** curvature)
+    shares = elements_along(stretches, 1.0 - (1.0 - np.minimum(stretches / stretch, 1.0)) ** curvature).weights
     shares = np.maximum(shares, 1e-3 * np.max(shares))
     shares = shares / shares[HELD_SHARE - 1]
     values = {f"{free.name}.share_{k + 1}": float(share) for k, share in enumerate(shares)}

@@ -2,76 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.friction_state import FrictionStateModel
-
-
-def _force(axis: Axis, p: Any) -> Any:
-    return _along(axis.position, axis.velocity, axis.time, axis.velocity, p)
-
-
-def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
-    """In time the bristle yields along a steep curve instead of abruptly, as those of Maxwell-slip do."""
-    size = direction * z / p.stretch
-    rate = v * (1.0 - size**8) if size > 0.0 else v
-    return rate, p.damping * rate
-
-
-def _slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
-    size = direction * z / p.stretch
-    if size <= 0.0:
-        return 0.0, 1.0, 0.0, 0.0, p.damping, 0.0
-    rate_z, rate_v = -v * 8.0 * size**7 * direction / p.stretch, 1.0 - size**8
-    return rate_z, rate_v, 0.0, p.damping * rate_z, p.damping * rate_v, 0.0
-
-
-def _along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
-    from sim.numerics.record_operators import sticking_fraction
-
-    return p.damping * velocity * sticking_fraction(np.ascontiguousarray(position), p.stretch)
-
+from sim.library.friction_state import parallel_elements
+from sim.numerics.elasto_plastic import Elements
 
 SPREAD = 8
 """Bristles of the law with many lengths."""
 
 
-def _spread_force(axis: Axis, p: Any) -> Any:
-    return _spread_along(axis.position, axis.velocity, axis.time, axis.velocity, p)
+def _one(p: Any) -> Elements:
+    return Elements(np.array([p.stretch]), np.ones(1))
 
 
-def _spread_law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
-    size = direction * z / (p.stretch * p.span ** ((k - 7.0) / 7.0))
-    rate = v * (1.0 - size**8) if size > 0.0 else v
-    return rate, p.damping / 8.0 * rate
+def _spread(p: Any) -> Elements:
+    """Eight bristles (8,), their stretches spread evenly on a logarithmic scale, down to `stretch` over `span`."""
+    return Elements(p.stretch * p.span ** (np.arange(SPREAD) / (SPREAD - 1.0) - 1.0), np.full(SPREAD, 1.0 / SPREAD))
 
 
-def _spread_slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
-    limit = p.stretch * p.span ** ((k - 7.0) / 7.0)
-    size = direction * z / limit
-    part = p.damping / 8.0
-    if size <= 0.0:
-        return 0.0, 1.0, 0.0, 0.0, part, 0.0
-    rate_z, rate_v = -v * 8.0 * size**7 * direction / limit, 1.0 - size**8
-    return rate_z, rate_v, 0.0, part * rate_z, part * rate_v, 0.0
+def _law(elements: Callable[[Any], Elements]) -> dict[str, Any]:
+    """The force along a record, and the internal states in a simulation."""
+    model = parallel_elements("bristle_damping", elements, damping=lambda p: p.damping)
 
+    def force(axis: Axis, p: Any) -> Any:
+        return model.along_record(axis.position, axis.velocity, axis.time, axis.velocity, p)
 
-def _spread_along(
-    position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any
-) -> np.ndarray:
-    from sim.numerics.record_operators import sticking_fraction
-
-    position = np.ascontiguousarray(position)
-    stretches = p.stretch * p.span ** ((np.arange(SPREAD) - 7.0) / 7.0)
-    return p.damping / SPREAD * velocity * sum(sticking_fraction(position, stretch) for stretch in stretches)
+    return {"force": force, "parallel_element": model}
 
 
 _ONE = Effect(
@@ -90,8 +51,7 @@ _ONE = Effect(
             scan=Scan("position", 1e-4, 0.1, 10),
         ),
     ),
-    force=_force,
-    parallel_element=FrictionStateModel("bristle_damping", _law, _slopes, _along, lambda p: p.stretch),
+    **_law(_one),
 )
 
 _SPREAD = replace(
@@ -114,15 +74,7 @@ _SPREAD = replace(
             natural="both",
         ),
     ),
-    force=_spread_force,
-    parallel_element=FrictionStateModel(
-        "bristle_damping",
-        _spread_law,
-        _spread_slopes,
-        _spread_along,
-        lambda p: p.stretch / p.span,
-        elements=lambda p: SPREAD,
-    ),
+    **_law(_spread),
 )
 
 EFFECT = replace(_ONE, variants=(_SPREAD,))

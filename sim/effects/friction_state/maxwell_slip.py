@@ -20,13 +20,11 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Axis, Effect, Parameter, Scan
-from sim.library.friction_state import FrictionStateModel
-from sim.numerics.compilation import compiled
+from sim.library.friction_state import parallel_elements
+from sim.numerics.elasto_plastic import Elements, elements_along
 
 ELEMENTS = 12
 FREE_ELEMENTS = 10
-FIRST_SHARE = 3
-"""Index of the first share among the parameters of the free law."""
 HELD_SHARE = 5
 """Number of the share that is held at one, counted from one."""
 
@@ -35,119 +33,21 @@ def level(axis: Axis, p: Any) -> Any:
     return p.force + 0.0 * axis.velocity
 
 
-def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
-    n = ELEMENTS
-    u = (k + 1) / n
-    m = n * ((1.0 - k / n) ** p.curvature - (1.0 - u) ** p.curvature)
-    after = n * ((1.0 - u) ** p.curvature - max(0.0, 1.0 - (k + 2) / n) ** p.curvature) if k < n - 1 else 0.0
-    weight = (m - after) * u
-    ratio = z / (u * p.stretch)
-    force = max(g, 0.0) * weight * ratio
-    if ratio * direction <= 0.0:
-        return v, force
-    return v * (1.0 - abs(ratio) ** 8.0), force
+def _elements(p: Any) -> Elements:
+    """Elements (12,) whose virgin curve meets 1 - (1 - u)^curvature at every knot."""
+    knots = np.arange(1, ELEMENTS + 1) / ELEMENTS
+    return elements_along(float(p.stretch) * knots, 1.0 - (1.0 - knots) ** float(p.curvature))
 
 
-def _slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
-    n = ELEMENTS
-    u = (k + 1) / n
-    m = n * ((1.0 - k / n) ** p.curvature - (1.0 - u) ** p.curvature)
-    after = n * ((1.0 - u) ** p.curvature - max(0.0, 1.0 - (k + 2) / n) ** p.curvature) if k < n - 1 else 0.0
-    weight = (m - after) * u
-    limit = u * p.stretch
-    ratio = z / limit
-    force_z = max(g, 0.0) * weight / limit
-    force_g = weight * ratio if g > 0.0 else 0.0
-    if ratio * direction <= 0.0:
-        return 0.0, 1.0, 0.0, force_z, 0.0, force_g
-    size = abs(ratio)
-    return -v * 8.0 * size**7 * direction / limit, 1.0 - size**8, 0.0, force_z, 0.0, force_g
-
-
-def _free_law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
-    total = 0.0
-    for i in range(FREE_ELEMENTS):
-        total += p[FIRST_SHARE + i]
-    ratio = z / (p.stretch * p.span ** ((k - 9.0) / 9.0))
-    force = max(g, 0.0) * p[FIRST_SHARE + k] / total * ratio
-    if ratio * direction <= 0.0:
-        return v, force
-    return v * (1.0 - abs(ratio) ** 8.0), force
-
-
-def _free_slopes(
-    k: int, z: float, v: float, direction: float, g: float, p: Any
-) -> tuple[float, float, float, float, float, float]:
-    total = 0.0
-    for i in range(FREE_ELEMENTS):
-        total += p[FIRST_SHARE + i]
-    weight = p[FIRST_SHARE + k] / total
-    limit = p.stretch * p.span ** ((k - 9.0) / 9.0)
-    ratio = z / limit
-    force_z = max(g, 0.0) * weight / limit
-    force_g = weight * ratio if g > 0.0 else 0.0
-    if ratio * direction <= 0.0:
-        return 0.0, 1.0, 0.0, force_z, 0.0, force_g
-    size = abs(ratio)
-    return -v * 8.0 * size**7 * direction / limit, 1.0 - size**8, 0.0, force_z, 0.0, force_g
-
-
-@compiled
-def _sum_of_stops(dx: np.ndarray, level: np.ndarray, stretches: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Level (n,) times a weighted sum of stop operators, N elements, along displacements (n - 1,)."""
-    n, elements = level.size, stretches.size
-    force = np.zeros(n)
-    z = np.zeros(elements)
-    for i in range(n):
-        # A record that begins in motion begins in slip: the first interval is taken to have preceded it.
-        step = dx[i - 1] if i > 0 else np.sign(dx[0]) * 1e300
-        total = 0.0
-        for k in range(elements):
-            u = min(1.0, max(-1.0, z[k] + step / stretches[k]))
-            z[k] = u
-            total += weights[k] * u
-        force[i] = max(level[i], 0.0) * total
-    return force
-
-
-def _along_springs(position: np.ndarray, level: np.ndarray, springs: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    return _sum_of_stops(dx, np.ascontiguousarray(level, dtype=float), *springs)
-
-
-def _along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
-    return _along_springs(position, level, _springs(p))
-
-
-def _free_along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
-    return _along_springs(position, level, _free_springs(p))
-
-
-def _springs(p: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches (12,), m, at which the elements slip, and the parts (12,) of the level they carry."""
-    knots = np.arange(ELEMENTS + 1) / ELEMENTS
-    slope = ELEMENTS * np.diff(1.0 - (1.0 - knots) ** float(p.curvature))
-    weights = (slope - np.append(slope[1:], 0.0)) * knots[1:]
-    return float(p.stretch) * knots[1:], weights
-
-
-def _free_springs(p: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches (10,), m, at which the elements slip, and the parts (10,) of the level they carry."""
+def _free_elements(p: Any) -> Elements:
+    """Elements (10,) with free shares."""
     shares = np.array([float(getattr(p, f"share_{k + 1}")) for k in range(FREE_ELEMENTS)])
-    return free_stretches(float(p.stretch), float(p.span)), shares / max(float(np.sum(shares)), 1e-300)
+    return Elements(free_stretches(float(p.stretch), float(p.span)), shares / max(float(np.sum(shares)), 1e-300))
 
 
 def free_stretches(stretch: float, span: float) -> np.ndarray:
     """Stretches (10,) at which the elements of the free law slip, m."""
     return stretch * span ** (np.arange(FREE_ELEMENTS) / (FREE_ELEMENTS - 1.0) - 1.0)
-
-
-def free_shares(stretches: np.ndarray, curve: np.ndarray) -> np.ndarray:
-    """Parts (10,) of the level with which a fresh contact's force meets `curve` (10,), over the level, at the knots."""
-    slope = np.diff(np.concatenate([[0.0], curve])) / np.diff(np.concatenate([[0.0], stretches]))
-    return np.maximum((slope - np.append(slope[1:], 0.0)) * stretches, 0.0)
 
 
 _FORCE = Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level")
@@ -176,12 +76,7 @@ MAXWELL_SLIP = Effect(
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    friction_state=FrictionStateModel(
-        *("maxwell_slip", _law, _slopes, _along),
-        scale=lambda p: p.stretch / ELEMENTS,
-        elements=lambda p: ELEMENTS,
-        springs=_springs,
-    ),
+    friction_state=parallel_elements("maxwell_slip", _elements),
     acts_on="friction",
 )
 
@@ -211,12 +106,7 @@ FREE_MAXWELL_SLIP = Effect(
     ),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
-    friction_state=FrictionStateModel(
-        *("free_maxwell_slip", _free_law, _free_slopes, _free_along),
-        scale=lambda p: p.stretch / p.span,
-        elements=lambda p: FREE_ELEMENTS,
-        springs=_free_springs,
-    ),
+    friction_state=parallel_elements("free_maxwell_slip", _free_elements),
     acts_on="friction",
 )
 

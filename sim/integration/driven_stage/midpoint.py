@@ -17,6 +17,7 @@ import numpy as np
 
 from sim.integration.driven_stage.inputs import DrivenStage, resolved_stage
 from sim.numerics.compilation import compiled, inlined
+from sim.numerics.elasto_plastic import Elements, Springs, displace, mean_force, slips_alike, springs_of
 
 LONGEST_STEP = 5e-5
 """s: the record's step is divided until the stage on its contact, some hundred hertz, is resolved."""
@@ -27,7 +28,7 @@ REFINEMENT = 8
 
 
 class Bristles(NamedTuple):
-    """Parallel elasto-plastic springs (Iwan elements) of a contact.
+    """Parallel elasto-plastic elements of a contact.
 
     Args:
         limit: friction limit of all together, N, (n,); infinite where it never slips, 0 where nothing touches.
@@ -43,9 +44,28 @@ class Bristles(NamedTuple):
 NO_BRISTLES = np.empty(0)
 
 
+class Inputs(NamedTuple):
+    """Position of the tip, m, push, and friction limits of contact and pads, N, each (n,)."""
+
+    tip: np.ndarray
+    push: np.ndarray
+    contact_limit: np.ndarray
+    pads_limit: np.ndarray
+
+
 class Step(NamedTuple):
-    """One step: length, s, displacement of the tip, m, initial velocity, m/s, push and pad limit, N, and dashpot over
-    the length, N/m, per bristle of the contact."""
+    """One step.
+
+    Args:
+        length: s.
+        tip: displacement of the tip, m.
+        velocity: of the stage at the start, m/s.
+        mass: kg.
+        push: at the middle, N.
+        pad_limit: friction limit of the pads at the middle, N.
+        scale: of the forces of the contact's springs.
+        loss: dashpot over the length and the scale, N/m, of each spring of the contact.
+    """
 
     length: float
     tip: float
@@ -53,16 +73,8 @@ class Step(NamedTuple):
     mass: float
     push: float
     pad_limit: float
-    lossy: float
-
-
-class Contact(NamedTuple):
-    """Force, N, stiffness, N/m, and limit, N, of each bristle of the contact, and its direction of slip, each (b,)."""
-
-    force: np.ndarray
-    stiffness: np.ndarray
-    limit: np.ndarray
-    slip_side: np.ndarray
+    scale: float
+    loss: float
 
 
 def simulate_midpoint(
@@ -89,89 +101,41 @@ def simulate_midpoint(
         stiffness = float(np.max(contact.limit)) * float(np.sum(contact.weights / contact.stretches))
     resolved = resolved_stage(stage._replace(stiffness=stiffness))._replace(stiffness=stage.stiffness)
     substeps = refinement * min(max(1, int(np.ceil(stage.step / LONGEST_STEP))), MOST_STEPS)
-    return _simulate(tip, push, contact, pads, resolved, substeps)
+    single = Elements(np.ones(1), np.ones(1))
+    springs = springs_of(Elements(contact.stretches, contact.weights) if contact.weights.size > 1 else single)
+    pad_springs = springs_of(Elements(pads.stretches, pads.weights))
+    return _simulate(Inputs(tip, push, contact.limit, pads.limit), springs, pad_springs, resolved, substeps)
 
 
 @inlined
-def _scaled(contact: Contact, bristles: Bristles, stiffness: float, limit: float) -> None:
-    """Stiffness, limit and force of the contact's bristles at a friction limit, N, written in place."""
-    for e in range(contact.force.size):
-        if bristles.weights.size > 1:
-            # Elements that yield at an individual stretch keep their stretch when the limit changes.
-            cap = limit * bristles.weights[e]
-            contact.force[e] = contact.force[e] * cap / contact.limit[e] if contact.limit[e] > 0.0 else 0.0
-            contact.stiffness[e], contact.limit[e] = cap / bristles.stretches[e], cap
-        else:
-            contact.stiffness[e], contact.limit[e] = stiffness if limit > 0.0 else 0.0, limit
-        contact.force[e] = min(max(contact.force[e], -contact.limit[e]), contact.limit[e])
+def _set_limit(springs: Springs, stiffness: float, limit: float) -> float:
+    """Set a contact to a friction limit, N; returns the scale of the forces of its springs.
+
+    Several bristles keep their stretch, and have forces over the limit; a single one has a force that it keeps.
+    """
+    if springs.force.size > 1:
+        if limit <= 0.0:
+            springs.force[:] = 0.0
+        return limit
+    springs.stiffness[0], springs.limit[0] = stiffness if limit > 0.0 else 0.0, limit
+    springs.force[0] = min(max(springs.force[0], -limit), limit)
+    return 1.0
 
 
 @inlined
-def _pad_force(pads: Bristles, stretch: np.ndarray, limit: float, d: float) -> tuple[float, float, float, float]:
-    """Mean force of the pads' bristles over a displacement d, N, its slope, and the range of d of the same regime."""
-    force, slope, since, until = 0.0, 0.0, -1e300, 1e300
-    for e in range(stretch.size):
-        back, ahead = -2.0 * (pads.stretches[e] + stretch[e]), 2.0 * (pads.stretches[e] - stretch[e])
-        if d > ahead:
-            force += limit * pads.weights[e]
-            since = max(since, ahead)
-        elif d < back:
-            force -= limit * pads.weights[e]
-            until = min(until, back)
-        else:
-            rate = limit * (pads.weights[e] / pads.stretches[e])
-            force += rate * (stretch[e] + 0.5 * d)
-            slope += 0.5 * rate
-            since, until = max(since, back), min(until, ahead)
-    return force, slope, since, until
-
-
-@inlined
-def _contact_force(contact: Contact, step: Step, d: float) -> tuple[float, float]:
-    """Mean force of the contact's bristles over a displacement d, N, and its slope; writes which of them slip."""
-    force, slope = 0.0, 0.0
-    for e in range(contact.force.size):
-        rate = 0.5 * contact.stiffness[e] + step.lossy
-        f = contact.force[e] + rate * (step.tip - d)
-        if f > contact.limit[e]:
-            force += contact.limit[e]
-            contact.slip_side[e] = 1.0
-        elif f < -contact.limit[e]:
-            force -= contact.limit[e]
-            contact.slip_side[e] = -1.0
-        else:
-            force += f
-            slope += rate
-            contact.slip_side[e] = 0.0
-    return force, slope
-
-
-@inlined
-def _same_slip(contact: Contact, step: Step, d: float) -> bool:
-    """Whether the same bristles of the contact slip at a displacement d."""
-    same = True
-    for e in range(contact.force.size):
-        f = contact.force[e] + (0.5 * contact.stiffness[e] + step.lossy) * (step.tip - d)
-        side = 1.0 if f > contact.limit[e] else (-1.0 if f < -contact.limit[e] else 0.0)
-        same = same and contact.slip_side[e] == side
-    return same
-
-
-@inlined
-def _displacement(step: Step, contact: Contact, pads: Bristles, stretch: np.ndarray) -> tuple[float, float]:
+def _displacement(step: Step, contact: Springs, pads: Springs) -> tuple[float, float]:
     """Displacement, m, in a step, and the direction in which the stage slides on rigid pads, 0 where they hold it."""
     inertia = 2.0 * step.mass / (step.length * step.length)
     free = step.length * step.velocity
     # First the displacement that stops the stage: rigid pads may hold it there, or else resist with their limit.
-    stopping = stretch.size == 0
+    stopping = pads.force.size == 0
     d = 0.5 * free if stopping else free
     rigid, side = 0.0, 0.0
     low, high = -1e300, 1e300
     for _ in range(60):
-        pad, pad_slope, since, until = _pad_force(pads, stretch, step.pad_limit, d)
-        driven, contact_slope = _contact_force(contact, step, d)
-        force = inertia * (d - free) - step.push + rigid + pad - driven
-        slope = inertia + pad_slope + contact_slope
+        pad, pad_slope = mean_force(pads, 0.0, d)
+        driven, contact_slope = mean_force(contact, step.loss, step.tip - d)
+        force = inertia * (d - free) - step.push + rigid + step.pad_limit * pad - step.scale * driven
         if stopping:
             if abs(force) <= step.pad_limit:
                 break
@@ -183,50 +147,46 @@ def _displacement(step: Step, contact: Contact, pads: Bristles, stretch: np.ndar
             high = min(high, d)
         else:
             low = max(low, d)
-        nearer = d - force / slope
-        # The balance is linear as long as the same bristles stick and slip: then its root is exact.
-        near = since <= nearer <= until and _same_slip(contact, step, nearer)
-        if not near and (nearer <= low or nearer >= high):
-            nearer = 0.5 * (low + high) if low > -1e299 and high < 1e299 else nearer
-        near = near or abs(nearer - d) <= 1e-16 + 1e-12 * abs(d)
-        d = nearer
-        if near:
+        before = d
+        d -= force / (inertia + step.pad_limit * pad_slope + step.scale * contact_slope)
+        # The balance is linear as long as the same bristles slip: then this is its exact root.
+        if slips_alike(pads, 0.0, before, d) and slips_alike(contact, step.loss, step.tip - before, step.tip - d):
+            break
+        if not low <= d <= high and low > -1e299 and high < 1e299:
+            d = 0.5 * (low + high)
+        if abs(d - before) <= 1e-16 + 1e-12 * abs(d):
             break
     return d, side
 
 
 @compiled
-def _simulate(
-    tip: np.ndarray, push: np.ndarray, contact: Bristles, pads: Bristles, stage: DrivenStage, substeps: int
-) -> np.ndarray:
+def _simulate(inputs: Inputs, springs: Springs, pad_springs: Springs, stage: DrivenStage, substeps: int) -> np.ndarray:
     """Positions (n,) of `simulate_midpoint` in so many `substeps` of each row."""
-    out, count = np.zeros(tip.size), max(1, contact.weights.size)
-    springs = Contact(np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count))
-    stretch = np.zeros(pads.weights.size)  # stretch of each pad bristle, m
+    tip, push, contact_limit, pads_limit = inputs
+    out, dashpot = np.zeros(tip.size), stage.damping / springs.force.size
     x, v, side = 0.0, 0.0, 0.0
     for i in range(1, out.size):
         # Limits are linear from row to row; where one is infinite, or the tip off, the new row's applies immediately.
-        changes = 0.0 < contact.limit[i] < np.inf and 0.0 < contact.limit[i - 1] < np.inf
+        changes = 0.0 < contact_limit[i] < np.inf and 0.0 < contact_limit[i - 1] < np.inf
         done, parts, coarse = 0, substeps, True
         while done < parts:
             h, part = stage.step / parts, (done + 0.5) / parts
-            limit = contact.limit[i]
+            limit = contact_limit[i]
             if changes:
-                limit = contact.limit[i - 1] + part * (limit - contact.limit[i - 1])
-            pad_limit = pads.limit[i - 1] + part * (pads.limit[i] - pads.limit[i - 1])
+                limit = contact_limit[i - 1] + part * (limit - contact_limit[i - 1])
+            pad_limit = pads_limit[i - 1] + part * (pads_limit[i] - pads_limit[i - 1])
             pushed = push[i - 1] + part * (push[i] - push[i - 1])
-            step = Step(h, (tip[i] - tip[i - 1]) / parts, v, stage.mass, pushed, pad_limit, stage.damping / count / h)
-            _scaled(springs, contact, stage.stiffness, limit)
-            d, after = _displacement(step, springs, pads, stretch)
+            scale = _set_limit(springs, stage.stiffness, limit)
+            loss = dashpot / (h * max(scale, 1e-300))
+            step = Step(h, (tip[i] - tip[i - 1]) / parts, v, stage.mass, pushed, pad_limit, scale, loss)
+            d, after = _displacement(step, springs, pad_springs)
             if after != side and coarse:
                 done, parts, coarse = done * REFINEMENT, parts * REFINEMENT, False
                 continue
             side = after
-            for e in range(stretch.size):
-                stretch[e] = min(max(stretch[e] + d, -pads.stretches[e]), pads.stretches[e])
-            for e in range(count):
-                force = springs.force[e] + springs.stiffness[e] * (step.tip - d)
-                springs.force[e] = min(max(force, -springs.limit[e]), springs.limit[e])
+            displace(pad_springs, d)
+            if scale > 0.0:
+                displace(springs, step.tip - d)
             v = 2.0 * d / h - v
             x += d
             done += 1

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sim.library.effect import Effect
+from sim.numerics.elasto_plastic import springs_of
 from sysid.prediction.effect_terms import Values, axis_force, friction_axis, friction_level, split_channel, values_of
 from sysid.prediction.force_balance.initial_state import friction_from_initial_state
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -17,7 +18,6 @@ from sysid.prediction.force_balance.stick_event_times import (
     Forces,
     Onsets,
     Slip,
-    YieldingSprings,
     break_away_times,
     sticking_onsets,
     substeps_of,
@@ -190,13 +190,13 @@ def _event_resolved(
     friction = event_resolved_friction(motion, forces_on_mass, _stretch_of(usual, p), scale)
     assert core.friction_state is not None
     if core.friction_state.name != "coulomb":
-        springs = YieldingSprings(*bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS))
-        substeps = substeps_of(usual, springs, scale)
+        bristles = bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS)
+        substeps = substeps_of(usual, bristles, scale)
         if substeps:
-            shown = 3.0 * float(np.max(springs.stretches)) + 8.0 * balance.prefiltered_noise
+            shown = 3.0 * float(np.max(bristles.stretches)) + 8.0 * balance.prefiltered_noise
             slip = Slip(motion.direction, balance.axis.position, shown)
             starts = Onsets(onsets, phases.direction)
-            write_presliding_friction(friction, starts, slip, forces_on_mass, springs, scale, substeps)
+            write_presliding_friction(friction, starts, slip, forces_on_mass, springs_of(bristles), scale, substeps)
     return friction
 
 

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
+from sim.numerics.elasto_plastic import Elements, Springs, displace
 
 KINK_WIDTHS = 3.0
 """Widths of the prefilter beyond which a kink of the motion does not disturb the smoothed velocity."""
@@ -222,14 +223,6 @@ def break_away_times(phases: SlipPhases, forces: Forces, search: float) -> np.nd
     return out
 
 
-class YieldingSprings(NamedTuple):
-    """Parallel ideal springs of a presliding contact: stretch at which each yields, m, and its part of the friction
-    level, each (b,)."""
-
-    stretches: np.ndarray
-    weights: np.ndarray
-
-
 class Onsets(NamedTuple):
     """Sticking onsets: times in samples, ascending, and direction of the motion that each ends, each (k,)."""
 
@@ -246,22 +239,22 @@ class Slip(NamedTuple):
     displacement: float
 
 
-def substeps_of(level: float, springs: YieldingSprings, scale: float) -> int:
+def substeps_of(level: float, bristles: Elements, scale: float) -> int:
     """Substeps of a sample that the oscillation on the bristles needs; 0 where even the most are too few.
 
     Args:
         level: friction level, N.
-        springs: the bristles.
+        bristles: of the contact.
         scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
     """
-    stiffness = max(level, 0.0) * np.sum(springs.weights / np.maximum(springs.stretches, 1e-300))
+    stiffness = max(level, 0.0) * np.sum(bristles.weights / np.maximum(bristles.stretches, 1e-300))
     phase = float(np.sqrt(stiffness * scale))
     return 0 if phase > MOST_SUBSTEPS else int(min(MOST_SUBSTEPS, max(3, np.ceil(phase / SUBSTEP_PHASE))))
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
 def write_presliding_friction(
-    out: np.ndarray, onsets: Onsets, slip: Slip, forces: Forces, springs: YieldingSprings, scale: float, substeps: int
+    out: np.ndarray, onsets: Onsets, slip: Slip, forces: Forces, springs: Springs, scale: float, substeps: int
 ) -> None:
     """Write the friction between each sticking onset and the next slip into `out` (n,), which has it of rigid contact.
 
@@ -270,19 +263,17 @@ def write_presliding_friction(
         onsets: of the stick phases.
         slip: their end.
         forces: on the mass.
-        springs: the bristles.
+        springs: the bristles, for a limit of one.
         scale: step^2 / mass.
         substeps: of a sample.
     """
-    push, level, stretches = forces.push, forces.level, springs.stretches
-    n, bristles = out.size, stretches.size
-    z, stiffness = np.empty(bristles), springs.weights / stretches
+    push, level, n = forces.push, forces.level, out.size
     for k in range(onsets.times.size):
         i = int(np.floor(onsets.times[k] + 0.5))
         if i < 1 or i >= n - 1:
             continue
-        z[:] = onsets.direction[k] * stretches
-        ratio = onsets.direction[k] * np.sum(springs.weights)
+        springs.force[:] = onsets.direction[k] * springs.limit
+        ratio = np.sum(springs.force)
         before = onsets.times[k] - (i - 0.5)
         until = int(np.floor(onsets.times[k + 1] + 0.5)) if k + 1 < onsets.times.size else n - 1
         v, left = 0.0, slip.position[i]
@@ -295,11 +286,7 @@ def write_presliding_friction(
                 now = push[i] + at * (push[i + 1] - push[i] if at > 0.0 else push[i] - push[i - 1])
                 force = level[i] * ratio
                 v += (now - force) * scale * pause
-                moved = v * pause
-                ratio = 0.0
-                for b in range(bristles):
-                    z[b] = min(max(z[b] + moved, -stretches[b]), stretches[b])
-                    ratio += stiffness[b] * z[b]
+                ratio = displace(springs, v * pause)
                 total += force / substeps
             out[i] = share * total + (before * onsets.direction[k] * level[i] if first else 0.0)
             first = False
@@ -307,7 +294,7 @@ def write_presliding_friction(
             # Sliding: by the balance and by the position, or by the position alone, clearly.
             if abs(slip.direction[i]) > 0.999:
                 slips = v * slip.direction[i] > 0.0
-                for b in range(bristles):
-                    slips &= abs(z[b]) == stretches[b]
+                for b in range(springs.force.size):
+                    slips &= abs(springs.force[b]) == springs.limit[b]
                 if slips or abs(slip.position[i] - left) > slip.displacement:
                     break

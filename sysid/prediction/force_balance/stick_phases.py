@@ -16,7 +16,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from sim.library.friction_state import FrictionStateModel
-from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled
+from sim.numerics.compilation import compiled
+from sim.numerics.elasto_plastic import Elements, Springs, displace_to, elements_along, springs_of
 from sysid.signals.masks import runs
 
 STICK_DISPLACEMENT = "rest"
@@ -148,48 +149,24 @@ def _slipping(position: np.ndarray, force: np.ndarray, distance: float, change: 
     return out
 
 
-@compiled(fastmath=SUMS_IN_ANY_ORDER)
+@compiled
 def _spring_displacement(
     starts: np.ndarray,
     stops: np.ndarray,
     sides: np.ndarray,
     friction: np.ndarray,
     level: np.ndarray,
-    stretches: np.ndarray,
-    weights: np.ndarray,
+    springs: Springs,
 ) -> np.ndarray:
-    """Displacement (n,) of bristles in each stick phase, all slipped to its side before, under the force to be held.
-
-    Each element is an ideal spring up to its own slip: the sum is piecewise linear, and inverted exactly.
-    """
-    elements = stretches.size
-    out, z = np.zeros(friction.size), np.empty(elements)
+    """Displacement (n,) of bristles in each stick phase, all slipped to its side before, under the force to be held."""
+    out = np.zeros(friction.size)
     for rest in range(starts.size):
-        z[:] = sides[rest]
-        total, x = sides[rest] * np.sum(weights), 0.0
+        springs.force[:] = sides[rest] * springs.limit
+        total, x = np.sum(springs.force), 0.0
         held = max(level[starts[rest]], 1e-12)
         for i in range(starts[rest], stops[rest]):
-            wanted = min(1.0, max(-1.0, friction[i] / held))
-            sign = 1.0 if wanted > total else -1.0
-            for _ in range(elements + 1):
-                slope, reach = 0.0, np.inf
-                for k in range(elements):
-                    if z[k] * sign < 1.0:
-                        slope += weights[k] / stretches[k]
-                        reach = min(reach, (1.0 - z[k] * sign) * stretches[k])
-                left = (wanted - total) * sign
-                if slope <= 0.0 or left <= 0.0:
-                    break
-                move = min(left / slope, reach)
-                for k in range(elements):
-                    if z[k] * sign < 1.0:
-                        z[k] += sign * move / stretches[k]
-                        if move >= (1.0 - 1e-12) * reach and (1.0 - z[k] * sign) * stretches[k] < 1e-9 * stretches[k]:
-                            z[k] = sign
-                total += sign * move * slope
-                x += sign * move
-                if move >= left / slope:
-                    break
+            moved, total = displace_to(springs, total, min(1.0, max(-1.0, friction[i] / held)))
+            x += moved
             out[i] = x
     return out
 
@@ -202,9 +179,9 @@ POINTS = 24
 
 
 @lru_cache(32)
-def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = POINTS) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches (N,), m, at which parallel ideal springs yield that approximate a friction state model, and their parts
-    (N,) of the friction level. The arrays are cached: do not write to them."""
+def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = POINTS) -> Elements:
+    """Elements that approximate a friction state model at a friction level, N, or those that it consists of. The arrays
+    are cached: do not write to them."""
     if core.springs is not None:
         return core.springs(p)
     longest = TAIL * level / max(float(p.stiffness), 1e-300)
@@ -215,8 +192,8 @@ def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = PO
     force = core.along_record(path, np.zeros(path.size), time, np.full(path.size, level), p)[1:]
     curve = 0.5 * (1.0 - force / level)
     slope = np.maximum.accumulate(np.maximum(np.diff(curve), 0.0)[::-1] / np.diff(knots)[::-1])[::-1]
-    shares = (slope - np.append(slope[1:], 0.0)) * knots[1:]
-    return knots[1:], shares / np.sum(shares)
+    elements = elements_along(knots[1:], np.cumsum(slope * np.diff(knots)))
+    return elements._replace(weights=elements.weights / np.sum(elements.weights))
 
 
 def presliding_displacement(
@@ -231,7 +208,7 @@ def presliding_displacement(
         core: friction state model.
         p: its parameter values.
     """
-    stretches, weights = bristles_of(core, p, max(median_level(level), 1e-12))
+    springs = springs_of(bristles_of(core, p, max(median_level(level), 1e-12)))
     starts, stops = np.array(stick_phases.spans).T
     moved = _spring_displacement(
         starts,
@@ -239,8 +216,7 @@ def presliding_displacement(
         np.array(stick_phases.side),
         np.ascontiguousarray(friction),
         np.ascontiguousarray(level),
-        stretches,
-        weights,
+        springs,
     )
     return stick_phases.centred(moved)
 

@@ -1,0 +1,110 @@
+"""Parallel elasto-plastic elements: virgin curve, Masing's rule, inverse, mean force, and the smooth law."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sim.numerics.elasto_plastic import (
+    Elements,
+    displace,
+    displace_to,
+    elements_along,
+    force_along,
+    mean_force,
+    smooth_element,
+    springs_of,
+    sticking_fraction,
+)
+
+STRETCHES = np.array([0.4e-6, 1.5e-6, 2.2e-6, 4e-6])
+CURVE = np.array([0.3, 0.7, 0.85, 1.0])
+ELEMENTS = elements_along(STRETCHES, CURVE)
+
+
+def test_the_virgin_curve_passes_its_knots_and_ends_at_the_limit():
+    assert np.sum(ELEMENTS.weights) == pytest.approx(1.0, rel=1e-14)
+    for stretch, force in zip(STRETCHES, CURVE, strict=True):
+        assert displace(springs_of(ELEMENTS), stretch) == pytest.approx(force, rel=1e-12)
+    assert displace(springs_of(ELEMENTS), 1.0) == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("depth", [0.2e-6, 1.9e-6, 7e-6])
+def test_unloading_is_the_virgin_curve_at_twice_its_size(depth):
+    virgin = displace(springs_of(ELEMENTS), 0.5 * depth)
+    assert displace(springs_of(ELEMENTS, 1.0), -depth) == pytest.approx(1.0 - 2.0 * virgin, rel=1e-12)
+
+
+def test_a_curve_that_is_not_concave_gives_no_negative_part():
+    assert np.min(elements_along(STRETCHES, np.array([0.1, 0.8, 0.9, 1.0])).weights) == 0.0
+
+
+def test_displacing_to_a_force_is_the_inverse_of_displacing():
+    random = np.random.default_rng(2)
+    ahead, back = springs_of(ELEMENTS), springs_of(ELEMENTS)
+    total = 0.0
+    for step in 2e-6 * random.standard_normal(200):
+        wanted = displace(ahead, step)
+        moved, total = displace_to(back, total, wanted)
+        assert total == pytest.approx(wanted, abs=1e-12)
+        if abs(wanted) < 1.0 - 1e-9:
+            assert moved == pytest.approx(step, rel=1e-9, abs=1e-18)
+        np.copyto(back.force, ahead.force)
+
+
+def test_beyond_the_limit_there_is_no_displacement_left():
+    springs = springs_of(ELEMENTS)
+    moved, total = displace_to(springs, 0.0, 2.0)
+    assert (moved, total) == (pytest.approx(STRETCHES[-1]), pytest.approx(1.0))
+    assert springs.force == pytest.approx(springs.limit)
+
+
+def test_the_mean_force_is_that_at_half_of_the_displacement_and_has_its_tangent():
+    springs = springs_of(ELEMENTS, -0.4)
+    for displacement in (-3e-6, 0.7e-6, 2.6e-6, 9e-6):
+        half = springs_of(ELEMENTS, -0.4)
+        total, tangent = mean_force(springs, 0.0, displacement)
+        assert total == pytest.approx(displace(half, 0.5 * displacement), abs=1e-14)
+        later, _ = mean_force(springs, 0.0, displacement + 1e-10)
+        assert tangent == pytest.approx((later - total) / 1e-10, rel=1e-4, abs=1e-3)
+    # A dashpot shares the limit: no force beyond it.
+    assert mean_force(springs, 1e9, 1e-6)[0] == pytest.approx(1.0)
+
+
+def test_a_record_is_taken_element_by_element():
+    """Against each element alone, by its stretch: a stop operator."""
+    position = np.cumsum(1e-6 * np.random.default_rng(3).standard_normal(300))
+    level = 1.0 + 0.2 * np.sin(np.arange(300.0))
+    expected = np.zeros(300)
+    for stretch, weight in zip(*ELEMENTS, strict=True):
+        z = np.sign(position[1] - position[0]) * stretch
+        for i in range(300):
+            z = min(max(z + (position[i] - position[i - 1] if i else 0.0), -stretch), stretch)
+            expected[i] += weight * level[i] * z / stretch
+    assert force_along(position, level, ELEMENTS) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_bristle_sticks_for_the_part_of_a_step_before_it_yields():
+    one = Elements(np.array([1e-6]), np.ones(1))
+    fraction = sticking_fraction(np.array([0.0, 0.5e-6, 2.5e-6, 3.5e-6, 3.4e-6]), one)
+    assert fraction == pytest.approx([1.0, 0.625, 0.125, 0.5, 1.0])
+
+
+@pytest.mark.parametrize("z", [-0.8e-6, -0.1e-6, 0.3e-6, 0.95e-6])
+@pytest.mark.parametrize("v", [-2e-3, 3e-3])
+def test_the_smooth_law_has_its_own_derivatives(z, v):
+    fixed = 1e-6, 0.7, 300.0
+    direction = np.sign(v)
+    rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g = smooth_element(z, v, direction, 1.3, *fixed)
+
+    def slope(change: tuple[float, float, float], size: float) -> np.ndarray:
+        ends = [
+            smooth_element(z + s * change[0], v + s * change[1], direction, 1.3 + s * change[2], *fixed)[:2]
+            for s in (size, -size)
+        ]
+        return (np.array(ends[0]) - np.array(ends[1])) / (2.0 * size)
+
+    assert slope((1.0, 0.0, 0.0), 1e-12) == pytest.approx([rate_z, force_z], rel=1e-5, abs=1e-6)
+    assert slope((0.0, 1.0, 0.0), 1e-8) == pytest.approx([rate_v, force_v], rel=1e-6)
+    assert slope((0.0, 0.0, 1.0), 1e-5) == pytest.approx([rate_g, force_g], rel=1e-6, abs=1e-9)
+    assert force == pytest.approx(1.3 * 0.7 * z / 1e-6 + 300.0 * rate)
