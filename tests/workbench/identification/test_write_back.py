@@ -198,9 +198,10 @@ def test_what_the_design_does_not_say_is_named(
 
 
 def test_a_designs_mass_is_known_to_a_percent(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workbench.identification.design_values, "_design_mass", lambda run: 1.8)
-    told = design_values(Run(None, (), Path("build"), None))("mass")
-    assert told == DesignValue(1.8, pytest.approx(0.018))
+    monkeypatch.setattr(workbench.identification.design_values, "_inputs", lambda run: DesignInputs(run.design))
+    told = design_values(Run(None, ("payload.mass=0.5 kg",), Path("build"), None))("mass")
+    mass = 0.23 * 0.27 * 0.012 * 2700 + 0.5
+    assert told == DesignValue(pytest.approx(mass), pytest.approx(0.01 * mass))
 
 
 def test_the_breakaway_force_above_the_coulomb_force_is_the_stribeck_force(tmp_path: Path) -> None:
