@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import workbench.identification.design_values
+from designcalc.machine.inputs import DesignInputs
 from sysid.estimation.covariance import intervals
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.known import DesignValue
