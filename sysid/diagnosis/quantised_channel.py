@@ -6,26 +6,26 @@ import numpy as np
 
 from sim.effects.catalogue import find
 from sysid.diagnosis.candidate import Candidate, Reference
-from sysid.diagnosis.constants import NOISE_FACTOR
+from sysid.diagnosis.constants import CLEAR_MARGIN, NOISE_FACTOR
 from sysid.diagnosis.decision import Decision
 from sysid.diagnosis.held_out import Gain
-from sysid.estimation.misfit import misfit, worst_over_noise
+from sysid.estimation.misfit import KEPT, TRIM_FACTOR, misfit, worst_over_noise
 from sysid.estimation.reference_fit import fit_stated_model
-from sysid.prediction.problem import build_problem
+from sysid.prediction.problem import Problem, build_problem
 
 BELOW_THE_NOISE = 0.2
 """Misfit over noise below which the values cannot contain the stated noise: they were rounded."""
 
-LEAST_REDUCTION = 0.9
-"""Largest ratio of the error over noise with quantisation to that without."""
+EVEN = (KEPT / TRIM_FACTOR) ** 2
+"""Trimmed variance of an even distribution, that of rounding, over its variance."""
 
 
 def quantised_channel(reference: Reference) -> Decision | None:
     """The decision that a channel is quantised, where its least significant bit exceeds the noise that the user gave.
 
-    None if no channel is quantised so coarsely, if nothing exceeds the noise, or if quantisation does not reduce the
-    error sufficiently. A channel of very few levels may be fitted exactly: a misfit far below the stated noise also
-    indicates quantisation.
+    None if no channel is quantised so coarsely, if nothing exceeds the noise, or if the noise of quantisation is only a
+    small part of what exceeds it; a larger deviation in the unit of which the error is expressed explains nothing. A
+    channel of very few levels may be fitted exactly: a misfit far below the stated noise also indicates quantisation.
     """
     problem, base = reference.problem, reference.base
     if any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
@@ -54,10 +54,14 @@ def quantised_channel(reference: Reference) -> Decision | None:
         fit_gain=0.0,
         law=added[-1],
     )
-    reduced = worst_over_noise(candidate.after_fit, candidate.after_validate) <= LEAST_REDUCTION * before
-    if before >= BELOW_THE_NOISE and (before <= NOISE_FACTOR or not reduced):
+    share = min(1.0, EVEN * _added_variance(problem, other) / max(before**2 - 1.0, 1e-9))
+    if before >= BELOW_THE_NOISE and (before <= NOISE_FACTOR or share < CLEAR_MARGIN):
         return None
-    left = worst_over_noise(candidate.after_fit, candidate.after_validate) ** 2 - 1.0
-    share = min(1.0, max(0.0, left) / max(before**2 - 1.0, 1e-9))
     words = "the measured values lie on a grid coarser than the noise"
-    return Decision("missing-effect", candidate, (), share, words, detected_by=words)
+    return Decision("missing-effect", candidate, (), 1.0 - share, words, detected_by=words)
+
+
+def _added_variance(problem: Problem, other: Problem) -> float:
+    """Variance of the residual by quantisation over that of the noise, of the channel where it is largest."""
+    pairs = zip(problem.validate_records, other.validate_records, strict=True)
+    return max((new.noise[c] / old.noise[c]) ** 2 - 1.0 for old, new in pairs for c in old.measured)
