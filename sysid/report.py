@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -79,7 +80,7 @@ def misfit_json(problem: Problem, by_channel: Mapping[str, ChannelMisfit]) -> di
         channel: {
             "rms": as_json(m.rms, channel_unit(problem, channel)),
             "over_noise": m.over_noise,
-            "fit_percent": m.fit_percent,
+            "fit_percent": m.fit_percent if math.isfinite(m.fit_percent) else None,
         }
         for channel, m in by_channel.items()
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -53,7 +53,7 @@ class ChannelMisfit:
         rms: over all scored samples, in the channel's unit.
         over_noise: trimmed rms over the noise of the residual after the same filter (1 for noise alone); the same
             ratio for the presliding displacements in stick phases, if it is larger.
-        fit_percent: 100 (1 - |residual| / |measured - mean|).
+        fit_percent: 100 (1 - |residual| / |measured - mean|); in a free motion over the force of the inertia.
         size: scored samples.
     """
 
@@ -81,10 +81,19 @@ PRESLIDING_TIMING = 0.1
 
 
 def channel_noise(model: Model, record: PreparedRecord, channel: str) -> float:
-    """Standard deviation that sensor noise leaves in the residual of one channel of a model."""
-    if isinstance(record, ForceBalanceRecord) and channel == record.force_channel:
-        return noise_with_delays(record, model.effects, model.values)
-    return scored_channels(record)[channel][2]
+    """Standard deviation that sensor noise leaves in the residual of one channel of a model.
+
+    Where the velocity of an imposed motion comes from a noisy position, the friction that changes with it is uncertain.
+    """
+    if not isinstance(record, ForceBalanceRecord) or channel != record.force_channel:
+        return scored_channels(record)[channel][2]
+    noise = noise_with_delays(record, model.effects, model.values)
+    if record.velocity_sign is None or record.prefiltered_noise == 0.0:
+        return noise
+    axis = record.axis._replace(velocity=record.axis.velocity + record.velocity_noise)
+    change = predict(replace(record, axis=axis), model.effects, model.values)[channel]
+    change = change - predict(record, model.effects, model.values)[channel]
+    return float(np.hypot(noise, np.sqrt(np.mean(change[record.valid[channel]] ** 2))))
 
 
 def sample_std(
@@ -115,7 +124,11 @@ def misfit(model: Model, records: Sequence[PreparedRecord]) -> dict[str, Channel
             compared = ok & ~held_by_measured_force(record, channel, r, model.values)
             kept = r[compared if compared.any() else ok]
             scaled.setdefault(channel, []).append(kept / channel_noise(model, record, channel))
-            measured.setdefault(channel, []).append(record.measured[channel][ok] - record.measured[channel][ok].mean())
+            y = record.measured[channel][ok]
+            reference = y - y.mean()
+            if isinstance(record, ForceBalanceRecord) and record.is_free:
+                reference = record.force[ok]
+            measured.setdefault(channel, []).append(reference)
         if isinstance(record, ForceBalanceRecord) and record.stick_phases is not None:
             # Presliding displacements in stick phases count as a misfit of the position.
             ok = record.stick_phases.scored

@@ -9,6 +9,9 @@ import numpy as np
 SHARPNESS = 0.995
 """Least mean resultant length of the values' phases on the grid: 1 for exact multiples, 0 for uniform phases."""
 
+PULSES = 0.99
+"""Share of rows one step from the last from which the rows are taken as logged at pulses."""
+
 
 def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
     """Quantisation step of the values of a channel.
@@ -20,13 +23,14 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
         arrays: the channel in each record, shape (n,), gaps as NaN.
 
     Returns:
-        The step in the channel's unit; None where the values are not quantised.
+        The step in the channel's unit; None where the values are not quantised, or every row is one step from the last:
+        rows logged at the pulses of an encoder have exact positions.
     """
     values = np.concatenate([array[~np.isnan(array)] for array in arrays])
     if values.size < 20:
         return None
-    changes = np.abs(np.concatenate([np.diff(array) for array in arrays]))
-    changes = changes[changes > 1e-9 * np.max(np.abs(values), initial=0.0)]
+    every = np.abs(np.concatenate([np.diff(array) for array in arrays]))
+    changes = every[every > 1e-9 * np.max(np.abs(values), initial=0.0)]
     if changes.size < 10:
         return None
     # The smallest change that occurs repeatedly is one step.
@@ -36,7 +40,7 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
     if near.size < 5 or small[0] < 0.5 * step:
         return None
     step = float(np.mean(near))
-    if float(np.std(near)) > 0.05 * step:
+    if float(np.std(near)) > 0.05 * step or near.size > PULSES * np.count_nonzero(~np.isnan(every)):
         return None
     offset = values - values[0]
     reach = 4.0 * step

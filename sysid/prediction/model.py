@@ -93,8 +93,9 @@ def scales_of(records: Sequence[PreparedRecord]) -> Scales:
             found["input"].append(max(float(np.ptp(u)) for u in record.drives))
         else:
             force = record.force
+            y = force if record.is_free else y
             # The force of rigid friction has two values: its median is one of them, and the middle lies between.
-            middle = float(np.mean(np.quantile(force, [0.05, 0.95])))
+            middle = 0.0 if record.is_free else float(np.mean(np.quantile(force, [0.05, 0.95])))
             found["force"].append(float(np.median(np.abs(force - middle))) or float(np.std(force)))
         found["channel"].append(float(np.max(np.abs(y))))
         found["position"].append(float(np.ptp(axis.position)))

@@ -80,10 +80,22 @@ def _guess_stiffness(records: Sequence[Record]) -> float:
     )
 
 
+def _is_driven(record: Record) -> bool:
+    """Whether the record is no coast-down or free oscillation, in which the drive force never changes."""
+    force = record.channels.get("drive_force")
+    return force is None or np.nanmax(force) > np.nanmin(force)
+
+
 def _guess_mass(records: Sequence[Record], kind: str, stiffness: float | None, noise: Mapping[str, Noise]) -> float:
     """Mass from the force balance: the force regressed on acceleration, direction, velocity and one."""
     best = 1.0
-    for record in [r for r in records if r.role == "fit"][:1]:
+    driven = [r for r in records if r.role == "fit" and _is_driven(r)]
+    if not driven:
+        raise InputError(
+            f"{records[0].file}: column 'drive_force' does not change; without rig.known.mass only the ratio of the "
+            "forces to the mass is identifiable: give it, or a record that is driven"
+        )
+    for record in driven[:1]:
         best = mass = _largest_mass(record, kind, stiffness, noise)
         for _ in range(4):
             balance = driven_mass(record, kind, noise, mass, stiffness)

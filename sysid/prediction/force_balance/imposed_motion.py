@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from sim.library.effect import Axis
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
 from sysid.noise.quantisation import find_quantisation_step
+from sysid.prediction.force_balance.measured_motion import (
+    direction_from_velocity,
+    motion_filter_width,
+    position_noise,
+    velocity_agreement,
+)
 from sysid.prediction.force_balance.record import (
     REST_SIGMAS,
     ForceBalanceRecord,
@@ -25,48 +33,101 @@ SIGN_STEPS = 2.5
 """Standard deviations of its noise, and quantisation steps, from which a given velocity has a certain sign."""
 
 
+LEAST_WIDTH = 2.0
+"""Least width in steps of the filter by which a velocity is derived from a position."""
+
+
 def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
     """A velocity-drive record: the motion is given, the friction force is measured and left unfiltered."""
     time, step, channels, hole = uniform(record)
-    n = time.size
     force, gap = filled(channels["friction_force"])
-    position, velocity = channels.get("position"), channels.get("velocity")
-    position_std = 0.0
-    missing = np.zeros(n, dtype=bool)
-    if position is not None:
-        position, missing = filled(position)
-    if velocity is not None:
-        velocity, gap_velocity = filled(velocity)
-        missing = missing | gap_velocity
-        position = integral(velocity, step) if position is None else position
-        acceleration = np.gradient(velocity, step)
-        rest = 1e-9 * float(np.max(np.abs(velocity)))
-    else:
-        assert position is not None
-        position_std = noise["position"].value if "position" in noise else 0.0
-        prefilter = GaussianFilter(2.0 * step, step, n)
-        velocity, acceleration = prefilter(position, 1), prefilter(position, 2)
-        rest = REST_SIGMAS * position_std * prefilter.noise_gain(1) + 1e-6 * float(np.max(np.abs(velocity)))
-    load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
-    valid = ~(gap | hole | missing)
+    valid = ~(gap | hole | _gaps(channels, "position") | _gaps(channels, "velocity"))
     valid[0] = False
-    return ForceBalanceRecord(
+    sensor = noise.get("position")
+    if "position" in channels:
+        position = filled(channels["position"])[0]
+    else:
+        position = integral(filled(channels["velocity"])[0], step)
+    load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
+    prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
         kind="velocity-drive",
         step=step,
-        axis=make_axis(time, position, velocity, acceleration, load, temperature, rest),
+        axis=make_axis(time, position, np.zeros(time.size), np.zeros(time.size), load, temperature, 0.0),
         measured={"friction_force": force},
         valid={"friction_force": valid},
         noise={"friction_force": noise["friction_force"].value},
         acceleration=None,
         stick_fraction=None,
-        complementary_filter=GaussianFilter(0.0, step, n),
+        complementary_filter=GaussianFilter(0.0, step, time.size),
         force_channel="friction_force",
-        velocity_sign=_certain_sign(velocity) if "velocity" in channels else None,
         timing_uncertainty=0.5 * step,
-        stretch=max(1e-8 * float(np.ptp(position)), 12.0 * position_std),
+        stretch=1e-8 * float(np.ptp(position)),
     )
+    if "velocity" not in channels:
+        return _with_filtered_motion(prepared, sensor)
+    velocity = filled(channels["velocity"])[0]
+    rest = 1e-9 * float(np.max(np.abs(velocity)))
+    return replace(
+        prepared,
+        axis=make_axis(time, position, velocity, np.gradient(velocity, step), load, temperature, rest),
+        velocity_sign=_certain_sign(velocity),
+        velocity_agreement=velocity_agreement(channels, sensor, step),
+    )
+
+
+def _gaps(channels: Mapping[str, np.ndarray], name: str) -> np.ndarray | bool:
+    return ~np.isfinite(channels[name]) if name in channels else False
+
+
+def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> ForceBalanceRecord:
+    """The record with the motion from its position, which is filtered by the width that the noise of its sensor
+    requires.
+
+    Where no filter is needed, the differences of the position determine the direction (`stretch`). Otherwise the
+    filtered velocity does, and reversals are uncertain by its noise in addition to half a step.
+    """
+    step, std = record.step, position_noise(sensor)
+    correlation = sensor.correlation if sensor is not None else 0.0
+    width = motion_filter_width(record.axis.position, sensor, step)
+    axis, velocity_noise = _filtered_axis(record.axis, width, std, correlation)
+    remaining = std * GaussianFilter(width, step, record.size).noise_gain(0, correlation)
+    filtered = replace(
+        record,
+        axis=axis,
+        velocity_noise=velocity_noise,
+        prefiltered_noise=remaining,
+        stretch=max(record.stretch, 12.0 * remaining),
+    )
+    if width == 0.0:
+        return filtered
+    reach = max(LEAST_WIDTH, width / step)
+    direction = direction_from_velocity(axis.position, axis.velocity * step, velocity_noise * step, reach)
+    unchanged = GaussianFilter(0.0, step, record.size)
+    return replace(
+        filtered,
+        velocity_sign=direction.sign,
+        timing_uncertainty=float(np.hypot(record.timing_uncertainty, direction.timing * step)),
+        half_width_variant=lambda: (_filtered_axis(record.axis, 0.5 * width, std, correlation)[0], unchanged),
+    )
+
+
+def _filtered_axis(axis: Axis, width: float, std: float, correlation: float) -> tuple[Axis, float]:
+    """The axis from its position filtered by `width`, s, and the standard deviation of its velocity.
+
+    Args:
+        axis: with the logged position.
+        width: s; at least `LEAST_WIDTH` steps for the derivatives.
+        std: of the position's noise, m.
+        correlation: of that noise from row to row.
+    """
+    step, n = float(axis.time[1] - axis.time[0]), axis.time.size
+    smooth, slope = GaussianFilter(width, step, n), GaussianFilter(max(width, LEAST_WIDTH * step), step, n)
+    velocity, noise = slope(axis.position, 1), std * slope.noise_gain(1, correlation)
+    position, acceleration = smooth(axis.position), slope(axis.position, 2)
+    rest = REST_SIGMAS * noise + 1e-6 * float(np.max(np.abs(velocity)))
+    return make_axis(axis.time, position, velocity, acceleration, axis.load, axis.temperature, rest), noise
 
 
 def _certain_sign(velocity: np.ndarray) -> np.ndarray:

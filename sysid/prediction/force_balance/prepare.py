@@ -13,6 +13,7 @@ from sim.library.effect import Axis
 from stagecad.parameters.errors import InputError
 from sysid.experiment.record import Record
 from sysid.noise.estimate import Noise
+from sysid.prediction.force_balance.measured_motion import velocity_agreement
 from sysid.prediction.force_balance.record import (
     EDGE_WIDTHS,
     PREFILTER_SHARE,
@@ -73,23 +74,18 @@ def driven_mass(
         least_width: s, where another record that shares the filter has longer steps.
 
     Raises:
-        InputError: a constant force, or a record shorter than the filter.
+        InputError: a constant spring force, or a record shorter than the filter.
     """
     time, step, channels, hole = uniform(record)
     n = time.size
-    if kind == "spring-pull":
-        assert pull_stiffness is not None
-        channel, position, force = _spring_signals(channels, noise, step, pull_stiffness)
-    else:
-        channel, position, force = "drive_force", _position(channels, noise, step), _drive_force(channels, noise, hold)
-        assert position is not None
+    channel, position, force = _signals(channels, noise, step, pull_stiffness, hold)
     missing = position.gap | hole | force.gap
     if width is None:
         width = max(_filter_width(channels, noise, (position, force), step, mass), least_width)
     reach = int(np.ceil(EDGE_WIDTHS * width / step))
     _require_motion(record, channel, force, (n, reach), step, width)
-    load, temperature = optional_channel(channels, "normal_load"), optional_channel(channels, "temperature")
-    motion = _Motion(time, position, missing, load, temperature)
+    surroundings = (optional_channel(channels, name) for name in ("normal_load", "temperature"))
+    motion = _Motion(time, position, missing, *surroundings)
     axis, resolved, slip_phases = _resolved(motion, force.values / mass if mass > 0 else np.zeros(n), width)
 
     valid = _valid_rows(missing, width / step, reach)
@@ -98,7 +94,7 @@ def driven_mass(
     inertia, signals = mass * acceleration_noise, (position, force)
     measured, noises, inputs = _filtered_channels(channel, channels, signals, full, inertia, pull_stiffness)
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
-    prefiltered_noise = position.std * prefilter.noise_gain(0, position.correlation)
+    own, rate = (position.std * prefilter.noise_gain(order, position.correlation) for order in (0, 1))
     prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
@@ -109,6 +105,7 @@ def driven_mass(
         valid={name: valid.copy() for name in measured},
         noise=noises,
         acceleration=full(position.values, 2),
+        mass=mass,
         stick_fraction=resolved.stick_fraction,
         complementary_filter=_complementary(prefilter, width),
         full_filter=full,
@@ -122,8 +119,10 @@ def driven_mass(
         applied=force.values,
         acceleration_noise=acceleration_noise,
         position_noise=position.std,
-        prefiltered_noise=prefiltered_noise,
-        stretch=12.0 * prefiltered_noise,
+        prefiltered_noise=own,
+        velocity_noise=rate,
+        velocity_agreement=velocity_agreement(channels, noise.get("position"), step),
+        stretch=12.0 * own,
         pull_stiffness=pull_stiffness or 0.0,
         half_width_variant=partial(_prefiltered, motion, 0.5 * prefilter.width, width),
         raw_position=position.values,
@@ -221,12 +220,16 @@ def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise],
     return _Signal(force, gap, std, correlation)
 
 
-def _spring_signals(
-    channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float, stiffness: float
+def _signals(
+    channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float, stiffness: float | None, hold: str
 ) -> tuple[str, _Signal, _Signal]:
-    """Name of the scored channel, position and spring force of a body pulled by a spring; one may give the other."""
-    pull, gap_pull = filled(channels["pull_position"])
+    """Name of the scored channel, position and force of a driven body; of a body pulled by a spring, the position or
+    the force may give the other."""
     position = _position(channels, noise, step)
+    if stiffness is None:
+        assert position is not None
+        return "drive_force", position, _drive_force(channels, noise, hold)
+    pull, gap_pull = filled(channels["pull_position"])
     if position is not None:
         position = position._replace(gap=position.gap | gap_pull)
     if "spring_force" not in channels:
@@ -252,8 +255,30 @@ def _filter_width(
     of = next((noise[name] for name in ("position", "velocity", "spring_force") if name in channels), None)
     # Quantisation steps of a slow motion are no noise that a wider filter would reduce: it only blurs more.
     unquantised = 1.0 if of is None or of.without_quantisation is None else of.without_quantisation / of.value
+    if _scale(force.values) == 0.0:
+        return _free_motion_width(position, step)
     target = max(force.std, 1e-3 * _scale(force.values))
     return filter_width(position.std * unquantised, step, mass, target, position.values.size, position.correlation)
+
+
+FREE_MOTION = 1e-2
+"""Noise of the acceleration over its rms that the filter of a free motion leaves: it has no force to compare with."""
+
+
+def _free_motion_width(position: _Signal, step: float) -> float:
+    """Width of the filter of a coast-down or a free oscillation, s: the least at which the acceleration's noise is a
+    hundredth of its rms, else that of the least ratio, up to a fortieth of the record."""
+    n, best, least = position.values.size, step, np.inf
+    for width in step * np.geomspace(1.0, max(1.0, n / 40.0), 30):
+        smooth = GaussianFilter(width, step, n)
+        inside = slice(smooth.margin, n - smooth.margin)
+        own = position.std * smooth.noise_gain(2, position.correlation)
+        ratio = own / max(float(np.std(smooth(position.values, 2)[inside])), 1e-300)
+        if ratio < least:
+            best, least = float(width), ratio
+        if ratio <= FREE_MOTION:
+            break
+    return best
 
 
 def _scale(values: np.ndarray) -> float:
@@ -263,8 +288,8 @@ def _scale(values: np.ndarray) -> float:
 def _require_motion(
     record: Record, channel: str, force: _Signal, rows: tuple[int, int], step: float, width: float
 ) -> None:
-    """Refuse a constant force, and a record without rows between the ends that the filter needs."""
-    if _scale(force.values) == 0.0:
+    """Refuse a spring that never pulls, and a record without rows between the ends that the filter needs."""
+    if _scale(force.values) == 0.0 and channel != "drive_force":
         raise InputError(f"{record.file}: column '{channel}' does not change; nothing drives the axis")
     if 2 * (rows[1] + 1) >= rows[0]:
         raise InputError(

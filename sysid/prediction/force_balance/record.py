@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,13 @@ REST_SIGMAS = 5.0
 """A velocity within this many standard deviations of its noise is zero."""
 
 
+class VelocityAgreement(NamedTuple):
+    """Derivative of the position over the logged velocity: `factor`, and the rows by which the velocity is late."""
+
+    factor: float
+    late: float
+
+
 @dataclass(eq=False)
 class ForceBalanceRecord:
     """One record, prepared. Arrays have shape (n,), SI units, on a uniform time grid.
@@ -35,15 +43,17 @@ class ForceBalanceRecord:
     `measured` has the force channel, filtered (spring force, drive force or friction force), and, on a spring-pull rig
     with both, the position. `noise` is the standard deviation that sensor noise leaves in each channel's residual.
 
-    `complementary_filter` is applied to a law's value for the lightly filtered motion, to match the measured channels.
-    `full_filter` is that filter in one, for discontinuous terms: Coulomb friction of a driven mass, which flips with
-    `direction` and at `reversals`, and equals `applied`, the unfiltered force, while the body rests (`stick_fraction`,
-    the part of each step). Each of the `slip_phases` is put where the model's own momentum ends; `prefilter_samples` is
-    the width of the light filter in samples. `velocity_sign` is the sign of a velocity that was given, at the sample;
-    zero where it is not sure. `half_width_variant` makes the axis from a motion filtered half as much, and the rest of
-    the filter: the difference is the error by filtering. `stick_phases` has the displacements while friction holds the
-    body, scored in addition to the measured channels. `raw_position` is the logged position, gaps bridged where
-    anything was `interpolated`.
+    `complementary_filter` is applied to a law's value for the lightly filtered motion, to match the measured
+    channels. `full_filter` is that filter in one, for discontinuous terms: Coulomb friction of a driven mass, which
+    flips with `direction` and at `reversals`, and equals `applied`, the unfiltered force, while the body rests
+    (`stick_fraction`, the part of each step). Each of the `slip_phases` is put where the model's own momentum ends;
+    `prefilter_samples` is the width of the light filter in samples. `velocity_sign` is the direction of an imposed
+    motion at the sample; zero where it is not known. `velocity_noise` is the standard deviation of the axis's
+    velocity, and `velocity_agreement` states a contradiction between a logged velocity and the position.
+    `half_width_variant` makes the axis from a motion filtered half as much, and the rest of the filter: the
+    difference is the error by filtering. `stick_phases` has the displacements while friction holds the body, scored
+    in addition to the measured channels. `raw_position` is the logged position, gaps bridged where anything was
+    `interpolated`.
     """
 
     name: str
@@ -63,10 +73,13 @@ class ForceBalanceRecord:
     slip_phases: SlipPhases | None = None
     prefilter_samples: float = 0.0
     velocity_sign: np.ndarray | None = None
+    velocity_noise: float = 0.0
+    velocity_agreement: VelocityAgreement | None = None
     force_channel: str = ""
     timing_uncertainty: float = 0.0
     inputs: dict[str, np.ndarray] = field(default_factory=dict)
     applied: np.ndarray | None = None
+    mass: float = 0.0
     acceleration_noise: float = 0.0
     position_noise: float = 0.0
     stretch: float = 0.0
@@ -84,8 +97,15 @@ class ForceBalanceRecord:
 
     @property
     def force(self) -> np.ndarray:
-        """Force of the balance, filtered, N, (n,): measured, or that of the pulling spring at the measured position."""
-        return self.inputs.get("spring_force", self.measured[self.force_channel])
+        """Force of the balance, filtered, N, (n,): measured, or that of the pulling spring at the measured position; in
+        a free motion, under a constant drive force, that of the inertia."""
+        force = self.inputs.get("spring_force", self.measured[self.force_channel])
+        return force - self.mass * self.acceleration if self.is_free and self.acceleration is not None else force
+
+    @property
+    def is_free(self) -> bool:
+        """Whether the drive force is constant: a coast-down or a free oscillation."""
+        return self.force_channel == "drive_force" and self.applied is not None and np.ptp(self.applied) == 0.0
 
     @property
     def scored(self) -> dict[str, tuple[np.ndarray, np.ndarray, float]]:

@@ -1,0 +1,203 @@
+"""Velocity and direction of a motion from a noisy position, and statements on how well they are known.
+
+The position is filtered by the least width at which the mean speed is `CLEAR_SPEED` standard deviations of the
+velocity's noise, so that reversals are blurred no more than the noise requires.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from sysid.noise.estimate import Noise
+from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
+from sysid.prediction.force_balance.stick_event_times import KINK_WIDTHS
+from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.masks import filled, runs
+
+CLEAR_SPEED = 2.0 * REST_SIGMAS
+"""Mean speed, in standard deviations of the velocity's noise, at which the motion is distinct from rest."""
+
+STAIRCASE = 0.4
+"""Width of a filter, in times between two quantisation steps, from which the steps do not show in the velocity: their
+fundamental is attenuated by exp(-2 pi^2 0.4^2) = 0.04."""
+
+WIDTH_RATIO = 1.2
+"""Ratio of two widths that are tried."""
+
+UNKNOWN_SIGMAS = 2.0
+"""A moving row within this many standard deviations of its velocity's noise has an unknown direction."""
+
+UNKNOWN_SHARE = 0.2
+"""Share of such rows above which the user is warned."""
+
+CONTRADICTION = 0.05
+"""Relative difference of a logged velocity from the derivative of the position above which the user is warned."""
+
+LATE_ROWS = 2.0
+"""Lag in rows, between a logged velocity and the derivative of the position, above which the user is warned."""
+
+UNRELATED = 0.5
+"""Part of the derivative that no factor and lag explain, from which neither is stated."""
+
+LONGEST_LAG = 50
+"""Part of the record, one over this, up to which such a lag is searched."""
+
+
+def position_noise(noise: Noise | None) -> float:
+    """Standard deviation of a position's noise, its quantisation included, m; zero where none was found."""
+    if noise is None:
+        return 0.0
+    quantum = noise.quantisation_step if noise.without_quantisation is None else None
+    return float(np.hypot(noise.value, (quantum or 0.0) / np.sqrt(12.0)))
+
+
+def motion_filter_width(position: np.ndarray, noise: Noise | None, step: float) -> float:
+    """Width (s) of the filter of a noisy position (n,): zero where its differences are clear of the noise, at most a
+    fortieth of the record; where no width is enough, that of the largest ratio of speed to noise."""
+    std = position_noise(noise)
+    if noise is None or std == 0.0:
+        return 0.0
+    quantum = noise.quantisation_step or 0.0
+    coarse = quantum if quantum > noise.value else 0.0
+    best, clearest = 0.0, 0.0
+    width = 0.0
+    while width <= max(position.size / 40.0, 1.0):
+        if width == 0.0:
+            speed = float(np.mean(np.abs(np.diff(position))))
+            own = std * float(np.sqrt(2.0 * (1.0 - noise.correlation)))
+        else:
+            smooth = GaussianFilter(width, 1.0, position.size)
+            speed, own = float(np.mean(np.abs(smooth(position, 1)))), std * smooth.noise_gain(1, noise.correlation)
+        ratio = speed / own
+        if ratio >= CLEAR_SPEED and width * speed >= STAIRCASE * coarse:
+            return width * step
+        if ratio > clearest:
+            best, clearest = width, ratio
+        width = max(0.7, WIDTH_RATIO * width)
+    return best * step
+
+
+class Direction(NamedTuple):
+    """Direction of a motion row by row, and how well the times of its reversals are known.
+
+    Args:
+        sign: 1 or -1, that of the last motion at rest, 0 before the first motion, (n,).
+        timing: standard deviation of the times of reversals, rows.
+    """
+
+    sign: np.ndarray
+    timing: float
+
+
+def direction_from_velocity(position: np.ndarray, velocity: np.ndarray, noise: float, width: float) -> Direction:
+    """Direction of a motion from its filtered position (n,) and velocity (n,), per row.
+
+    Between two opposite motions the direction changes at the last zero of the velocity before the second one; after a
+    rest, where the line along which the second motion begins meets the position at rest.
+
+    Args:
+        position: m, (n,).
+        velocity: m per row, (n,).
+        noise: standard deviation of the velocity's noise, m per row.
+        width: of the filter, rows.
+    """
+    certain = np.where(np.abs(velocity) > REST_SIGMAS * noise, np.sign(velocity), 0.0)
+    rows = np.flatnonzero(certain)
+    last = np.maximum.accumulate(np.where(certain != 0.0, np.arange(certain.size), -1))
+    sign = np.where(last >= 0, certain[np.maximum(last, 0)], 0.0)
+    timing, clear = [], int(np.ceil(KINK_WIDTHS * width))
+    for k in np.flatnonzero(certain[rows[1:]] != certain[rows[:-1]]).tolist():
+        before, after = int(rows[k]), int(rows[k + 1])
+        change = before + 1 + int(np.flatnonzero(velocity[before:after] * certain[after] < 0.0)[-1])
+        under_way, between = min(after + clear, velocity.size - 1), slice(before + clear, after - clear)
+        if after - before > 3 * clear and velocity[under_way] * certain[after] > 0.0:
+            # At rest the velocity has no trend; where it passes zero, its halves differ by half of its change.
+            halves = np.array_split(velocity[between], 2)
+            if abs(np.mean(halves[1]) - np.mean(halves[0])) < 0.5 * REST_SIGMAS * noise:
+                rest = float(np.mean(position[between]))
+                onset = under_way - (position[under_way] - rest) / velocity[under_way]
+                change = int(np.clip(np.ceil(onset), before + clear, after))
+        sign[change:after] = certain[after]
+        # The time is uncertain by the velocity's noise over its slope, at most by the filter's width.
+        timing.append(min(noise * (after - before) / abs(velocity[after] - velocity[before]), width))
+    return Direction(sign, float(np.median(timing)) if timing else 0.0)
+
+
+def unknown_direction(record: ForceBalanceRecord) -> float:
+    """Share of the scored rows that move with a velocity within `UNKNOWN_SIGMAS` of its noise.
+
+    A stretch within `REST_SIGMAS` of the noise is a rest, where friction has no direction of motion, unless its mean
+    velocity is at least half of the noise of one row.
+    """
+    scored = record.valid[record.force_channel]
+    if record.velocity_noise == 0.0 or not scored.any():
+        return 0.0
+    speed, position = np.abs(record.axis.velocity), record.axis.position
+    unknown = speed <= UNKNOWN_SIGMAS * record.velocity_noise
+    for start, stop in runs(speed <= REST_SIGMAS * record.velocity_noise):
+        way = abs(position[min(stop, position.size - 1)] - position[start])
+        if way < 0.5 * record.velocity_noise * record.step * (stop - start):
+            unknown[start:stop] = False
+    return float(np.mean(unknown[scored]))
+
+
+def velocity_agreement(
+    channels: Mapping[str, np.ndarray], noise: Noise | None, step: float
+) -> VelocityAgreement | None:
+    """Contradiction of a logged velocity (n,) and the derivative of the logged position (n,); none where they agree
+    within `CONTRADICTION` and `LATE_ROWS`, or within the noise, or where one of them is not logged.
+
+    The lag is that of the largest correlation, the factor the least-squares one at that lag.
+    """
+    if not {"position", "velocity"} <= channels.keys():
+        return None
+    position, velocity = filled(channels["position"])[0], filled(channels["velocity"])[0] * step
+    n = position.size
+    smooth = GaussianFilter(max(2.0, motion_filter_width(position, noise, 1.0)), 1.0, n)
+    reach = n // LONGEST_LAG
+    inside = slice(smooth.margin + reach, n - smooth.margin - reach)
+    rate, own, slope = smooth(position, 1)[inside], smooth(velocity), smooth(velocity, 1)[inside]
+    noise_of_rate = position_noise(noise) * smooth.noise_gain(1, noise.correlation if noise is not None else 0.0)
+    if rate.size == 0 or np.std(rate) <= REST_SIGMAS * noise_of_rate or not own[inside].any():
+        return None
+
+    def at(late: int) -> np.ndarray:
+        return own[inside.start + late : inside.stop + late]
+
+    products = np.array([abs(rate @ at(late)) / np.linalg.norm(at(late)) for late in range(-reach, reach + 1)])
+    late = int(np.argmax(products)) - reach
+    factor = float(rate @ at(late) / (at(late) @ at(late)))
+    residual = rate - factor * at(late)
+    if np.linalg.norm(residual) > UNRELATED * np.linalg.norm(rate):
+        return None
+    # Filtered rows are correlated over the width of the filter.
+    error = 3.0 * float(np.std(residual)) * np.sqrt(4.0 * smooth.width)
+    wrong_factor = abs(factor - 1.0) > CONTRADICTION + error / np.linalg.norm(at(late))
+    steep = float(np.linalg.norm(slope) / np.linalg.norm(own[inside]))
+    uncertain = error / (abs(factor) * np.linalg.norm(slope)) if factor != 0.0 and slope.any() else np.inf
+    wrong_time = abs(late) > LATE_ROWS + uncertain and abs(late) * steep > CONTRADICTION
+    return VelocityAgreement(factor, float(late)) if wrong_factor or wrong_time else None
+
+
+def motion_warnings(records: Iterable[object]) -> list[str]:
+    """One line for each prepared record whose direction of motion is unknown in many rows, or whose logged velocity
+    contradicts its position."""
+    found = []
+    for record in records:
+        if not isinstance(record, ForceBalanceRecord):
+            continue
+        share, other = unknown_direction(record), record.velocity_agreement
+        if share > UNKNOWN_SHARE:
+            found.append(
+                f"{record.name}: the direction of motion is not known in {share:.0%} of the rows, where the velocity "
+                "is within its noise; give a velocity column, or a position with less noise"
+            )
+        if other is not None:
+            found.append(
+                f"{record.name}: the derivative of 'position' is {other.factor:.3g} times 'velocity', which is "
+                f"{other.late * record.step:.2g} s late; one of the two columns is wrong"
+            )
+    return found

@@ -1,0 +1,185 @@
+"""Motion from a noisy position: width of the filter, direction, free motions, and contradicting columns."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from stagecad.parameters.errors import InputError
+from sysid.compare import Comparison, compare
+from sysid.diagnose import diagnose
+from sysid.noise.estimate import Noise
+from sysid.noise.quantisation import find_quantisation_step
+from sysid.prediction.force_balance.measured_motion import (
+    motion_filter_width,
+    motion_warnings,
+    position_noise,
+    unknown_direction,
+)
+from sysid.prediction.force_balance.record import ForceBalanceRecord
+from sysid.report import misfit_json
+
+STEP, ROWS, LEVEL, DRAG = 0.01, 12000, 14.9, 2e5
+COAST = Path(__file__).parents[4] / "shared" / "data" / "oartec_coast_forcedrive"
+
+
+def _experiment(folder: Path, text: str, records: list[dict[str, np.ndarray]]) -> Path:
+    for role, columns in zip(("fit", "validate"), records, strict=True):
+        table = np.column_stack(list(columns.values()))
+        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=",".join(columns), comments="")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(f"schema = 1\n{text}")
+    return folder
+
+
+def _slow_shear(folder: Path, speed: float, noise: float, correlation: float = 0.0, rest: int = 0) -> Comparison:
+    """Strokes of 1500 rows at `speed` per row and at three times that, each after `rest` rows without motion."""
+    records = []
+    for seed in (1, 2):
+        rng = np.random.default_rng(seed)
+        row = np.arange(ROWS)
+        side = np.where((row // 1500) % 2 == 0, 1.0, -1.0)
+        velocity = side * speed * np.where(row < ROWS // 2, 1.0, 3.0)
+        velocity[(row % 1500 < rest) & (row >= 1500)] = 0.0
+        moving = np.maximum.accumulate(np.where(velocity != 0.0, row, 0))
+        white, sensor = rng.standard_normal(ROWS), np.zeros(ROWS)
+        for i in range(1, ROWS):
+            sensor[i] = correlation * sensor[i - 1] + np.sqrt(1.0 - correlation**2) * white[i]
+        force = LEVEL * side[moving] + DRAG * velocity / STEP + 0.05 * rng.standard_normal(ROWS)
+        position = np.cumsum(velocity) + noise * sensor
+        records.append({"time [s]": STEP * row, "position [m]": position, "friction_force [N]": force})
+    text = (
+        f'[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb", "viscous"]\n[noise]\nposition = "{noise} m"\n'
+    )
+    return compare(_experiment(folder, text, records))
+
+
+@pytest.mark.parametrize(
+    "speed,noise,correlation,rest",
+    [(26e-9, 166e-9, 0.0, 0), (26e-9, 16e-9, 0.0, 0), (5e-9, 166e-9, 0.0, 0), (26e-9, 166e-9, 0.0, 300)],
+)
+def test_a_slow_motion_below_the_noise_of_a_row_has_no_false_reversals(
+    tmp_path: Path, speed: float, noise: float, correlation: float, rest: int
+) -> None:
+    found = _slow_shear(tmp_path, speed, noise, correlation, rest)
+    values, record = found.base.fitted.model.values, found.problem.fit_records[0]
+    assert isinstance(record, ForceBalanceRecord)
+    assert values["coulomb.force"] == pytest.approx(LEVEL, rel=5e-3)
+    assert values["viscous.coefficient"] == pytest.approx(DRAG, rel=0.05)
+    assert found.validate["friction_force"].over_noise == pytest.approx(1.0, abs=0.15)
+    # Reversals every 1500 rows, and no others.
+    assert record.velocity_sign is not None
+    inside = record.velocity_sign[record.velocity_sign != 0.0]
+    assert np.count_nonzero(np.diff(inside)) == 7
+    assert motion_warnings(found.problem.fit_records) == []
+
+
+def test_the_filter_is_as_wide_as_the_noise_requires() -> None:
+    rng = np.random.default_rng(3)
+    row = np.arange(4000.0)
+    path = 20.0 * np.abs((row + 250.0) % 1000.0 - 500.0) / 500.0
+    widths = []
+    for size in (0.0, 1e-4, 0.01, 0.03, 0.1):
+        noise = Noise(size, "m", "given")
+        widths.append(motion_filter_width(path + size * rng.standard_normal(row.size), noise, 1.0))
+    assert widths[0] == widths[1] == 0.0
+    assert np.all(np.diff(widths[1:]) > 0.0)
+    # White noise s on a position leaves s / (2 pi^(1/4) w^(3/2)) on the velocity: a tenth of 0.04 per row.
+    expected = (0.1 / (2.0 * np.pi**0.25 * 0.004)) ** (2.0 / 3.0)
+    assert widths[-1] == pytest.approx(expected, rel=0.2)
+
+
+def test_quantisation_counts_as_noise_of_the_position() -> None:
+    assert position_noise(Noise(1e-7, "m", "given", quantisation_step=1e-6)) == pytest.approx(3.06e-7, rel=0.01)
+    assert position_noise(Noise(3e-7, "m", "given", quantisation_step=1e-6, without_quantisation=1e-7)) == 3e-7
+
+
+def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    row = np.arange(6000)
+    # Fast strokes, and a creep that is slower than the noise left by the filter that they allow.
+    velocity = np.where(row < 3000, 1e-5 * np.where(row % 300 < 150, 1.0, -1.0), 4e-7)
+    columns = {
+        "time [s]": STEP * row,
+        "position [m]": np.cumsum(velocity) + 2e-6 * rng.standard_normal(row.size),
+        "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(row.size),
+    }
+    text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nposition = "2e-6 m"\n'
+    records = compare(_experiment(tmp_path, text, [columns, columns])).problem.fit_records
+    assert isinstance(records[0], ForceBalanceRecord)
+    share = unknown_direction(records[0])
+    creep = 4e-7 / (records[0].velocity_noise * STEP)
+    assert share == pytest.approx(0.5 * (norm.cdf(2.0 - creep) - norm.cdf(-2.0 - creep)), abs=0.04)
+    assert f"not known in {share:.0%} of the rows" in motion_warnings(records)[0]
+
+
+@pytest.mark.parametrize("factor,late,warned", [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True)])
+def test_a_velocity_that_contradicts_the_position_is_reported(
+    tmp_path: Path, factor: float, late: int, warned: bool
+) -> None:
+    rng = np.random.default_rng(6)
+    time = 1e-3 * np.arange(4000)
+    velocity = 0.02 * np.cos(2 * np.pi * 1.7 * time) + 0.01 * np.cos(2 * np.pi * 4.1 * time)
+    position = 0.02 / (2 * np.pi * 1.7) * np.sin(2 * np.pi * 1.7 * time)
+    position = position + 0.01 / (2 * np.pi * 4.1) * np.sin(2 * np.pi * 4.1 * time)
+    columns = {
+        "time [s]": time,
+        "position [m]": position + 1e-6 * rng.standard_normal(time.size),
+        "velocity [m/s]": factor * np.roll(velocity, late) + 1e-4 * rng.standard_normal(time.size),
+        "friction_force [N]": np.sign(velocity) + 0.01 * rng.standard_normal(time.size),
+    }
+    text = '[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n[noise]\nposition = "1e-6 m"\n'
+    lines = motion_warnings(compare(_experiment(tmp_path, text, [columns, columns])).problem.fit_records)
+    assert bool(lines) is warned
+    if warned:
+        assert f"{1.0 / factor:.3g} times 'velocity'" in lines[0] or late
+        assert not late or "0.012 s late" in lines[0]
+
+
+def _coast(folder: Path, known: str, drive: float = 0.0) -> Path:
+    """Coast-downs of a flywheel of 0.1 kg m^2 with Coulomb friction and quadratic drag, by Euler steps of a fiftieth of
+    a row."""
+    records = []
+    for seed, speed in ((1, 60.0), (2, 45.0)):
+        rng, angle, out = np.random.default_rng(seed), 0.0, []
+        for _ in range(3000):
+            out.append(angle)
+            for _ in range(50):
+                speed -= (0.05 + 4e-4 * speed**2 - drive) / 0.1 * 0.002 / 50.0
+                angle += speed * 0.002 / 50.0
+        columns = {"time [s]": 0.002 * np.arange(3000), "position [rad]": np.array(out) + 1e-4 * rng.normal(size=3000)}
+        records.append({**columns, "drive_force [N*m]": np.full(3000, drive)})
+    text = f'[rig]\nkind = "force-drive"\n{known}\n[model]\neffects = ["coulomb", "quadratic_drag"]\n'
+    return _experiment(folder, text + '[noise]\nposition = "1e-4 rad"\n', records)
+
+
+@pytest.mark.parametrize("drive", [0.0, 0.02])
+def test_a_coast_down_of_known_inertia_gives_its_drag(tmp_path: Path, drive: float) -> None:
+    found = compare(_coast(tmp_path, '[rig.known]\ninertia = "0.1 kg*m^2"', drive))
+    values, error = found.base.fitted.model.values, found.validate["drive_force"]
+    assert values["coulomb.force"] == pytest.approx(0.05, rel=0.1)
+    assert values["quadratic_drag.coefficient"] == pytest.approx(4e-4, rel=0.01)
+    assert error.over_noise == pytest.approx(1.0, abs=0.15)
+    # The error is small compared with the force of the inertia, about 0.5 N m.
+    assert error.rms < 0.05 and 80.0 < error.fit_percent < 100.0
+    json.dumps(misfit_json(found.problem, found.validate), allow_nan=False)
+
+
+def test_a_coast_down_of_unknown_inertia_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"'drive_force' does not change; without rig.known.mass"):
+        compare(_coast(tmp_path, ""))
+
+
+def test_rows_logged_at_pulses_are_not_quantised() -> None:
+    assert find_quantisation_step([2.0944 * np.arange(50.0)]) is None
+    assert find_quantisation_step([2.0944 * np.floor(0.3 * np.arange(200.0))]) == pytest.approx(2.0944)
+
+
+@pytest.mark.skipif(not COAST.exists(), reason="measured records are not at hand")
+def test_measured_coast_downs_show_quadratic_drag() -> None:
+    found = diagnose(COAST)
+    assert found.effect == "quadratic_drag"
