@@ -73,5 +73,6 @@ def test_best_variant_of_each_effect_is_kept_and_the_simpler_one_if_nearly_as_go
     assert set(one_per_family([plain, richer, other])) == {plain, other}
     worse = variant(1.2, count - 1)
     assert set(one_per_family([worse, plain, other])) == {plain, other}
+    assert set(one_per_family([replace(simpler, implausible="at its bound"), plain, other])) == {plain, other}
     kept = one_per_family([other, plain])
     assert [c.held_out.loss for c in kept] == sorted(c.held_out.loss for c in kept)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 import numpy as np
@@ -223,6 +223,16 @@ def test_form_error_of_added_laws_is_a_floor_of_the_gain() -> None:
     assert case.decide().verdict == "missing-effect"
     exact = HeldOut(case.stated, BLOCK).loss
     assert case.decide(NoiseLevel(form_error=1.0, adequate_loss=exact)).verdict == "adequate"
+
+
+def test_implausible_candidate_is_neither_named_nor_tied() -> None:
+    case = Case(NOISE + 2.0 * ONE).effect("sensor_lag", NOISE).effect("viscous", NOISE + 0.1 * ONE)
+    case.ranked[0] = replace(case.ranked[0], implausible="sensor_lag.time_constant is at its upper bound, 0.05 s")
+    found = case.decide()
+    assert found.best is case.ranked[1]
+    assert (found.best.public_name, found.ties) == ("viscous", ())
+    alone = Case(case.stated, case.ranked[:1]).decide()
+    assert (alone.verdict, alone.best) == ("unexplained", None)
 
 
 def test_decision_without_candidates() -> None:
