@@ -184,7 +184,7 @@ def _first_of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> 
     gained = reference.loss - best.held_out.loss
     count = dict.fromkeys(best.families, 0)
     for pair in models.pairs:
-        if _equivalent(pair, best, gained):
+        if pair.implausible is None and _equivalent(pair, best, gained):
             for name in pair.families:
                 count[name] = count.get(name, 0) + 1
     alone = [c for c in models.ranked if c.public_name in best.families and c.implausible is None]

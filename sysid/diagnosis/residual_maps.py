@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -36,6 +36,8 @@ class ResidualMap:
         p_value: of the cross-validated prediction, by a sign-flip test over blocks of time.
         centres: of the bins, (k,), in the coordinate's SI unit.
         forward, backward: mean residual in each bin for either direction of motion, in noise deviations, (k,).
+        forward_error, backward_error: their standard errors from the scatter of blocks of time, (k,); empty for a
+            spectrum.
     """
 
     coordinate: str
@@ -45,6 +47,8 @@ class ResidualMap:
     forward: np.ndarray
     backward: np.ndarray
     beside_time: float = 0.0
+    forward_error: np.ndarray = field(default_factory=lambda: np.empty(0))
+    backward_error: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 def residual_maps(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -16,24 +16,25 @@ from typing import Any
 import numpy as np
 
 from stagecad.parameters.atomic import atomic_path
-from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.estimation.identifiability import public_key
+from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
-from sysid.report import LEAST_P
 from workbench.identification.tables import revision_text
 from workbench.simulation.figures import INK, STYLE, new_figure
 
-MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#1b4f72", "#b03a2e", "#1e8449", "#c9d6df"
+MEASURED, MODEL, BEFORE, AFTER, FAINT = "#8a939c", "#0072b2", "#d55e00", "#009e73", "#c9d6df"
+"""Colours that readers with deficient colour vision distinguish (Okabe and Ito, 2008)."""
+
+LOOP_POINTS = 4000
+"""Samples of a record drawn against its velocity and position."""
+
 COLUMNS = 900
 """Pixel columns a line is drawn in."""
 
 LABEL_WIDTH, LINE = 18, 0.15
 """Letters for which there is room below a bar of the ladder, and inches that another line of them takes."""
-
-BY_RANK = ("velocity", "acceleration", "distance_since_reversal", "contact_age")
-"""Coordinates whose maps have bins of equal count."""
 
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 _WITH_PREFIX = ("m", "N", "s", "V", "rad", "Hz")
@@ -50,6 +51,7 @@ class Curve:
         measured: as compared (filtered where the balance is).
         predicted: by label, in drawing order.
         noise: standard deviation that sensor noise leaves in the residual.
+        motion: velocity and position, with their SI units; empty where the record has none.
     """
 
     record: str
@@ -59,6 +61,7 @@ class Curve:
     measured: np.ndarray
     predicted: Mapping[str, np.ndarray]
     noise: float
+    motion: Mapping[str, tuple[np.ndarray, str]] = field(default_factory=dict)
 
 
 def curve_of(record: PreparedRecord, channel: str, unit: str, models: Mapping[str, Model]) -> Curve:
@@ -69,10 +72,12 @@ def curve_of(record: PreparedRecord, channel: str, unit: str, models: Mapping[st
         return np.where(valid, values, np.nan)
 
     predicted = {label: scored(predict(record, m.effects, m.values)[channel]) for label, m in models.items()}
-    time = record.axis.time if isinstance(record, ForceBalanceRecord) else record.time
-    return Curve(
-        record.name, channel, unit, time - time[0], scored(record.measured[channel]), predicted, record.noise[channel]
-    )
+    time, motion = record.time if isinstance(record, TipRecord) else record.axis.time, {}
+    if isinstance(record, ForceBalanceRecord) and channel == record.force_channel:
+        length = "rad" if unit.startswith("N*m") else "m"
+        motion = {"velocity": (record.axis.velocity, f"{length}/s"), "position": (record.axis.position, length)}
+    measured = scored(record.measured[channel])
+    return Curve(record.name, channel, unit, time - time[0], measured, predicted, record.noise[channel], motion)
 
 
 def worst_record(records: Sequence[PreparedRecord], channel: str, model: Model) -> PreparedRecord:
@@ -134,7 +139,7 @@ def worst_stretch(residual: np.ndarray, least: int = 150) -> slice:
     return slice(start, start + length)
 
 
-def _figure(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
+def new_panels(rows: int, columns: int, width: float, height: float, **options: Any) -> tuple[Any, Any]:
     """A figure of `width` by `height` inches, with room for labels in inches: a constrained layout doubles the time."""
     # Figure and not pyplot: no window system, and nothing global that outlives the figure.
     from matplotlib.figure import Figure
@@ -147,12 +152,12 @@ def _figure(rows: int, columns: int, width: float, height: float, **options: Any
     return figure, figure.subplots(rows, columns, squeeze=False, gridspec_kw={**frame, **grid})
 
 
-def _legend(figure: Any, panel: Any) -> None:
+def add_legend(figure: Any, panel: Any) -> None:
     handles, labels = panel.get_legend_handles_labels()
     figure.legend(handles, labels, loc="upper right", ncols=4, borderaxespad=0.1)
 
 
-def _svg(figure: Any, name: str) -> str:
+def as_svg(figure: Any, name: str) -> str:
     from matplotlib import rc_context
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
@@ -166,7 +171,7 @@ def _svg(figure: Any, name: str) -> str:
     return text[text.index("<svg") :].replace("'DejaVu Sans'", "'DejaVu Sans', Verdana")
 
 
-def _styled() -> Any:
+def report_style() -> Any:
     from matplotlib import rc_context
 
     return rc_context(
@@ -203,8 +208,8 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
     zoom = worst_stretch(residual)
     everything = slice(0, curve.time.size)
     words = curve.channel.replace("_", " ")
-    with _styled():
-        figure, axes = _figure(2, 2, 9.6, 4.3, width_ratios=(1.7, 1.0), height_ratios=(1.25, 1.0))
+    with report_style():
+        figure, axes = new_panels(2, 2, 9.6, 4.3, width_ratios=(1.7, 1.0), height_ratios=(1.25, 1.0))
         for column, span in enumerate((everything, zoom)):
             top, bottom = axes[0, column], axes[1, column]
             time = curve.time[span]
@@ -222,82 +227,30 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
         axes[1, 0].set(
             ylabel=f"residual ({small_unit})", title="measured less predicted; band: two standard deviations of noise"
         )
-        _legend(figure, axes[0, 0])
-        return _svg(figure, f"overlay {curve.record} {curve.channel}")
+        add_legend(figure, axes[0, 0])
+        return as_svg(figure, f"overlay {curve.record} {curve.channel}")
 
 
-def coordinate_unit(coordinate: str, rotary: bool, tip: bool) -> str:
-    """SI unit of a coordinate of the residual maps."""
-    length = "rad" if rotary else "m"
-    if tip:
-        length = {"velocity": "V", "acceleration": "V"}.get(coordinate, length)
-    units = {
-        "time": "s",
-        "frequency": "Hz",
-        "contact_age": "s",
-        "normal_load": "N",
-        "temperature": "degC",
-        "input": "V",
-    }
-    units |= dict.fromkeys(("position", "distance_since_reversal", "distance_travelled"), length)
-    units |= {"velocity": f"{length}/s", "acceleration": f"{length}/s^2"}
-    return units.get(coordinate, "1")
-
-
-def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
-    """Residual, in noise deviations, against each coordinate, apart for the two directions of motion; SVG text."""
-    columns = min(3, len(maps))
-    rows = -(-len(maps) // columns)
-    with _styled():
-        figure, axes = _figure(rows, columns, 9.6, 0.4 + 2.5 * rows)
-        flat = axes.ravel()
-        for panel, m in zip(flat, maps):
-            _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
-            p_text = "p < 0.001" if m.p_value <= 1.5 * LEAST_P else f"p = {m.p_value:.2g}"
-            panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {p_text}")
-        for panel in flat[len(maps) :]:
-            panel.set_visible(False)
-        for row in axes:
-            row[0].set_ylabel("residual / noise")
-        if not tip:
-            drawn = next((p for p, m in zip(flat, maps) if m.coordinate != "frequency"), None)
-            if drawn is not None:
-                _legend(figure, drawn)
-        return _svg(figure, "maps " + " ".join(m.coordinate for m in maps))
-
-
-def _draw_map(panel: Any, m: ResidualMap, unit: str) -> None:
-    factor, shown = axis_scale(m.centres, unit)
-    x = m.centres * factor
-    if m.coordinate == "frequency":
-        panel.fill_between(x, m.forward, color=MODEL, alpha=0.25, linewidth=0)
-        panel.plot(x, m.forward, color=MODEL, linewidth=0.9)
-        strong = np.flatnonzero(m.forward > 0.02 * float(np.max(m.forward, initial=0.0)))
-        last = x[min(strong[-1] + 2, x.size - 1)] if strong.size else 1.0
-        panel.set(xlabel=f"frequency ({shown})", xlim=(0, last), ylim=(0, None))
-        return
-    panel.axhspan(-1, 1, color=FAINT, alpha=0.8, linewidth=0)
-    if m.coordinate == "direction":
-        # Each direction of motion fills its own cell only.
-        panel.bar([0.0], [m.backward[0]], color=BEFORE, width=0.5, label="backward")
-        panel.bar([1.0], [m.forward[-1]], color=MODEL, width=0.5, label="forward")
-        panel.set_xticks([0, 1], ["backward", "forward"])
-        return
-    for values, ink, label in ((m.forward, MODEL, "forward"), (m.backward, BEFORE, "backward")):
-        # A cell that no sample fell into holds an exact zero.
-        filled = values != 0.0
-        panel.plot(x[filled], values[filled], "o-", color=ink, markersize=2.2, linewidth=1.0, label=label)
-    middle = float(np.median(np.abs(x))) if x.size else 0.0
-    if m.coordinate in BY_RANK and middle > 0.0 and float(np.max(np.abs(x))) > 8.0 * middle:
-        # Bins of equal count crowd where the axis spends its time.
-        panel.set_xscale("symlog", linthresh=middle)
-        panel.minorticks_off()
-        largest = float(np.max(np.abs(x)))
-        decades = np.unique([np.ceil(np.log10(middle)), np.floor(np.log10(largest))])
-        ticks = np.concatenate([-(10.0 ** decades[::-1]), [0.0], 10.0**decades])
-        panel.set_xticks(ticks[(ticks >= x.min()) & (ticks <= x.max()) | (ticks == 0.0)])
-        panel.xaxis.set_major_formatter("{x:g}")
-    panel.set_xlabel(f"{m.coordinate.replace('_', ' ')}" + (f" ({shown})" if shown else ""))
+def draw_loops(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
+    """Measured and predicted force against velocity and against position; SVG text, empty without a motion."""
+    if not curve.motion:
+        return ""
+    factor, unit = axis_scale(curve.measured, curve.unit)
+    every = max(1, curve.time.size // LOOP_POINTS)
+    words = curve.channel.replace("_", " ")
+    with report_style():
+        figure, axes = new_panels(1, 2, 9.6, 3.4)
+        for panel, (name, (values, of_motion)) in zip(axes[0], curve.motion.items()):
+            scale, shown = axis_scale(values, of_motion)
+            x = values[::every] * scale
+            dots = {"linestyle": "none", "marker": ".", "markeredgewidth": 0.0}
+            panel.plot(x, curve.measured[::every] * factor, color=MEASURED, markersize=3.5, label="measured", **dots)
+            for (label, predicted), ink in zip(curve.predicted.items(), inks):
+                panel.plot(x, predicted[::every] * factor, color=ink, markersize=2.0, label=label, **dots)
+            panel.set(xlabel=f"{name} ({shown})", ylabel=f"{words} ({unit})")
+        axes[0, 0].set_title(f"{words} against the motion, record {curve.record}")
+        add_legend(figure, axes[0, 0])
+        return as_svg(figure, f"loops {curve.record} {curve.channel}")
 
 
 def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> str:
@@ -311,10 +264,10 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
         fit.append(_worst(rung["before"].get("fit", {})))
         held.append(_worst(rung["before"].get("validate", {})))
     x = np.arange(len(rungs))
-    with _styled():
+    with report_style():
         more = LINE * max(label.count("\n") for label in labels)
         height = 3.6 + more
-        figure, axes = _figure(1, 1, max(5.6, 1.6 + 1.5 * len(rungs)), height, bottom=(0.45 + more) / height)
+        figure, axes = new_panels(1, 1, max(5.6, 1.6 + 1.5 * len(rungs)), height, bottom=(0.45 + more) / height)
         panel = axes[0, 0]
         panel.set_yscale("log")
         panel.axhspan(0.5, 1.0, color=FAINT, alpha=0.8, linewidth=0)
@@ -334,7 +287,7 @@ def draw_ladder(rungs: Sequence[Mapping[str, Any]], png: Path | None = None) -> 
         if png is not None:
             with atomic_path(png) as temporary:
                 figure.savefig(temporary, dpi=150, format="png", metadata={"Software": None})
-        return _svg(figure, "ladder")
+        return as_svg(figure, "ladder")
 
 
 def _worst(by_channel: Mapping[str, Mapping[str, Any]]) -> float:

@@ -44,7 +44,8 @@ from workbench.identification.tables import (
     ranking_table,
     simulation_table,
 )
-from workbench.report.figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_maps, draw_overlay, worst_record
+from workbench.report.figures import AFTER, BEFORE, MODEL, curve_of, draw_ladder, draw_loops, draw_overlay, worst_record
+from workbench.report.map_figures import draw_maps
 
 Section = dict[str, Any]
 
@@ -188,7 +189,8 @@ def _overlays(
     drawn = []
     for channel in [worst, *(c for c in records[0].measured if c != worst)][:3]:
         curve = curve_of(worst_record(records, channel, base), channel, channel_unit(problem, channel), models)
-        drawn.append({"channel": channel.replace("_", " "), "figure": draw_overlay(curve, inks)})
+        figures = {"figure": draw_overlay(curve, inks), "loops": draw_loops(curve, inks)}
+        drawn.append({"channel": channel.replace("_", " "), **figures})
     return drawn
 
 
