@@ -153,7 +153,7 @@ def _driven_mass_runs(
 def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> Callable[[int], Start]:
     """State of a driven mass at a row: filtered motion, and the friction state that gives the friction of the force
     balance, or follows from the motion where there are several elements."""
-    from sim.numerics.record_operators import stop
+    from sim.numerics.elasto_plastic import Elements, force_along
 
     axis, _ = friction_axis(balance, effects, values)
     assert balance.full_filter is not None and balance.raw_position is not None and balance.acceleration is not None
@@ -169,8 +169,9 @@ def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], val
     force = np.clip(unfiltered_force(balance, effects, values) - axis_force(balance, effects, values), -level, level)
     springs = None
     if core is not None and core.friction_state.springs is not None:
-        path = np.ascontiguousarray(position)
-        springs = np.array([s * stop(path, s) for s in core.friction_state.springs(values_of(core, values))[0]])
+        stretches, one = core.friction_state.springs(values_of(core, values)).stretches, np.ones(1)
+        parts = [force_along(position, np.ones(position.size), Elements(np.array([s]), one)) for s in stretches]
+        springs = stretches[:, None] * np.array(parts)
 
     def at(row: int) -> Start:
         bristle = None if springs is None else springs[:, row]
