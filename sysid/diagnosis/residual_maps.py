@@ -129,10 +129,36 @@ def _map(name: str, learn: Samples, judge: Samples, rng: np.random.Generator) ->
     predictor = predictor_of(name, learn, judge)
     p_value = _p_value(predictor.residual, predictor.prediction, predictor.block, rng)
     fine = edges_of(predictor.values, name, predictor.drawn)
-    means = means_of(cells_of(predictor.values, predictor.direction, fine), predictor.residual, 2 * (fine.size - 1))
-    centres = np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], predictor.values)
-    forward, backward = means[: fine.size - 1], means[fine.size - 1 :]
-    return ResidualMap(name, predictor.share, p_value, centres, forward, backward)
+    cells, half = cells_of(predictor.values, predictor.direction, fine), fine.size - 1
+    means = means_of(cells, predictor.residual, 2 * half)
+    errors = standard_errors(cells, predictor.residual - means[cells], predictor.block, 2 * half)
+    return ResidualMap(
+        coordinate=name,
+        share=predictor.share,
+        p_value=p_value,
+        centres=np.array([-1.0, 1.0]) if name == "direction" else _centres(fine[1:-1], predictor.values),
+        forward=means[:half],
+        backward=means[half:],
+        forward_error=errors[:half],
+        backward_error=errors[half:],
+    )
+
+
+def standard_errors(cells: np.ndarray, deviation: np.ndarray, block: np.ndarray, count: int) -> np.ndarray:
+    """Standard error (count,) of the mean of each cell, from the sums of its deviations within blocks of time.
+
+    With d the deviations from the mean and n the number of samples of a cell: sqrt(sum over blocks of (sum d)^2) / n.
+
+    Args:
+        cells: number of the cell of each sample, (n,).
+        deviation: from the mean of the cell, (n,).
+        block: number of the block of time of each sample, (n,).
+        count: number of cells.
+    """
+    _, place = np.unique(block, return_inverse=True)
+    sums = np.zeros((int(place.max()) + 1, count))
+    np.add.at(sums, (place, cells), deviation)
+    return np.sqrt(np.sum(sums**2, axis=0)) / np.maximum(np.bincount(cells, minlength=count), 1)
 
 
 def _centres(inner: np.ndarray, values: np.ndarray) -> np.ndarray:

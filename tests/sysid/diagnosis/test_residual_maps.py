@@ -9,7 +9,7 @@ import pytest
 from scipy.signal import lfilter
 
 from sysid.diagnosis.explained_share import coordinates_of
-from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, order_maps, residual_maps
+from sysid.diagnosis.residual_maps import ResidualMap, compared_with_time, order_maps, residual_maps, standard_errors
 from sysid.estimation.fit import fit_model
 from sysid.estimation.misfit import residual_weights
 from sysid.prediction.problem import Problem
@@ -148,3 +148,17 @@ def test_shares_of_time_and_velocity_beside_each_other(tmp_path: Path) -> None:
 def test_constant_channel_is_no_coordinate(tmp_path: Path) -> None:
     problem = slide(tmp_path, 1.5 * SIGN, '"coulomb"', extra={"normal_load [N]": np.full(TIME.size, 10.0)})
     assert "normal_load" not in coordinates_of(problem.fit_records[0])
+
+
+def test_standard_errors_count_correlated_samples_once():
+    """Against the scatter of the mean over realisations of noise with a constant part in each block of 50 samples."""
+    rng = np.random.default_rng(4)
+    block = np.repeat(np.arange(40), 50)
+    cells = np.tile(np.arange(5), 400)
+    means, errors = [], []
+    for _ in range(300):
+        residual = rng.standard_normal(40)[block] + rng.standard_normal(block.size)
+        own = np.bincount(cells, residual) / np.bincount(cells)
+        means.append(own)
+        errors.append(standard_errors(cells, residual - own[cells], block, 5))
+    np.testing.assert_allclose(np.mean(errors, axis=0), np.std(means, axis=0), rtol=0.1)
