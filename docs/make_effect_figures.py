@@ -94,6 +94,19 @@ def record() -> Axis:
     return Axis(t, x, v, np.gradient(v, t), load, warm, np.zeros_like(t), np.zeros_like(t), moved, direction)
 
 
+def friction_along(model: Model, axis: Axis) -> np.ndarray:
+    """Friction force along a record, N, (n,), after the effects with a memory."""
+    force = np.asarray(model.other_force(axis), dtype=float)
+    for effect, p in zip(model.effects, model.values, strict=True):
+        if effect.memory is not None:
+            axis = effect.memory(axis, p)
+    for effect, p in zip(model.effects, model.values, strict=True):
+        if effect.friction_state is not None:
+            level = np.broadcast_to(np.asarray(model.level(axis), dtype=float), axis.velocity.shape)
+            force = force + effect.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p)
+    return force
+
+
 def _model(names: list[str]) -> Model:
     known = {key: value for key, value in SHOWN.items() if key.rpartition(".")[0] in names}
     return compose(names, known)
@@ -147,8 +160,8 @@ def figure(effect: Effect) -> str:
             base.append("stribeck")
         names = [effect.name, "viscous"] if effect.friction_state is not None else [*base, effect.name]
         label, along = COORDINATES[effect.coordinates[0] if effect.coordinates else "velocity"]
-        plot.plot(along(axis), _model(base).friction_along(axis), color="0.7", lw=1.0, label="without")
-        plot.plot(along(axis), _model(names).friction_along(axis), color="C3", lw=1.0, label=effect.name)
+        plot.plot(along(axis), friction_along(_model(base), axis), color="0.7", lw=1.0, label="without")
+        plot.plot(along(axis), friction_along(_model(names), axis), color="C3", lw=1.0, label=effect.name)
         plot.set(xlabel=label, ylabel="friction, N")
     # Above the plot: within it a curve that goes to and fro leaves no place free.
     drawn.legend(loc="outside upper center", ncols=2, fontsize=8, frameon=False)

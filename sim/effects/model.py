@@ -6,8 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from sim.effects.catalogue import find
 from sim.library.effect import Axis, Effect
 from stagecad.parameters.errors import InputError, nearest
@@ -65,21 +63,6 @@ class Model:
             if effect.force is not None:
                 total = total + effect.force(axis, p)
         return total
-
-    def friction_along(self, axis: Axis) -> np.ndarray:
-        """Force against the motion along a record, N, shape (n,): of the friction state model and the other forces.
-
-        Level and friction state follow the motion after the effects with a memory.
-        """
-        force = np.asarray(self.other_force(axis), dtype=float)
-        for effect, p in zip(self.effects, self.values):
-            if effect.memory is not None:
-                axis = effect.memory(axis, p)
-        for effect, p in zip(self.effects, self.values):
-            if effect.friction_state is not None:
-                level = np.broadcast_to(np.asarray(self.level(axis), dtype=float), axis.velocity.shape)
-                force = force + effect.friction_state.along_record(axis.position, axis.velocity, axis.time, level, p)
-        return force
 
 
 def compose(

@@ -92,21 +92,33 @@ def _leaves_branch(part, t, h, branch, margins, problem, work):
     still, slack = margins
     if branch.direction * state_at(part, 1, work) < -still:
         return True
-    force, gap = spring_force(part, t, h, branch, problem, work), problem.body.half_gap
+    gap = problem.body.half_gap
+    if gap == 0.0:
+        return False
+    force = spring_force(part, t, h, branch, problem, work)
     if branch.engaged == 0.0:
         return abs(force) > gap + 3.0 * slack
     return force < gap - 3.0 * slack if branch.edge > 0.0 else force > -gap + 3.0 * slack
 
 
 @inlined
+def _bulge(j, work):
+    """Largest deviation of the dense output of state `j` from a line between the ends of the step."""
+    dense = work.dense
+    return 0.25 * (abs(dense[j, 0]) + abs(dense[j, 1]) + abs(dense[j, 2]))
+
+
+@inlined
 def _stays_on_branch(t, h, branch, problem, work):
     """Whether bounds of the dense output rule out a reversal and a change of sides of the backlash."""
-    dense, lag, gap = work.dense, problem.layout.lag, problem.body.half_gap
-    # Between the ends of the step the velocity and the spring force deviate from a line by at most this.
-    velocity_bulge = 0.25 * (abs(dense[1, 0]) + abs(dense[1, 1]) + abs(dense[1, 2]))
-    bulge = 0.25 * problem.body.spring * (abs(dense[0, 0]) + abs(dense[0, 1]) + abs(dense[0, 2]))
+    lag, gap = problem.layout.lag, problem.body.half_gap
+    if min(branch.direction * work.y[1], branch.direction * work.fresh[1]) <= _bulge(1, work):
+        return False
+    if gap == 0.0:
+        return True
+    bulge = problem.body.spring * _bulge(0, work)
     if lag >= 0:
-        bulge += 0.25 * (abs(dense[lag, 0]) + abs(dense[lag, 1]) + abs(dense[lag, 2]))
+        bulge += _bulge(lag, work)
     elif problem.drive.amplitude != 0.0:
         return False
     before = spring_force(0.0, t, h, branch, problem, work)
@@ -116,7 +128,7 @@ def _stays_on_branch(t, h, branch, problem, work):
     else:
         side = 1.0 if branch.edge > 0.0 else -1.0
         room = min(side * before, side * after) - gap
-    return room > bulge and min(branch.direction * work.y[1], branch.direction * work.fresh[1]) > velocity_bulge
+    return room > bulge
 
 
 @inlined
@@ -130,6 +142,8 @@ def part_on_branch(t, h, branch, margins, problem, work):
     good, bad = 0.0, 1.0
     searching = True
     for probe in range(1, 55):
+        if bad - good < 1e-13:
+            break
         # Four probes along the step, then bisection.
         part = 0.25 * probe if searching else 0.5 * (good + bad)
         if _leaves_branch(part, t, h, branch, margins, problem, work):
@@ -138,46 +152,4 @@ def part_on_branch(t, h, branch, margins, problem, work):
             good = part
             if searching and probe == 4:
                 return 1.0
-    return bad
-
-
-@inlined
-def part_before_reversal(direction, still, work):
-    """Part of the step up to which the motion does not reverse, just past it where it does; 1 for all of it.
-
-    A reversal is a speed of more than `still` in the other direction. Regula falsi (Illinois) on the dense output.
-    """
-    v0, v1 = work.y[1], work.fresh[1]
-    d0, d1, d2 = work.dense[1, 0], work.dense[1, 1], work.dense[1, 2]
-    bulge = 0.25 * (abs(d0) + abs(d1) + abs(d2))
-    if min(direction * v0, direction * v1) > bulge:
-        return 1.0
-    good, bad, above, below = 0.0, 1.0, direction * v0 + still, 0.0
-    for probe in range(1, 5):
-        part = 0.25 * probe
-        speed = direction * interpolate(part, v0, v1, d0, d1, d2) + still
-        if speed < 0.0:
-            bad, below = part, speed
-            break
-        good, above = part, speed
-    if below == 0.0:
-        return 1.0
-    above, past = max(above, 0.0), below
-    side = 0
-    for probe in range(60):
-        if past > -0.1 * still or bad - good < 1e-15:
-            break
-        # Aimed just past the reversal; a bisection now and then bounds the number of probes.
-        part = good + (bad - good) * min((above + 0.05 * still) / (above - below), 0.999)
-        if probe % 8 == 7 or not good < part < bad:
-            part = 0.5 * (good + bad)
-        speed = direction * interpolate(part, v0, v1, d0, d1, d2) + still
-        if speed < 0.0:
-            bad, below, past = part, speed, speed
-            above *= 0.5 if side == 1 else 1.0
-            side = 1
-        else:
-            good, above = part, speed
-            below *= 0.5 if side == -1 else 1.0
-            side = -1
     return bad

@@ -24,7 +24,6 @@ from sim.integration.dense_output import (
     forget_before,
     interpolate,
     keep_velocity,
-    part_before_reversal,
     part_on_branch,
     side_of_backlash,
     state_at,
@@ -115,8 +114,7 @@ def _part_accepted(t, h, branch, margins, problem, work):
         dense_coefficients(0, work)
         if problem.layout.lag >= 0:
             dense_coefficients(problem.layout.lag, work)
-        return part_on_branch(t, h, branch, margins, problem, work)
-    return part_before_reversal(branch.direction, margins[0], work)
+    return part_on_branch(t, h, branch, margins, problem, work)
 
 
 @inlined

@@ -20,7 +20,7 @@ from stagecad.parameters.atomic import atomic_write_text
 
 LAWS = ("level", "factor", "force")
 QUANTITIES = ("position", "velocity", "travelled", "contact_age", "time")
-"""Quantities of the axis by which laws are differentiated, as in `sim.integration.problem`, which loads numba."""
+"""Quantities of the axis by which the laws are differentiated."""
 COLUMNS = 1 + len(QUANTITIES)
 
 DIFFERENCE = {"position": 1e-9, "velocity": 1e-9, "travelled": 1e-9, "contact_age": 1e-7, "time": 1e-7}

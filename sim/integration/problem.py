@@ -15,13 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sim.integration.kernel_source import QUANTITIES
 from sim.numerics.compilation import INLINED, compile_function
 
 SOURCES = [str(path) for path in sorted(Path(__file__).parent.glob("*.py"))]
 """Files that the compiled integrator depends on."""
 
-QUANTITIES = ("position", "velocity", "travelled", "contact_age", "time")
-"""Quantities of the axis by which the laws are differentiated."""
 SLOPES = len(QUANTITIES)
 COLUMNS = 1 + SLOPES
 """Numbers that the kernel of an effect writes for each of its laws: the value, then the slopes."""
