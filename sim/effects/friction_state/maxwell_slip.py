@@ -54,7 +54,7 @@ _FORCE = Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady s
 _STRETCH = Parameter(
     *("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which all elements slip", "thesis: 2-5 um in steel"),
     role="shape",
-    scan=Scan("position", 1e-5, 0.3, 14),
+    scan=Scan("position", 1e-5, 0.7, 15),
 )
 
 MAXWELL_SLIP = Effect(

@@ -109,7 +109,8 @@ def _friction(
         unseen = unobservable_part(balance, core, usual, p)
         if core.friction_state.name == "coulomb":
             p = p._replace(stretch=balance.stretch)
-        held = friction_from_initial_state(balance, core, axis, level, p, forces)
+        inertia = 0.0 if balance.acceleration is None else values.get("rig.mass", 0.0) * balance.acceleration
+        held = friction_from_initial_state(balance, core, axis, level, p, forces + inertia)
         if (
             core.friction_state.name == "coulomb"
             and balance.velocity_sign is not None

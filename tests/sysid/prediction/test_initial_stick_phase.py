@@ -9,8 +9,6 @@ import pytest
 
 from sim.effects.catalogue import find
 from sysid.estimation.misfit import misfit
-from sysid.prediction.force_balance.initial_state import initial_stick_rows
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import predict, with_effect
 from sysid.prediction.problem import Problem, load_problem
 from tests.sysid.slide import NOISE, STEP
@@ -70,9 +68,11 @@ def test_with_the_right_stretch_at_the_start_only_noise_is_left(tmp_path: Path, 
 def test_a_record_that_begins_in_motion_begins_in_slip(tmp_path: Path) -> None:
     position = moved(0)[250:]
     position = np.concatenate([position, np.full(TIME.size - position.size, position[-1])])
-    record_in_motion = record(tmp_path, bristle(position, 1.0), position).fit_records[0]
-    assert isinstance(record_in_motion, ForceBalanceRecord)
-    assert initial_stick_rows(record_in_motion) == 0
+    problem = record(tmp_path, bristle(position, 1.0), position)
+    model = with_effect(problem.start, find("presliding"), problem.scales)
+    values = {"presliding.force": 0.99 * LEVEL, "presliding.stretch": STRETCH}
+    predicted = predict(problem.fit_records[0], model.effects, {**model.values, **values})["friction_force"]
+    assert predicted[:50] == pytest.approx(0.99 * LEVEL)
 
 
 def test_plain_friction_holds_its_first_force_too(tmp_path: Path) -> None:
@@ -81,3 +81,24 @@ def test_plain_friction_holds_its_first_force_too(tmp_path: Path) -> None:
     )
     predicted = predict(problem.fit_records[0], problem.start.effects, {**problem.start.values, "coulomb.force": LEVEL})
     assert predicted["friction_force"][:STICK_DISPLACEMENT] == pytest.approx(-LEVEL)
+
+
+@pytest.mark.parametrize("begin", [-0.4, 0.0, 0.5])
+def test_a_driven_mass_that_never_slips_begins_with_its_measured_stretch(tmp_path: Path, begin: float) -> None:
+    rate, mass = 2.0 * np.pi * 3.0, 2.0
+    position = 0.4 * STRETCH * np.sin(rate * TIME)
+    force = mass * -(rate**2) * position + LEVEL * (begin + position / STRETCH)
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(TIME.size)
+    table = np.column_stack([TIME, position, force + noise])
+    np.savetxt(tmp_path / "log.csv", table, "%.12g", ",", header="time [s],position [m],drive_force [N]", comments="")
+    (tmp_path / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "force-drive"\ninput_hold = "linear"\n[rig.known]\nmass = "{mass} kg"\n'
+        '[model]\neffects = ["coulomb"]\n[[record]]\nfile = "log.csv"\nrole = "fit"\n'
+        '[noise]\ndrive_force = "0.001 N"\nposition = "1e-11 m"\n'
+    )
+    problem = load_problem(tmp_path)
+    model = with_effect(problem.start, find("presliding"), problem.scales)
+    values = {"presliding.force": LEVEL, "presliding.stretch": STRETCH, "presliding.curvature": 1.0}
+    found = misfit(model.at({**model.values, **values}), problem.fit_records)["drive_force"]
+    # The first force is known to a fifth of the noise.
+    assert found.over_noise == pytest.approx(1.0, abs=0.2)
