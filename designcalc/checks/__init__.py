@@ -14,14 +14,11 @@ from designcalc.checks import (
     drive,
     height,
     layout,
-    pads,
     sensing,
-    smoothness,
     teeth,
     thermal,
-    ways,
-    wear,
 )
+from designcalc.checks.bearing import pads, plate, smoothness, ways, wear
 from designcalc.checks.check import Check, CheckFunction, Verdict, at_most
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.errors import InputError
@@ -39,6 +36,7 @@ SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
     "friction drive": drive.checks,
     "piezo actuator": actuator.checks,
     "sliding bearing": pads.checks,
+    "stage plate": plate.checks,
     "smoothness": smoothness.checks,
     "wear and heat of the pads": wear.checks,
     "heat and surroundings": thermal.checks,

@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
-from designcalc.drive.friction_drive import resonance, stack_current, stack_heat
+from designcalc.drive.friction_drive import stack_current, stack_heat
 from designcalc.drive.piezo_stack import drive_pull, stack_tension, tilt_stress
-from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load
-from designcalc.machine.pads import pads_stiffness
 from designcalc.machine.tip_dynamics import (
     PIEZOS,
     bent_stack,
@@ -35,7 +33,6 @@ def checks(design: Design) -> list[CheckFunction]:
         tip_weight,
         drive_frequency,
         sway_mode,
-        pad_resonance,
         pushing_force,
         heat,
         current,
@@ -68,27 +65,6 @@ def drive_frequency(r: DesignInputs) -> Check:
         proposal=f"drive at {show(limit, 'Hz')} at most, or at the resonance itself with the ellipse measured",
         requirement=_ACTUATOR,
         note="in contact with the stage the tip's resonances rise; between the strikes it is free",
-    )
-
-
-def pad_resonance(r: DesignInputs) -> Check:
-    springs = pads_stiffness(r)
-    body = moving_body(r)
-    modes = {
-        "bounce": float(resonance(springs.normal, body.mass)),
-        "pitch": float(resonance(springs.pitch, body.inertia[1][1])),
-        "roll": float(resonance(springs.roll, body.inertia[0][0])),
-    }
-    drive = r("actuator.frequency")
-    ratios = {name: max(f, drive) / min(f, drive) for name, f in modes.items()}
-    nearest = min(ratios, key=lambda name: ratios[name])
-    return Check(
-        "resonances of the stage on its pads against the drive",
-        at_least(ratios[nearest], 1.5, ""),
-        source="pads as crowned contacts; stage and payload as one rigid body",
-        formula="larger over smaller of f_pads and f_drive >= 1.5 for bounce, pitch and roll",
-        substituted=", ".join(f"{name} {show(f, 'Hz')}" for name, f in modes.items()) + f"; drive {show(drive, 'Hz')}",
-        proposal=f"another drive frequency, or another crown radius or pad spacing: {nearest} is nearest",
     )
 
 

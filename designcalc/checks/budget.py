@@ -20,6 +20,7 @@ from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
+from designcalc.machine.stage_plate import give_at
 from designcalc.machine.tip_dynamics import holding_stiffness
 from stagecad.parameters.design import Design
 
@@ -90,7 +91,7 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
     pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
     way = rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
-    give = 1 / pads_stiffness(r).normal + 1 / (2 * float(total_stiffness(way, M, tau)))
+    give = float(give_at(r, [payload_point(r)[:2]])[0]) + 1 / (2 * float(total_stiffness(way, M, tau)))
     floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
     turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
     return [
@@ -99,7 +100,9 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
         Contribution("waves of the way", "lapped way; the pads follow them", (0, 0, _pads_height(r, wave))),
         Contribution("waves of the way, pitch", "pads unlike", rotation=(0, wave * np.sqrt(2) / lever, 0)),
         Contribution("floor", "stage on its pads", (0, 0, floor)),
-        Contribution("the tip's pulsation", "change of the load on pads and ways", (0, 0, pulse * give), random=False),
+        Contribution(
+            "the tip's pulsation", "change of the load bends stage, pads and ways", (0, 0, pulse * give), random=False
+        ),
         Contribution("the tip's pulsation, pitch", "its side force", rotation=(0, turn, 0), random=False),
     ]
 

@@ -94,13 +94,13 @@ def gap_for(one: MagnetCircuit, pull: float) -> float | None:
     """Gap at which the magnets pull as much as `pull`, m; none up to five pitches."""
 
     def excess(logarithm: float) -> float:
-        return CIRCUITS * one.forces(0.5, gap=math.exp(logarithm)).attraction / pull - 1
+        return CIRCUITS * one.forces(0.4, gap=math.exp(logarithm)).attraction / pull - 1
 
     low, high = math.log(one.section.gap), math.log(5 * one.section.pitch)
     if excess(low) < 0 or excess(high) > 0:
         return None
-    # To 0.1 % of the exponent, which suffices for a proposal.
-    return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-3).root))
+    # To 1 % of the gap, which suffices for a proposal.
+    return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-2).root))
 
 
 def saturation(r: DesignInputs) -> Check:

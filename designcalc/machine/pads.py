@@ -47,11 +47,15 @@ def heaviest_pad(r: DesignInputs) -> float:
     return r.given("heaviest pad load", float(np.max(pad_forces(r))), "N", "statics of weight and preload on the pads")
 
 
-def pads_stiffness(r: DesignInputs) -> PadStiffness:
-    """Normal, pitch and roll stiffness of the stage on its pads, each at its own load."""
-    loads = pad_forces(r)
+def pad_spring_stiffness(r: DesignInputs) -> Array:
+    """Normal stiffness of each pad at its own load, N/m."""
     # A pad about to lift has next to no stiffness; a load of zero is out of its formula's range.
-    return pad_stiffness(pad_positions(r), np.array([float(film(r, max(float(n), 1e-3)).stiffness) for n in loads]))
+    return np.array([float(film(r, max(float(n), 1e-3)).stiffness) for n in pad_forces(r)])
+
+
+def pads_stiffness(r: DesignInputs) -> PadStiffness:
+    """Normal, pitch and roll stiffness of a rigid stage on its pads."""
+    return pad_stiffness(pad_positions(r), pad_spring_stiffness(r))
 
 
 def rail(r: DesignInputs) -> Rail:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def _contact(r: DesignInputs, given: Values) -> float:
-    from designcalc.checks.smoothness import spot
+    from designcalc.checks.bearing.smoothness import spot
 
     return spot(r)
 

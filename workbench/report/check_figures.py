@@ -156,7 +156,7 @@ def profile_figure(axes: Any, design: Design, masses: BodyMasses | None) -> str 
     """The lapped way with its waves under one pad, and the height of the pad that rides it."""
     from designcalc.bearing.sliding import averaged_profile
     from designcalc.bearing.way_profile import synthetic_profiles
-    from designcalc.checks.smoothness import lapped_surface, spot
+    from designcalc.checks.bearing.smoothness import lapped_surface, spot
     from designcalc.machine.inputs import DesignInputs
 
     r = DesignInputs(design, masses)

@@ -18,6 +18,7 @@ from designcalc.machine.height_adjustment import screw_preload
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass
 from designcalc.machine.pads import rail
+from designcalc.machine.stage_plate import give_at, payload_feet
 from stagecad.parameters.design import Design
 
 _APPENDIX = "thesis, appendix B; Slocum, Precision Machine Design (1992), section 7.5"
@@ -85,14 +86,15 @@ def stiffness(r: DesignInputs) -> Check:
 def force_ripple(r: DesignInputs) -> Check:
     way = rail(r)
     M, tau = _ratios(r)
-    K = 2 * float(total_stiffness(way, M, tau))
+    feet = give_at(r, payload_feet(r))
+    K = 1 / (1 / (2 * float(total_stiffness(way, M, tau))) + float(feet.max()))
     smooth = r("requirements.smoothness")
     ripple = moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction")
     return Check(
         "smoothness against the tip's own pulsation",
         at_most(ripple, K * smooth, "N"),
-        source="elastic deflection of the two ways under the load the tip takes off them each cycle",
-        formula="m a/mu <= K x 1 nm, K of both ways",
+        source="elastic deflection of ways, pads and stage at the payload by what the tip takes off them each cycle",
+        formula="m a/mu <= K x 1 nm, K of ways, pads and bending stage in series",
         substituted=f"0.2 G needs the tip to press with m a/mu = {show(ripple, 'N')} each cycle; "
         f"{show(K, 'N/m')} x {show(smooth, 'm')} = {show(K * smooth, 'N')}",
         proposal=f"press with at most {show(K * smooth, 'N')} while measuring (hold on the static tip), or take "

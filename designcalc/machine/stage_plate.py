@@ -1,0 +1,80 @@
+"""The stage as a plate that bends on its pads: compliance, sag and natural modes.
+
+The plate is the plain one, its density such that it has the mass of the stage with irons and magnets; pockets and ribs
+of the payload's holes neither weaken nor stiffen it. Each pad is a spring at its own load. The payload stands on four
+feet, two pitches of its holes apart, and its height adds to the inertia of turning; a ballast is a point in the middle.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from designcalc.bearing.plate import Modes, Place, Plate, SupportedPlate
+from designcalc.machine.body import ballast, bare_stage
+from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.loads import gravity, preload
+from designcalc.machine.pads import pad_positions, pad_spring_stiffness
+
+Array = NDArray[np.float64]
+
+TIP: Place = (0.0, 0.0)
+"""Where the tip acts with the stage in the middle of its travel, m."""
+
+
+def payload_feet(r: DesignInputs) -> list[Place]:
+    """Places of the payload's feet, m."""
+    half = r("stage.payload_pitch")
+    return [(x, y) for x in (-half, half) for y in (-half, half)]
+
+
+def stage_plate(r: DesignInputs) -> SupportedPlate:
+    """The stage on its pads."""
+    length, width, thickness = r("stage.length"), r("stage.width"), r("stage.thickness")
+    density = bare_stage(r).mass / (length * width * thickness)
+    modulus, poisson = r.material("stage", "youngs_modulus"), r.material("stage", "poisson_ratio")
+    springs = zip(pad_positions(r).tolist(), pad_spring_stiffness(r).tolist(), strict=True)
+    feet, carried, height = payload_feet(r), r("payload.mass"), r("payload.height") + thickness / 2
+    masses = [(foot, carried / len(feet), height) for foot in feet] if carried > 0 else []
+    if (extra := ballast(r)) > 0:
+        masses.append((TIP, extra, 0.0))
+    return _supported(
+        Plate(length, width, thickness, modulus, poisson, density),
+        tuple(((x, y), k) for (x, y), k in springs),
+        tuple(masses),
+    )
+
+
+@lru_cache(maxsize=32)
+def _supported(
+    plate: Plate, springs: tuple[tuple[Place, float], ...], masses: tuple[tuple[Place, float, float], ...]
+) -> SupportedPlate:
+    return SupportedPlate(plate, springs, masses)
+
+
+def give_at_tip(r: DesignInputs) -> float:
+    """Deflection of the drive surface above the tip by a unit force of the tip, bending and pads together, m/N."""
+    return float(stage_plate(r).compliance([TIP])[0, 0])
+
+
+def give_at(r: DesignInputs, places: ArrayLike) -> Array:
+    """Deflection at places, m, shape (n, 2), by a unit force of the tip, m/N, shape (n,)."""
+    return stage_plate(r).compliance([TIP], places)[:, 0]
+
+
+def stage_modes(r: DesignInputs, count: int, places: ArrayLike = (TIP,)) -> Modes:
+    """The lowest natural modes of the stage on its pads, the rigid-body ones among them."""
+    return stage_plate(r).modes(count, places)
+
+
+def sag(r: DesignInputs, places: ArrayLike) -> Array:
+    """Deflection by weight, payload and the pull of the magnets, pads included, downwards, m, shape (n,)."""
+    plate = stage_plate(r)
+    found = plate.sag(gravity(r), places)
+    if r.design.teeth.fitted:
+        across = r("teeth.bar_spacing") / 2
+        irons = [(0.0, across), (0.0, -across)]
+        found = found + plate.compliance(irons, places) @ np.full(2, preload(r) / 2)
+    return found

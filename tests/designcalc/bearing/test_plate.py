@@ -1,0 +1,80 @@
+"""Plate by finite elements against the free square plate, beams, and a separate solution of the stage."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from designcalc.bearing.plate import Plate, SupportedPlate
+from stagecad.parameters.errors import InputError
+
+STAGE = Plate(0.230, 0.270, 0.012, 68.9e9, 0.33, 2700.0)
+PADS = [((-0.025, 0.115), 73.98e6), ((0.025, 0.115), 73.98e6), ((0.0, -0.115), 93.40e6)]
+"""Of the packaged machine at 33.2 N, 241 N/um together."""
+
+
+def test_free_square_plate_has_the_frequencies_of_the_benchmark():
+    """w L^2 sqrt(rho t/D) = 13.470, 19.599, 24.278 for nu = 0.3."""
+    square = Plate(0.3, 0.3, 5e-3, 70e9, 0.3, 2700.0)
+    unit = 2 * np.pi * 0.3**2 * np.sqrt(square.density * square.thickness / square.rigidity)
+    modes = SupportedPlate(square).modes(6).frequency * unit
+    np.testing.assert_allclose(modes[3:], [13.470, 19.599, 24.278], rtol=5e-4)
+    assert np.all(modes[:3] < 1e-2)
+    # The error falls about with the square of the element's size.
+    coarse, middle, fine = (SupportedPlate(square, elements=n).modes(4).frequency[3] for n in (6, 12, 24))
+    assert 3.0 < (coarse - middle) / (middle - fine) < 4.5
+
+
+def test_narrow_strip_is_a_beam():
+    beam = Plate(0.5, 0.01, 4e-3, 200e9, 0.0, 7850.0)
+    inertia, mass = 0.01 * 4e-3**3 / 12, 7850 * 0.01 * 4e-3
+    unit = np.sqrt(200e9 * inertia / mass) / (2 * np.pi * 0.5**2)
+    plate = SupportedPlate(beam, elements=2)
+    bending = plate.modes(6).frequency[3:]
+    assert bending[0] / unit == pytest.approx(22.373, rel=2e-3)
+    assert bending[1] / unit == pytest.approx(61.673, rel=2e-3)
+
+
+def test_overhanging_cantilever_bends_as_a_beam():
+    """On rigid supports at 0 and d with the overhang c: F c^2 (d + c)/(3 E I) at the end; the end mass lowers f."""
+    beam = Plate(0.5, 0.02, 4e-3, 200e9, 0.0, 1e-3)
+    supports = [((x, y), 1e15) for x in (-0.25, -0.2) for y in (-0.01, 0.01)]
+    rigidity = 200e9 * 0.02 * 4e-3**3 / 12
+    exact = 0.45**2 * (0.05 + 0.45) / (3 * rigidity)
+    plate = SupportedPlate(beam, supports, [((0.25, 0.0), 0.3, 0.0)], elements=2)
+    assert float(plate.compliance([(0.25, 0.0)])[0, 0]) == pytest.approx(exact, rel=2e-3)
+    assert float(plate.modes(1).frequency[0]) == pytest.approx(np.sqrt(1 / (0.3 * exact)) / (2 * np.pi), rel=2e-3)
+    assert float(plate.sag(9.81, [(0.25, 0.0)])[0]) == pytest.approx(0.3 * 9.81 * exact, rel=2e-3)
+
+
+def test_the_stage_on_its_pads_has_the_modes_of_a_separate_solution():
+    """255, 420, 845 Hz alone; 226, 335 Hz with 1 kg over a square of 100 mm; 7.9 N/um above the tip."""
+    alone = SupportedPlate(STAGE, PADS)
+    np.testing.assert_allclose(alone.modes(3).frequency, [255, 420, 845], rtol=5e-3)
+    assert 1 / float(alone.compliance([(0.0, 0.0)])[0, 0]) == pytest.approx(7.9e6, rel=5e-3)
+    # 20.15 N of tip pulsation lifts the drive surface by 2.5 um at the tip.
+    assert 20.15 * float(alone.compliance([(0.0, 0.0)])[0, 0]) == pytest.approx(2.5e-6, rel=0.03)
+    feet = [((x, y), 0.25, 0.0) for x in (-0.05, 0.05) for y in (-0.05, 0.05)]
+    np.testing.assert_allclose(SupportedPlate(STAGE, PADS, feet).modes(2).frequency, [226, 335], rtol=5e-3)
+
+
+def test_modes_and_compliance_agree():
+    """Sum of the modes' compliances, phi^2/w^2, is the static one."""
+    plate = SupportedPlate(STAGE, PADS, elements=8)
+    places = [(0.0, 0.0), (0.075, 0.1)]
+    modes = plate.modes(60, places)
+    summed = (modes.shapes / (2 * np.pi * modes.frequency) ** 2) @ modes.shapes.T
+    np.testing.assert_allclose(summed, plate.compliance(places), rtol=5e-3, atol=2e-10)
+
+
+@pytest.mark.parametrize(
+    "call, words",
+    [
+        (lambda: Plate(0.1, 0.1, 0.0, 70e9, 0.3, 2700.0), "thickness"),
+        (lambda: Plate(0.1, 0.1, 1e-3, 70e9, 0.6, 2700.0), "poisson"),
+        (lambda: SupportedPlate(STAGE, [((0.2, 0.0), 1e6)]), "outside the plate"),
+    ],
+)
+def test_outside_the_range_is_said(call, words):
+    with pytest.raises(InputError, match=words):
+        call()
