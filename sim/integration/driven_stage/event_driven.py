@@ -25,12 +25,13 @@ from sim.integration.driven_stage.regimes import (
     Inputs,
     State,
     Transition,
+    contact_force,
     contact_limit_at,
     free_transition,
     inputs_after,
     motion_after,
     pad_limit_at,
-    velocity_force,
+    rates,
 )
 from sim.numerics.compilation import compiled, inlined
 
@@ -52,7 +53,6 @@ class Event(NamedTuple):
     x: float
     v: float
     spring: float
-    force: float
     time: float
     kind: int
     happened: bool
@@ -94,124 +94,95 @@ def simulate_event_driven(
 
 
 @inlined
-def _entered(constants: Constants, now: Inputs, state: State) -> tuple[State, float]:
-    """State and contact force, N, where a segment begins: inputs that change their slope may change the regime."""
-    sliding = now.tip_velocity - state.v
+def _side(force: float) -> float:
+    return 1.0 if force > 0.0 else -1.0
+
+
+@inlined
+def _entered(constants: Constants, now: Inputs, state: State) -> State:
+    """State where a segment begins: inputs that change their slope may change the regime."""
     spring, slip_side, below, pad_side = state.spring, state.slip_side, state.below, state.pad_side
-    elastic = spring + constants.damping * sliding
-    force, velocity_part = 0.0, 0.0
     if state.touching:
-        velocity_part = velocity_force(constants.contact, sliding)
-        force = elastic
-        if slip_side != 0.0:
-            limit = contact_limit_at(constants, now, slip_side, sliding)
-            force = slip_side * limit
+        sliding = now.tip_velocity - state.v
+        elastic = spring + constants.damping * sliding
+        side = slip_side if slip_side != 0.0 else _side(elastic)
+        limit = contact_limit_at(constants, now, side, sliding)
+        if slip_side == 0.0 and abs(elastic) > limit:
+            slip_side, below = side, True
+        elif slip_side * sliding < 0.0:
+            # A tip that reverses from row to row ends the slip immediately.
+            spring, slip_side, below = side * min(side * spring, limit), 0.0, True
+        elif slip_side != 0.0:
             # A limit that rises immediately, because the slip slows down, is not followed by the spring.
-            below = below or slip_side * spring < limit * (1.0 - 1e-12)
-            if slip_side * sliding < 0.0:
-                # A tip that reverses from row to row ends the slip immediately.
-                spring = slip_side * min(slip_side * spring, limit)
-                slip_side, force, below = 0.0, spring + constants.damping * sliding, True
-            elif below and slip_side * elastic <= limit:
-                slip_side, force = 0.0, elastic
-        else:
-            side = 1.0 if force > 0.0 else -1.0
-            limit = contact_limit_at(constants, now, side, sliding)
-            if abs(force) > limit:
-                force, slip_side, below = side * limit, side, True
-    pull = force + velocity_part + now.push
-    side = 1.0 if pull > 0.0 else -1.0
-    if pad_side == 0.0 and abs(pull) > pad_limit_at(constants, now, side, 0.0):
-        pad_side = side
-    return State(state.x, state.v, spring, pad_side, slip_side, below, state.touching), force
+            below = below or side * spring < limit * (1.0 - 1e-12)
+            slip_side = 0.0 if below and side * elastic <= limit else slip_side
+    state = State(state.x, state.v, spring, pad_side, slip_side, below, state.touching)
+    force, other = contact_force(constants, now, state, state.v, spring)
+    pull = force + other + now.push
+    if pad_side == 0.0 and abs(pull) > pad_limit_at(constants, now, _side(pull), 0.0):
+        pad_side = _side(pull)
+    return State(state.x, state.v, spring, pad_side, slip_side, below, state.touching)
 
 
 @compiled(_nrt=False)
-def _limit_rise(constants: Constants, now: Inputs, state: State, v: float, force: float) -> float:
+def _limit_rise(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> float:
     """Rate, N/s, at which the limit of a slipping contact changes by its load and by its velocity."""
     if not constants.tabulated:
         return now.limit_rate
-    sliding = now.tip_velocity - v
-    acceleration = 0.0
+    sliding, soon = now.tip_velocity - v, constants.soon
+    later = sliding
     if state.pad_side != 0.0:
-        friction = velocity_force(constants.pads, v) + state.pad_side * pad_limit_at(constants, now, state.pad_side, v)
-        velocity_part = velocity_force(constants.contact, sliding)
-        acceleration = -(force + velocity_part + now.push - friction) / constants.mass
-    soon = constants.soon
-    later = sliding + acceleration * soon
+        later -= rates(constants, now, state, v, spring)[0] * soon
     limit = contact_limit_at(constants, now, state.slip_side, sliding)
     return (contact_limit_at(constants, inputs_after(now, soon), state.slip_side, later) - limit) / soon
 
 
 @inlined
-def _overshoot(
-    constants: Constants, now: Inputs, state: State, v: float, spring: float
-) -> tuple[float, float, float, int]:
-    """Contact force and spring force, N, how far (m) the motion is past the next event, and which event that is."""
+def _overshoot(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> tuple[float, float, int]:
+    """Spring force, N, how far (m) the motion is past the next event, and which event that is."""
     k = constants.stiffness
     natural = np.sqrt(k / constants.mass)
     past, kind = -1.0, 0
     sliding = now.tip_velocity - v
-    force, velocity_part = 0.0, 0.0
-    if state.touching:
-        velocity_part = velocity_force(constants.contact, sliding)
+    force, other = contact_force(constants, now, state, v, spring)
+    if state.touching and state.slip_side == 0.0:
+        past, kind = (abs(force) - contact_limit_at(constants, now, _side(force), sliding)) / k, CONTACT_SLIPS
+    elif state.touching and state.below:
         elastic = spring + constants.damping * sliding
-        if state.slip_side != 0.0:
-            limit = contact_limit_at(constants, now, state.slip_side, sliding)
-            force = state.slip_side * limit
-            if state.below:
-                over = (limit - state.slip_side * elastic) / k
-                if over > past:
-                    past, kind = over, CONTACT_STICKS
-                over = (state.slip_side * spring - limit) / k
-                if over > past:
-                    past, kind = over, SPRING_AT_LIMIT
-            else:
-                spring = force
-                rise = _limit_rise(constants, now, state, v, force)
-                over = (rise - state.slip_side * k * sliding) / (k * natural)
-                if constants.contact.values.shape[1] > 0:
-                    # A slip ends before it reverses, however its limit falls with the velocity; one whose limit falls
-                    # with the load may reverse slipping.
-                    over = max(over, -state.slip_side * sliding / natural)
-                if over > past:
-                    past, kind = over, SPRING_BELOW_LIMIT
-        else:
-            force = elastic
-            side = 1.0 if force > 0.0 else -1.0
-            over = (abs(force) - contact_limit_at(constants, now, side, sliding)) / k
-            if over > past:
-                past, kind = over, CONTACT_SLIPS
-    pull = force + velocity_part + now.push
+        past, kind = state.slip_side * (force - elastic) / k, CONTACT_STICKS
+        over = state.slip_side * (spring - force) / k
+        if over > past:
+            past, kind = over, SPRING_AT_LIMIT
+    elif state.touching:
+        spring = force
+        rise = _limit_rise(constants, now, state, v, spring)
+        past, kind = (rise - state.slip_side * k * sliding) / (k * natural), SPRING_BELOW_LIMIT
+        if constants.contact.values.shape[1] > 0:
+            # A slip ends before it reverses, however its limit falls with the velocity; one whose limit falls with the
+            # load may reverse slipping.
+            past = max(past, -state.slip_side * sliding / natural)
+    pull = force + other + now.push
+    over = -state.pad_side * v / natural
     if state.pad_side == 0.0:
-        side = 1.0 if pull > 0.0 else -1.0
-        over = (abs(pull) - pad_limit_at(constants, now, side, 0.0)) / k
-    else:
-        over = -state.pad_side * v / natural
+        over = (abs(pull) - pad_limit_at(constants, now, _side(pull), 0.0)) / k
     if over > past:
         past, kind = over, PADS_SWITCH
-    return force, spring, past, kind
+    return spring, past, kind
 
 
 @inlined
-def _next_event(
-    constants: Constants, now: Inputs, state: State, force: float, left: float, regular: Transition
-) -> Event:
-    """The motion up to the first event within a time `left`, located by regula falsi, or over all of it.
-
-    Args:
-        force: of the contact at the start, N.
-        regular: propagator of the free oscillation over `left`.
-    """
+def _next_event(constants: Constants, now: Inputs, state: State, left: float, regular: Transition) -> Event:
+    """The motion up to the first event within a time `left`, located by regula falsi, or over all of it; `regular`:
+    propagator of the free oscillation over `left`."""
     low, high, t = 0.0, left, left
     past_low, past_high, weight = 0.0, 0.0, 0
-    free, found = regular, Event(state.x, state.v, state.spring, force, 0.0, 0, False)
+    free, found = regular, Event(state.x, state.v, state.spring, 0.0, 0, False)
     for iteration in range(MOST_ITERATIONS):
         if iteration > 0:
             free = free_transition(constants, t)
-        x, v, spring = motion_after(constants, now, state, force, t, free)
-        contact, spring, past, kind = _overshoot(constants, inputs_after(now, t), state, v, spring)
-        found = Event(x, v, spring, contact, t, kind, past > 1e-18 or iteration > 0)
+        x, v, spring = motion_after(constants, now, state, t, free)
+        spring, past, kind = _overshoot(constants, inputs_after(now, t), state, v, spring)
+        found = Event(x, v, spring, t, kind, past > 1e-18 or iteration > 0)
         if iteration == 0:
             if not found.happened:
                 break
@@ -241,16 +212,13 @@ def _switched(constants: Constants, now: Inputs, state: State, event: Event) -> 
     """State in the regime that follows an event."""
     v, pad_side, slip_side, below = event.v, state.pad_side, state.slip_side, state.below
     if event.kind == PADS_SWITCH:
-        elastic = event.spring + constants.damping * now.tip_velocity
-        held = event.force if slip_side != 0.0 or not state.touching or pad_side == 0.0 else elastic
-        velocity_part = velocity_force(constants.contact, now.tip_velocity) if state.touching else 0.0
-        pull = held + now.push + velocity_part
-        side = 1.0 if pull > 0.0 else -1.0
-        sticks = pad_side != 0.0 and abs(pull) <= pad_limit_at(constants, now, side, 0.0)
+        force, other = contact_force(constants, now, state, 0.0, event.spring)
+        pull = force + other + now.push
+        sticks = pad_side != 0.0 and abs(pull) <= pad_limit_at(constants, now, _side(pull), 0.0)
         v = v if pad_side == 0.0 else 0.0
-        pad_side = 0.0 if sticks else side
+        pad_side = 0.0 if sticks else _side(pull)
     elif event.kind == CONTACT_SLIPS:
-        slip_side, below = (1.0 if event.force > 0.0 else -1.0), True
+        slip_side, below = _side(event.spring + constants.damping * (now.tip_velocity - v)), True
     elif event.kind == CONTACT_STICKS:
         slip_side = 0.0
     elif event.kind == SPRING_AT_LIMIT:
@@ -276,9 +244,9 @@ def _advanced(
         if left <= 0.0:
             break
         here = inputs_after(row, now)
-        state, force = _entered(constants, here, state)
+        state = _entered(constants, here, state)
         free = regular if evenly and number == 0 else free_transition(constants, left)
-        event = _next_event(constants, here, state, force, left, free)
+        event = _next_event(constants, here, state, left, free)
         now += event.time
         if not event.happened:
             return State(event.x, event.v, event.spring, state.pad_side, state.slip_side, state.below, state.touching)

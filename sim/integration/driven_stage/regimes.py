@@ -157,20 +157,27 @@ def _limited_spring(constants: Constants, now: Inputs, spring: float, sliding: f
     return side * min(side * spring, contact_limit_at(constants, now, side, sliding))
 
 
+@inlined
+def contact_force(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> tuple[float, float]:
+    """Force of the contact's spring and dashpot, or its limit where it slips, and its velocity-dependent part, N."""
+    if not state.touching:
+        return 0.0, 0.0
+    sliding = now.tip_velocity - v
+    force = spring + constants.damping * sliding
+    if state.slip_side != 0.0:
+        force = state.slip_side * contact_limit_at(constants, now, state.slip_side, sliding)
+    return force, velocity_force(constants.contact, sliding)
+
+
 @compiled(_nrt=False)
-def _rates(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> tuple[float, float]:
+def rates(constants: Constants, now: Inputs, state: State, v: float, spring: float) -> tuple[float, float]:
     """Acceleration, m/s^2, and rate of the spring force, N/s, where friction depends on the velocity."""
     sliding = now.tip_velocity - v
-    force, spring_rate = 0.0, 0.0
-    if state.touching:
-        if state.slip_side != 0.0:
-            force = state.slip_side * contact_limit_at(constants, now, state.slip_side, sliding)
-        else:
-            limited = _limited_spring(constants, now, spring, sliding)
-            force, spring_rate = limited + constants.damping * sliding, constants.stiffness * sliding
-        force += velocity_force(constants.contact, sliding)
+    sticks = state.touching and state.slip_side == 0.0
+    limited = _limited_spring(constants, now, spring, sliding) if sticks else spring
+    force, other = contact_force(constants, now, state, v, limited)
     friction = state.pad_side * pad_limit_at(constants, now, state.pad_side, v) + velocity_force(constants.pads, v)
-    return (force + now.push - friction) / constants.mass, spring_rate
+    return (force + other + now.push - friction) / constants.mass, constants.stiffness * sliding if sticks else 0.0
 
 
 @compiled(_nrt=False)
@@ -185,10 +192,10 @@ def _runge_kutta(constants: Constants, now: Inputs, state: State, t: float) -> t
         q = _limited_spring(constants, now, q, now.tip_velocity - v)
     for n in range(count):
         begin, middle, end = inputs_after(now, n * h), inputs_after(now, n * h + 0.5 * h), inputs_after(now, n * h + h)
-        a1, w1 = _rates(constants, begin, state, v, q)
-        a2, w2 = _rates(constants, middle, state, v + 0.5 * h * a1, q + 0.5 * h * w1)
-        a3, w3 = _rates(constants, middle, state, v + 0.5 * h * a2, q + 0.5 * h * w2)
-        a4, w4 = _rates(constants, end, state, v + h * a3, q + h * w3)
+        a1, w1 = rates(constants, begin, state, v, q)
+        a2, w2 = rates(constants, middle, state, v + 0.5 * h * a1, q + 0.5 * h * w1)
+        a3, w3 = rates(constants, middle, state, v + 0.5 * h * a2, q + 0.5 * h * w2)
+        a4, w4 = rates(constants, end, state, v + h * a3, q + h * w3)
         x += h * (v + h / 6.0 * (a1 + a2 + a3))
         v += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
         q += h / 6.0 * (w1 + 2.0 * w2 + 2.0 * w3 + w4)
@@ -199,14 +206,9 @@ def _runge_kutta(constants: Constants, now: Inputs, state: State, t: float) -> t
 
 @inlined
 def motion_after(
-    constants: Constants, now: Inputs, state: State, force: float, t: float, free: Transition
+    constants: Constants, now: Inputs, state: State, t: float, free: Transition
 ) -> tuple[float, float, float]:
-    """Position, velocity and spring force after a time t within the regime of `state`.
-
-    Args:
-        force: of the contact at the start, N.
-        free: propagator of the free oscillation over t.
-    """
+    """Position, velocity and spring force after a time t within the regime of `state`; `free`: propagator over t."""
     k, wound = constants.stiffness, now.tip_velocity * t
     if state.pad_side == 0.0:
         x, v, q = state.x, 0.0, state.spring + k * now.tip_velocity * t
@@ -222,9 +224,11 @@ def motion_after(
         x, v = state.x + moved, velocity + free.vx * y0 + free.vv * y1
         q = state.spring + k * (wound - moved)
     else:
+        force, force_rate = 0.0, 0.0
+        if state.touching:
+            force, force_rate = state.slip_side * now.limit, state.slip_side * now.limit_rate
         a = (force + now.push - state.pad_side * now.pad_limit) / constants.mass
-        limit_rate = state.slip_side * now.limit_rate if state.touching else 0.0
-        jerk = (limit_rate + now.push_rate - state.pad_side * now.pad_limit_rate) / constants.mass
+        jerk = (force_rate + now.push_rate - state.pad_side * now.pad_limit_rate) / constants.mass
         v = state.v + t * (a + 0.5 * jerk * t)
         x = state.x + t * (state.v + t * (0.5 * a + jerk * t / 6.0))
         q = state.spring
