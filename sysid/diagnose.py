@@ -9,6 +9,8 @@ from time import perf_counter
 
 import numpy as np
 
+from sim.effects.catalogue import find
+from sim.library.effect import Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.constants import FORM_ERROR, FORM_ERROR_ADEQUATE, NOISE_FACTOR
@@ -24,7 +26,7 @@ from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
-from sysid.prediction.model import PreparedRecord, public_name
+from sysid.prediction.model import Model, PreparedRecord, public_name
 from sysid.prediction.problem import Problem, load_problem
 
 IN_FULL = 6
@@ -172,7 +174,18 @@ def _contributions(
     model = fitted.model
     residual = weighted_residual(model, records, weights)
     total = np.zeros(residual.size)
-    for name in added:
-        if any(e.name == name and e.friction_state is None for e in model.effects):
-            total += (weighted_residual(without_effect(model, name), records, weights) - residual) ** 2
+    for effect in model.effects:
+        if effect.name in added:
+            # Without presliding the friction is rigid.
+            rest = without_effect(model, effect.name) if effect.friction_state is None else _rigid(model, effect)
+            total += (weighted_residual(rest, records, weights) - residual) ** 2
     return total
+
+
+def _rigid(model: Model, state: Effect) -> Model:
+    """The model with rigid friction in place of a friction state model, at the same friction limit."""
+    rigid = find("coulomb")
+    values = {f"{rigid.name}.{p.name}": p.default for p in rigid.parameters}
+    values[f"{rigid.name}.force"] = model.values[f"{state.name}.force"]
+    effects = tuple(rigid if effect is state else effect for effect in model.effects)
+    return Model(effects, {**model.values, **values}, ())

@@ -27,6 +27,7 @@ from sysid.diagnosis.constants import (
     CURVE_STEADINESS,
     EQUIVALENT_GAIN,
     EQUIVALENT_SIGNIFICANCE,
+    FORM_ERROR_ADEQUATE,
     LEAST_GAIN,
     LEAST_SIGNIFICANCE,
     LEAST_STEADINESS,
@@ -154,15 +155,14 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
     beaten = curve is not None and compared.clearly_better(curve, model, CURVE_STEADINESS)
     if compared.share(model) >= SUFFICIENT_SHARE and not beaten:
         if len(model.added) == 2:
-            first = _first_of_pair(reference, models, model)
-            if first is not None:
-                partner = next((name for name in model.families if name != first.public_name), "")
-                reason = f"explains its share; {partner} explains the rest"
-                return _missing(compared, first, (), reason, report)
+            pair = _of_pair(reference, models, model)
+            if pair is not None:
+                first, partner, ties = pair
+                return _missing(compared, first, ties, f"explains its share; {partner} explains the rest", report)
         elif named is not None:
             chosen, ties = equivalent(reference, models.ranked, named)
             return _missing(compared, chosen, ties, "explains the residual", report)
-    if named is not None:
+    if named is not None and not _beaten_by_own_curve(compared, models, named):
         beside = next(iter(models.curves_beside(named)), None)
         if beside is not None and _needed_beside(compared, named, beside, curve):
             return _missing(compared, named, (), "is certainly present; more is missing", report)
@@ -179,16 +179,23 @@ def _clear_pair(compared: _Comparison, pair: Candidate, single: Candidate) -> bo
     return gain.significance >= LEAST_SIGNIFICANCE and compared.clearly_better(pair, single, LEAST_STEADINESS)
 
 
-def _first_of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> Candidate | None:
-    """The member of a pair to name: the one in most of the equivalent pairs, then the better one alone."""
+def _of_pair(reference: HeldOut, models: ModelSearch, best: Candidate) -> tuple[Candidate, str, tuple[str, ...]] | None:
+    """The member of a pair to name, its partner, and the effects that may take its place beside the partner.
+
+    Of the pairs whose gains do not differ significantly from the best one's the simplest is taken; of its members the
+    one that is in most of these pairs, then the one that gains more alone.
+    """
     gained = reference.loss - best.held_out.loss
-    count = dict.fromkeys(best.families, 0)
-    for pair in models.pairs:
-        if pair.implausible is None and _equivalent(pair, best, gained):
-            for name in pair.families:
-                count[name] = count.get(name, 0) + 1
-    alone = [c for c in models.ranked if c.public_name in best.families and c.implausible is None]
-    return max(alone, key=lambda c: (count[c.public_name], c.gain.loss), default=None)
+    group = [pair for pair in models.pairs if pair.implausible is None and _equivalent(pair, best, gained)]
+    chosen = min(group, key=lambda c: (c.parameter_count, c.held_out.loss))
+    alone = [c for c in models.ranked if c.public_name in chosen.families and c.implausible is None]
+    if not alone:
+        return None
+    first = max(alone, key=lambda c: (sum(c.public_name in pair.families for pair in group), c.gain.loss))
+    partner = next((name for name in chosen.families if name != first.public_name), "")
+    ties = [name for pair in group if partner in pair.families for name in pair.families]
+    others = dict.fromkeys(name for name in ties if name not in (partner, first.public_name))
+    return first, partner, tuple(others)[:2]
 
 
 def _equivalent(other: Candidate, best: Candidate, gained: float) -> bool:
@@ -196,10 +203,19 @@ def _equivalent(other: Candidate, best: Candidate, gained: float) -> bool:
     if other is best:
         return True
     behind = other.held_out.loss - best.held_out.loss
+    if behind <= FORM_ERROR_ADEQUATE**2 * gained:
+        # The relative error of the form of a law leaves its square of the gain.
+        return True
     return (
         behind <= EQUIVALENT_GAIN * gained
         and other.held_out.gain_of(best.held_out).significance < EQUIVALENT_SIGNIFICANCE
     )
+
+
+def _beaten_by_own_curve(compared: _Comparison, models: ModelSearch, named: Candidate) -> bool:
+    """Whether a free curve of a coordinate of the effect is clearly better than its law."""
+    own = [curve for curve in models.curves if curve.effect.coordinates[0] in named.effect.coordinates]
+    return any(compared.clearly_better(curve, named, CURVE_STEADINESS) for curve in own)
 
 
 def _needed_beside(compared: _Comparison, named: Candidate, beside: Candidate, curve: Candidate | None) -> bool:

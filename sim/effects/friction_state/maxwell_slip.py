@@ -99,6 +99,7 @@ FREE_MAXWELL_SLIP = Effect(
                 *(f"share_{k + 1}", "1", 1.0, 0.0, 1e3, f"share of element {k + 1}, the shortest being 1"),
                 source="only ratios matter",
                 role="shape",
+                natural="both",
                 fixed=k + 1 == HELD_SHARE,
             )
             for k in range(FREE_ELEMENTS)
