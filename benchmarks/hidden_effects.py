@@ -2,10 +2,11 @@
 
     python benchmarks/hidden_effects.py --cases 300 --jobs 2
     python benchmarks/hidden_effects.py --folder FOLDER_OF_CASES
+    python benchmarks/hidden_effects.py --kind second --seed 1 --cases 60 --out FOLDER_OF_CASES
     python benchmarks/hidden_effects.py --cases 0 --coverage 40
 
-Cases come from an independent simulator (`tests/recovery/hidden_effect/generator`) unless a folder with `key.json` is
-given. Every case goes through the command line, so what is scored is what a user gets. Peers see the same records:
+Cases come from one of two independent simulators (`--kind first`: `tests/recovery/hidden_effect/generator`; `--kind
+second`: `tests/recovery/second_kind`) unless a folder with `key.json` is given; `--out FOLDER` writes them there. Every case goes through the command line, so what is scored is what a user gets. Peers see the same records:
 forward regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a
 library of features made by hand (`benchmarks/peers`).
 """
@@ -14,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import importlib.util
 import io
 import json
@@ -30,7 +32,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "recovery" / "hidden_effect"), str(ROOT / "tests" / "recovery")]
 
 from benchmarks.result_table import Names, table  # noqa: E402
 from benchmarks.scoring import (  # noqa: E402
@@ -46,6 +48,7 @@ from benchmarks.scoring import (  # noqa: E402
 
 ROUNDS = 3
 TIMEOUT = 300.0
+GENERATORS = {"first": "generator", "second": "second_kind"}
 
 
 def run_command(command: list[str]) -> dict[str, Any]:
@@ -162,6 +165,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=300, help="how many to make (without --folder)")
     parser.add_argument("--seed", type=int, default=7)
+    parser.add_argument("--kind", choices=list(GENERATORS), default="first", help="the simulator that makes the cases")
+    parser.add_argument("--out", type=Path, help="make the cases and key.json in this folder, and judge nothing")
     parser.add_argument("--folder", type=Path, help="a folder of cases with key.json, in place of making them")
     parser.add_argument("--only", nargs="*", help="names of cases, or parts of effect names")
     parser.add_argument("--jobs", type=int, default=2)
@@ -171,11 +176,13 @@ def main() -> None:
     parser.add_argument("--coverage", type=int, help="cases for the coverage of intervals (a quarter of --cases)")
     parser.add_argument("--json", type=Path, help="also write every outcome here")
     a = parser.parse_args()
+    if a.out is not None:
+        importlib.import_module(GENERATORS[a.kind]).make_cases(a.out, a.seed, a.cases, jobs=a.jobs)
+        return
     with tempfile.TemporaryDirectory() as scratch:
         folder = a.folder
         if folder is None and a.cases > 0:
-            from generator import make_cases
-
+            make_cases = importlib.import_module(GENERATORS[a.kind]).make_cases
             folder = Path(scratch) / "cases"
             print(f"making {a.cases} cases", file=sys.stderr)
             make_cases(folder, a.seed, a.cases, jobs=a.jobs)
