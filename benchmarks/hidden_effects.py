@@ -6,9 +6,10 @@
     python benchmarks/hidden_effects.py --cases 0 --coverage 40
 
 Cases come from one of two independent simulators (`--kind first`: `tests/recovery/hidden_effect/generator`; `--kind
-second`: `tests/recovery/second_kind`) unless a folder with `key.json` is given; `--out FOLDER` writes them there. Every case goes through the command line, so what is scored is what a user gets. Peers see the same records:
-forward regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a
-library of features made by hand (`benchmarks/peers`).
+second`: `tests/recovery/second_kind`) unless a folder with `key.json` is given; with `--out FOLDER` they are only made.
+Every case goes through the command line, so what is scored is what a user gets. Peers see the same records: forward
+regression, and pysindy where it is installed (`pip install 'stagecad[peers]'`; `make bench` does), both with a library
+of features made by hand (`benchmarks/peers`).
 """
 
 from __future__ import annotations

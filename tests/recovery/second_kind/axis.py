@@ -1,7 +1,7 @@
-"""One axis in time: semi-implicit steps of set-valued friction (Moreau 1988), at a given velocity, on a spring, or driven.
+"""One axis in time: semi-implicit steps of set-valued friction (Moreau 1988), prescribed, on a spring, or driven.
 
-Each step takes forces at the middle of the free motion and solves m (w - v) / h + c w + level Sign(w) = push for the new
-velocity w: w = 0 where |push + m v / h| stays below the level, otherwise the level opposes w exactly.
+Each step takes forces at the middle of the free motion and solves m (w - v) / h + c w + level Sign(w) = push for the
+new velocity w: w = 0 where |push + m v / h| stays below the level, otherwise the level opposes w exactly.
 """
 
 from __future__ import annotations

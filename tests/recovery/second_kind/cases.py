@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from . import refit
-from .hidden import NAMED, OFFSET, UNLISTED, Hidden, Setting
-from .loggers import Table, as_text, draw_logger, experiment, known
+from .hidden import LATE, NAMED, OFFSET, UNLISTED, Hidden, Setting
+from .loggers import as_text, draw_logger, experiment, known
 from .machines import RIG_SHARES, RIGS, Machine, draw_machine, log_uniform
-from .records import Inputs, closure, draw_inputs, noise_levels, problem, simulate, table
+from .records import Inputs, Logged, closure, draw_inputs, noise_levels, problem, simulate, table
 
 CLASSES = {"named": 0.60, "two": 0.12, "none": 0.14, "unknown": 0.14}
 VISIBLE = {"named": (3.0, 60.0), "two": (8.0, 40.0), "unknown": (4.0, 60.0)}
@@ -42,7 +42,7 @@ class Case:
             (folder / f"{role}.csv").write_text(text, encoding="utf-8")
 
 
-class Unfit(Exception):
+class UnfitError(Exception):
     """A draw that gives no sound case; the next attempt is made."""
 
 
@@ -55,7 +55,9 @@ class Bench:
     rows: float
     mass_known: bool
 
-    def problems(self, hide: Callable[[], Setting], sigma: float) -> tuple[list[refit.Problem], list[float], list[Any]]:
+    def problems(
+        self, hide: Callable[[], Setting], sigma: float
+    ) -> tuple[list[refit.Problem], list[float], list[Logged]]:
         """Least-squares problems, what the base model leaves of each record over `sigma`, and the records.
 
         The problems are empty where the spring's own law fails and not the balance of forces.
@@ -65,10 +67,10 @@ class Bench:
             if self.m.rig != "actuator-tip":
                 reach, moving = np.ptp(one["position"]), float(np.mean(one["side"] != 0.0))
                 if not (0.2 * self.m.reach < reach < 3.0 * self.m.reach) or moving < 0.12:
-                    raise Unfit("the axis hardly moves")
+                    raise UnfitError("the axis hardly moves")
         problems = [problem(self.m, one, sigma, self.rows, self.mass_known) for one in logged]
         if min(p.target.size for p in problems) < 300:
-            raise Unfit("too few rows move")
+            raise UnfitError("too few rows move")
         balance, spring = refit.left(problems), [closure(self.m, one, sigma) for one in logged]
         seen = [max(pair) for pair in zip(balance, spring, strict=True)]
         return [] if min(spring) > 2.0 * max(balance) else problems, seen, logged
@@ -99,7 +101,11 @@ def _machine(rng: np.random.Generator, rig: str, effects: list[Hidden]) -> Machi
         if speeds is not None:
             m = replace(m, curve_speed=m.speed * log_uniform(rng, *speeds))
         if rotary is None or (m.rotary == rotary and m.reach > 0.8):
-            return m
+            break
+    if rig == "velocity-drive" and len(effects) == 1 and effects[0].pairs and not m.curve and rng.random() < 0.2:
+        stretch = m.reach * log_uniform(rng, 3e-3, 0.02)
+        m = replace(m, base=("presliding", "viscous"), stretch=stretch)
+    return m
 
 
 def _to_size(
@@ -122,52 +128,51 @@ def _to_size(
     for _ in range(6):
         other = strength * float(np.clip((sigma * target / seen) ** (1.0 / slope), 0.02, 3.0))
         if other > 1.0:
-            raise Unfit("too small beside the noise")
+            raise UnfitError("too small beside the noise")
         now = seen_at(other)
         if abs(now / (sigma * target) - 1.0) < 0.12:
             return other, sigma
         # The slope in logarithms: sizes of memory effects are no straight line of the strength.
         slope = float(np.clip(np.log(now / seen) / np.log(other / strength), 0.4, 2.5)) if other != strength else slope
         strength, seen = other, now
-    raise Unfit("size not reached")
+    raise UnfitError("size not reached")
 
 
 def _own(h: Hidden, rig: str) -> str:
     """The shape of an effect among those of `refit.rivals`."""
-    if rig == "actuator-tip" and h.name in ("drive_lag", "drive_delay", "sensor_lag", "sensor_delay"):
+    if rig == "actuator-tip" and h.name in LATE:
         return "rate"
-    return {"drive_delay": "drive_lag", "sensor_delay": "sensor_lag"}.get(h.name, h.name)
+    late = "drive_lag" if rig == "force-drive" else "sensor_lag"
+    return late if h.name in LATE else h.name
 
 
-def _accepted(
-    effects: list[Hidden], rig: str, base: tuple[str, ...], left: dict[str, float], seen: float
-) -> list[str]:
-    """Every right answer; raises Unfit where records cannot tell."""
+def _accepted(effects: list[Hidden], rig: str, base: tuple[str, ...], left: dict[str, float], seen: float) -> list[str]:
+    """Every right answer; raises UnfitError where records cannot tell."""
     if not effects:
         if seen > NOTHING_LEFT:
-            raise Unfit("the base model does not suffice")
+            raise UnfitError("the base model does not suffice")
         return ["adequate"]
     if effects[0] in UNLISTED:
         if min(left.values(), default=seen) < 0.6 * seen:
-            raise Unfit("an effect of a library explains it")
+            raise UnfitError("an effect of a library explains it")
         return [effects[0].name, "unexplained"]
     accept = {name for h in effects for name in (h.accept or (h.name,))}
     own = [_own(h, rig) for h in effects]
     if len(effects) == 2:
         apart = min(left[name] for name in own)
         if apart < 4.0 or left["both"] > 0.5 * apart:
-            raise Unfit("one of two is hardly there, or both together do not suffice")
+            raise UnfitError("one of two is hardly there, or both together do not suffice")
         return sorted(accept)
     if own[0] not in left:
         if min(left.values(), default=seen) < 0.3 * seen:
-            raise Unfit("another effect explains it")
+            raise UnfitError("another effect explains it")
         return sorted(accept)
     if left[own[0]] > 0.6 * seen:
-        raise Unfit("its own shape does not explain it")
+        raise UnfitError("its own shape does not explain it")
     simple = {n for n in left if refit.PARAMETERS.get(n, 2) <= refit.PARAMETERS.get(own[0], 2)} - {*base, "rate"}
     alike = {n for n in simple if left[n] <= max(1.1 * left[own[0]], 0.3)}
     if len(alike - accept) > 2:
-        raise Unfit("too many effects explain it")
+        raise UnfitError("too many effects explain it")
     return sorted(accept | alike)
 
 
@@ -179,8 +184,8 @@ def _joined(builds: list[Callable[[float], Setting]], strengths: list[float]) ->
     return setting
 
 
-def _attempt(rng: np.random.Generator, klass: str, rig: str, effects: list[Hidden]) -> Case:
-    """One draw of a case; raises Unfit."""
+def draw_case(rng: np.random.Generator, klass: str, rig: str, effects: list[Hidden]) -> Case:
+    """One draw of a case; raises UnfitError."""
     m = _machine(rng, rig, effects)
     how = draw_logger(rng, m)
     axis = rig != "actuator-tip"
@@ -219,12 +224,11 @@ def _attempt(rng: np.random.Generator, klass: str, rig: str, effects: list[Hidde
         "rig": rig,
         "base": list(m.base),
         "size": _size(min(seen)) if effects else "none",
-        "where": list(effects[0].where) if klass == "unknown" else [],
         "klass": klass,
         "noise": levels,
         "machine": m.name,
         "rotary": m.rotary,
-        "excitation": [list(each.kind) if len(each.kind) > 1 else each.kind[0] for each in bench.inputs],
+        "excitation": [list(each.kind) if m.name == "piezo" else each.kind[0] for each in bench.inputs],
         "fs": m.rate,
         "seconds": m.rows * m.step,
         "rows": m.rows,
@@ -239,6 +243,8 @@ def _attempt(rng: np.random.Generator, klass: str, rig: str, effects: list[Hidde
         "truth": asdict(m),
         "accept": accept,
     }
+    if klass == "unknown":
+        key["where"] = list(effects[0].where)
     return Case(toml, csv, key)
 
 
@@ -252,8 +258,8 @@ def make_case(seed: int, index: int, klass: str) -> Case:
     for attempt in range(ATTEMPTS):
         rig, effects = _choose(np.random.default_rng([seed, index, attempt // SAME_EFFECT]), klass)
         try:
-            case = _attempt(np.random.default_rng([seed, index, 1000 + attempt]), klass, rig, effects)
-        except Unfit:
+            case = draw_case(np.random.default_rng([seed, index, 1000 + attempt]), klass, rig, effects)
+        except UnfitError:
             continue
         case.key["attempt"] = attempt
         return case

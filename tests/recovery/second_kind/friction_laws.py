@@ -63,7 +63,7 @@ class Curve(Law):
 
 
 class Ageing(Law):
-    """Rate-and-state friction, ageing law (Ruina 1983): height * ln(1 + theta / scale), d theta/dt = 1 - |v| theta / way."""
+    """Rate-and-state friction, ageing law (Ruina 1983): height ln(1 + theta / scale), theta' = 1 - |v| theta / way."""
 
     def __init__(self, height: float, scale: float, way: float) -> None:
         self.height, self.scale, self.way, self.age = height, scale, way, 0.0

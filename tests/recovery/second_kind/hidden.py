@@ -43,8 +43,8 @@ Draw = Callable[[np.random.Generator, Machine], Callable[[float], Setting]]
 class Hidden:
     """One effect.
 
-    `motions`, `channel`, `curve` (a Stribeck curve in the base model; its speed over the highest) and `rotary` are what it
-    needs to show; `pairs` says whether it may occur beside another.
+    `motions`, `channel`, `curve` (a Stribeck curve in the base model, `curve_speed` its speed over the highest) and
+    `rotary` are what it needs to show; `pairs` says whether it may occur beside another.
     """
 
     name: str
@@ -128,9 +128,11 @@ def _bias(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.Law]]
 def _cable(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.Law]]:
     half, rest, a = 0.5 * m.reach, m.reach * r.uniform(-0.3, 0.3), r.uniform(0.2, 0.6) * m.coulomb
     hard = r.uniform(0.0, 0.25)
-    return lambda s: [
-        fl.Law("force", lambda z: s * a * ((z.x - rest) / half + hard * ((z.x - rest) / half) ** 3))
-    ]  # fmt: skip
+
+    def pull(x: float) -> float:
+        return (x - rest) / half + hard * ((x - rest) / half) ** 3
+
+    return lambda s: [fl.Law("force", lambda z: s * a * pull(z.x))]
 
 
 def _cogging(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.Law]]:
@@ -212,7 +214,7 @@ def _drift(r: np.random.Generator, m: Machine) -> Callable[[float], Setting]:
 def _counts(r: np.random.Generator, m: Machine) -> Callable[[float], Setting]:
     name = str(r.choice(["position", "spring_force"])) if m.rig == "spring-pull" else "position"
     names = _sensor_channel(r, m) if m.rig in ("actuator-tip", "velocity-drive") else [name]
-    return lambda s: Setting(counts={name: s for name in names})
+    return lambda s: Setting(counts=dict.fromkeys(names, s))
 
 
 def _on_both(make: Callable[[np.random.Generator, Machine], Callable[[float], Signal]]) -> Draw:
@@ -243,10 +245,8 @@ def _mismatch(r: np.random.Generator, m: Machine) -> Callable[[float], Setting]:
 
 
 def _end_stop(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.Law]]:
-    at, a, wide = m.reach * r.uniform(0.3, 0.42) * r.choice([-1, 1]), r.uniform(0.3, 0.8) * m.coulomb, 0.1 * m.reach
-    return lambda s: [
-        fl.Law("force", lambda z: s * a * np.sign(at) * (max((z.x - at) * np.sign(at), 0.0) / wide) ** 1.5)
-    ]  # fmt: skip
+    at, side, a = m.reach * r.uniform(0.3, 0.42), int(r.choice([-1, 1])), r.uniform(0.3, 0.8) * m.coulomb
+    return lambda s: [fl.Law("force", lambda z: s * a * side * (max(side * z.x - at, 0.0) / (0.1 * m.reach)) ** 1.5)]
 
 
 def _inertial_friction(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.Law]]:
@@ -293,7 +293,11 @@ def _warming(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.La
 
 def _turn_memory(r: np.random.Generator, m: Machine) -> Callable[[float], list[fl.Law]]:
     a, wide = r.uniform(0.1, 0.3), m.reach * r.uniform(0.05, 0.15)
-    return lambda s: [fl.Law("factor", lambda z: 1 + s * a * (z.turned / wide) ** 2 * float(np.exp(2 - 2 * z.turned / wide)))]  # fmt: skip
+
+    def bump(way: float) -> float:
+        return (way / wide) ** 2 * float(np.exp(2 - 2 * way / wide))
+
+    return lambda s: [fl.Law("factor", lambda z: 1 + s * a * bump(z.turned))]
 
 
 def _leak(r: np.random.Generator, m: Machine) -> Callable[[float], Signal]:
@@ -323,15 +327,26 @@ OFFSET = ("constant_bias", "direction_asymmetry")
 
 NAMED = (
     Hidden("stribeck", AXIS_RIGS, _wrap(_stribeck), curve=False),
-    Hidden("presliding", AXIS_RIGS, _wrap(_presliding), motions=("loops", "chirp", "triangle", "random_steps"), curve=False),
-    Hidden("frictional_lag", (VELOCITY, FORCE), _wrap(_memory), motions=("chirp", "triangle", "loops"), curve=True, curve_speed=(0.2, 0.6)),
+    Hidden(
+        "presliding", AXIS_RIGS, _wrap(_presliding), motions=("loops", "chirp", "triangle", "random_steps"), curve=False
+    ),
+    Hidden(
+        "frictional_lag",
+        (VELOCITY, FORCE),
+        _wrap(_memory),
+        motions=("chirp", "triangle", "loops"),
+        curve=True,
+        curve_speed=(0.2, 0.6),
+    ),
     Hidden("dwell_strengthening", AXIS_RIGS, _wrap(_dwell), motions=RESTS, curve=False),
     Hidden("direction_asymmetry", AXIS_RIGS, _wrap(_asymmetry), OFFSET, pairs=True),
     Hidden("position_dependent_friction", AXIS_RIGS, _wrap(_position), pairs=True),
     Hidden("load_dependent_friction", AXIS_RIGS, _wrap(_load), channel="normal_load", pairs=True),
     Hidden("temperature_dependent_friction", AXIS_RIGS, _wrap(_temperature), channel="temperature", pairs=True),
     Hidden("run_in", AXIS_RIGS, _wrap(_run_in), pairs=True),
-    Hidden("quadratic_drag", AXIS_RIGS, _wrap(_drag), motions=("triangle", "chirp", "random_steps", "day_log"), pairs=True),
+    Hidden(
+        "quadratic_drag", AXIS_RIGS, _wrap(_drag), motions=("triangle", "chirp", "random_steps", "day_log"), pairs=True
+    ),
     Hidden("constant_bias", AXIS_RIGS, _wrap(_bias), OFFSET, pairs=True),
     Hidden("cable_spring", AXIS_RIGS, _wrap(_cable), pairs=True),
     Hidden("magnetic_cogging", AXIS_RIGS, _wrap(_cogging), pairs=True),
@@ -341,6 +356,7 @@ NAMED = (
     Hidden("drive_lag", (FORCE,), _late("lag", "drive"), LATE, motions=("chirp", "random_steps", "trapezoid")),
     Hidden("drive_delay", (FORCE,), _late("delay", "drive"), LATE, motions=("chirp", "random_steps", "trapezoid")),
     Hidden("sensor_lag", (VELOCITY,), _late("lag", "sensor"), LATE_SENSOR),
+    Hidden("sensor_lag", (FORCE,), _late("lag", "sensor"), LATE, motions=("chirp", "random_steps", "trapezoid")),
     Hidden("sensor_delay", (VELOCITY,), _late("delay", "sensor"), LATE_SENSOR),
     Hidden("sensor_nonlinearity", (VELOCITY, SPRING), _nonlinear),
     Hidden("sensor_drift", (VELOCITY, SPRING), _drift),
@@ -364,9 +380,12 @@ UNLISTED = (
     Hidden("UNKNOWN_warming", AXIS_RIGS, _wrap(_warming), where=("temperature", "time"), channel="temperature"),
     Hidden("UNKNOWN_turn_memory", AXIS_RIGS, _wrap(_turn_memory), where=("distance_since_reversal", "position")),
     Hidden(
-        "UNKNOWN_charge_leak", (TIP,), _on_both(_leak),
-        where=("time", "frequency", "contact_age", "input", "distance_since_reversal"), motions=("steps", "scan"),
-    ),  # fmt: skip
+        "UNKNOWN_charge_leak",
+        (TIP,),
+        _on_both(_leak),
+        where=("time", "frequency", "contact_age", "input", "distance_since_reversal"),
+        motions=("steps", "scan"),
+    ),
     Hidden("UNKNOWN_periodic_gain", (TIP,), _on_both(_cross), where=("input",)),
     Hidden("UNKNOWN_neighbour", (TIP,), _on_both(_neighbour), where=("time", "frequency")),
 )

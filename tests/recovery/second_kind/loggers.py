@@ -77,12 +77,12 @@ def draw_logger(rng: np.random.Generator, m: Machine) -> Logger:
 
 
 def standstill(rng: np.random.Generator, n: int, how: Logger, rate: float, *, plain: bool = False) -> np.ndarray:
-    """Noise (n,) of unit rms at standstill, outliers and hum included (`plain`: without both, uncoloured); no counts."""
+    """Noise (n,) of unit rms at standstill, outliers and hum included (`plain`: white alone); no counts."""
     white = rng.standard_normal(n + 500)
     if plain or how.colour == "white":
         y = white[500:]
     elif how.colour == "ar":
-        y = lfilter([1.0], [1.0, -how.rho], white)[500:] * np.sqrt(1.0 - how.rho**2)
+        y = np.asarray(lfilter([1.0], [1.0, -how.rho], white))[500:] * np.sqrt(1.0 - how.rho**2)
     else:
         spectrum = np.fft.rfft(white)
         f = np.arange(spectrum.size) / white.size
@@ -140,7 +140,7 @@ def as_text(rng: np.random.Generator, columns: Table, how: Logger, m: Machine) -
 
 
 def time_stamps(rng: np.random.Generator, m: Machine, how: Logger) -> np.ndarray:
-    """Times (rows,) in s at which rows are taken; uneven by 8 % of a step, rounded to a tenth of a millisecond, if so."""
+    """Times (rows,) in s of the rows; uneven by 8 % of a step, rounded to a tenth of a millisecond, if so."""
     t = np.arange(m.rows) * m.step
     if not how.jitter:
         return t

@@ -33,7 +33,8 @@ class Machine:
     """One machine; SI, angles in rad and torques in N m on a rotary axis.
 
     `speed`, `slow`, `reach` and `acceleration` bound its motions; `curve_speed` and `curve_power` shape a Stribeck
-    curve of the base model, exp(-(|v| / curve_speed)^curve_power), of height `curve`; `bandwidth` is the controller's.
+    curve of the base model, exp(-(|v| / curve_speed)^curve_power), of height `curve`; `bandwidth` is the controller's; `stretch` is that of
+    bristles in the base model.
     """
 
     rig: str
@@ -60,6 +61,7 @@ class Machine:
     height: float = 0.0
     bias: float = 0.0
     gain: float = 0.0
+    stretch: float = 0.0
 
     @property
     def step(self) -> float:
@@ -79,8 +81,8 @@ def draw_machine(rng: np.random.Generator, rig: str, *, curve: bool | None = Non
         rows = min(int(log_uniform(rng, 10.0, 25.0) * rate), MOST_ROWS[rig])
         return Machine(
             rig, "piezo", False, (), rate, rows, *(0.0,) * 14,
-            spacing=rng.uniform(0.03, 0.055), height=rng.uniform(9e-3, 29e-3), bias=float(rng.choice([0.0, 50.0, 60.0])),
-            gain=log_uniform(rng, 3.5e-8, 1.2e-7),
+            spacing=rng.uniform(0.03, 0.055), height=rng.uniform(9e-3, 29e-3),
+            bias=float(rng.choice([0.0, 50.0, 60.0])), gain=log_uniform(rng, 3.5e-8, 1.2e-7),
         )  # fmt: skip
     name = str(rng.choice(list(SIZES)))
     speeds, forces, rotary = SIZES[name]

@@ -9,6 +9,7 @@ import numpy as np
 from .machines import Machine
 
 MOTIONS = ("triangle", "trapezoid", "chirp", "staircase", "loops", "random_steps", "day_log")
+OPEN_LOOP = "open_loop"
 VOLTAGES = ("sweep", "scan", "steps", "loops")
 Move = tuple[float, float, float]
 
@@ -59,6 +60,7 @@ def reference(rng: np.random.Generator, kind: str, m: Machine) -> tuple[np.ndarr
         v, start, place = np.zeros(n), 0.02 * n * dt * rng.random(), 0.0
         for target, speed, rest in _targets(rng, kind, m):
             distance = target - place
+            speed = max(speed, abs(distance) / (0.07 * n * dt))
             top = min(speed, np.sqrt(abs(distance) * m.acceleration))
             if top > 0.0:
                 ramp, whole = top / m.acceleration, abs(distance) / top + top / m.acceleration
@@ -72,10 +74,20 @@ def reference(rng: np.random.Generator, kind: str, m: Machine) -> tuple[np.ndarr
                 break
         width = max(3, int(0.2 * m.speed / m.acceleration * m.rate))
         window = np.hanning(width + 2)[1:-1]
-        v = np.convolve(v, window / window.sum(), "same")
+        v = np.convolve(np.pad(v, width, "edge"), window / window.sum(), "same")[width:-width]
         v[np.abs(v) < 1e-9 * m.speed] = 0.0
     x = np.concatenate([[0.0], np.cumsum(0.5 * dt * (v[1:] + v[:-1]))])
     return x, v, np.gradient(v, dt)
+
+
+def open_loop(rng: np.random.Generator, m: Machine) -> np.ndarray:
+    """Command (rows,) of a drive without a controller: a force that sweeps about the frequency that uses the reach."""
+    t = np.arange(m.rows) * m.step
+    size = rng.uniform(1.4, 2.5)
+    middle = np.sqrt(size * m.coulomb / (m.mass * 0.5 * m.reach)) / (2 * np.pi)
+    low, high = middle * rng.uniform(0.7, 0.9), min(middle * rng.uniform(1.2, 2.0), 0.03 * m.rate)
+    phase = 2 * np.pi * (low * t + 0.5 * (high - low) * t**2 / t[-1])
+    return size * m.coulomb * np.sin(phase) * np.minimum(1.0, t * low)
 
 
 def voltage(rng: np.random.Generator, kind: str, m: Machine) -> np.ndarray:

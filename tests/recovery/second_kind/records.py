@@ -8,11 +8,11 @@ import numpy as np
 
 from . import refit
 from .axis import Motion, run_axis
-from .friction_laws import Curve
+from .friction_laws import Bristles, Curve
 from .hidden import Hidden, Setting
 from .loggers import Logger, Table, counted, logged_noise, time_stamps
 from .machines import Machine
-from .motions import MOTIONS, VOLTAGES, channels, reference, voltage
+from .motions import MOTIONS, OPEN_LOOP, VOLTAGES, channels, open_loop, reference, voltage
 from .tip import tip
 
 FORCE = {"velocity-drive": "friction_force", "spring-pull": "spring_force", "force-drive": "drive_force"}
@@ -44,7 +44,10 @@ def draw_inputs(rng: np.random.Generator, m: Machine, effects: list[Hidden]) -> 
             continue
         left = [k for k in shows if not drawn or k != drawn[0].kind[0]] or shows
         kind = (str(rng.choice(left if rng.random() < 0.8 else shows)),)
-        drawn.append(Inputs(kind, Motion(*reference(rng, kind[0], m), *channels(rng, m)), None))
+        motion = Motion(*reference(rng, kind[0], m), *channels(rng, m))
+        if m.rig == "force-drive" and kind == ("chirp",) and rng.random() < 0.5:
+            kind, motion = (OPEN_LOOP,), replace(motion, command=open_loop(rng, m))
+        drawn.append(Inputs(kind, motion, None))
     return drawn
 
 
@@ -63,6 +66,8 @@ def simulate(m: Machine, inputs: Inputs, setting: Setting) -> Logged:
     laws = list(setting.laws)
     if m.curve and not any(isinstance(law, Curve) for law in laws):
         laws.append(Curve(m.curve, m.curve_speed, f"power_{m.curve_power:.0f}"))
+    if m.stretch:
+        laws.append(Bristles(m.stretch))
     run = run_axis(m, inputs.motion, laws, setting.chain)
     logged = {"position": run.position, "force": run.force, "velocity": run.velocity, "side": run.side}
     for name, signal in setting.sensors.items():
@@ -139,4 +144,3 @@ def table(
             y = np.round(y + 0.02 * rng.standard_normal(y.size), 2)
         columns[name] = (units.get(name, force), y)
     return columns
-

@@ -11,12 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .friction_laws import Bristles, State
 from .machines import Machine
 from .tip import tip
 
 BEST = 0.97
 MOST = 4000
-LATE_ROWS = (1, 2, 3, 5, 8)
+LATE_ROWS, MEMORY_ROWS = (1, 2, 3, 5, 8), (1, 2, 4, 7, 12, 20, 35, 60)
+STRETCHES = np.geomspace(1e-3, 0.2, 10)
 PARAMETERS = {
     "viscous": 1, "quadratic_drag": 1, "constant_bias": 1, "load_dependent_friction": 1, "sensor_lag": 1,
     "temperature_dependent_friction": 1, "drive_lag": 1, "gain_mismatch": 1, "rate": 1, "magnetic_cogging": 3,
@@ -28,7 +30,7 @@ CHANNEL = {"load_dependent_friction": "normal_load", "temperature_dependent_fric
 
 @dataclass(frozen=True)
 class Problem:
-    """Least squares of one record: `target` and `base` columns (rows, n) over the noise; `signals` for further columns."""
+    """Least squares of one record: `target` over the noise, `base` columns (rows, n), `signals` for further columns."""
 
     target: np.ndarray
     base: np.ndarray
@@ -58,6 +60,27 @@ def smooth(y: np.ndarray, rows: float) -> np.ndarray:
     return np.convolve(np.pad(y, half, "edge"), window / window.sum(), "valid")
 
 
+def unit_bristles(m: Machine, x: np.ndarray) -> np.ndarray:
+    """Force (rows,) of the base model's bristles at a level of one, along positions `x`."""
+    bristles, out = Bristles(m.stretch), np.empty(x.size)
+    for k, dx in enumerate(np.diff(x, prepend=x[0])):
+        bristles.moved(dx)
+        out[k] = bristles.value(State())
+    return out
+
+
+def stops(x: np.ndarray, stretches: np.ndarray) -> np.ndarray:
+    """Mean of six elasto-plastic elements of unit force, for each stretch along positions `x`: (rows, stretches)."""
+    limits = np.outer(stretches, (np.arange(6) + 0.5) / 3.0)
+    z, out = np.zeros_like(limits), np.empty((x.size, stretches.size))
+    for k, dx in enumerate(np.diff(x, prepend=x[0])):
+        z += dx
+        np.minimum(z, limits, out=z)
+        np.maximum(z, -limits, out=z)
+        out[k] = (z / limits).sum(axis=1)
+    return out / 6.0
+
+
 def axis_problem(m: Machine, logged: dict[str, np.ndarray], noise: float, rows: float, mass_known: bool) -> Problem:
     """The force balance of a record of an axis: friction against direction, velocity (and acceleration)."""
     force, x = logged["force"], logged["position"]
@@ -83,7 +106,8 @@ def axis_problem(m: Machine, logged: dict[str, np.ndarray], noise: float, rows: 
         if driven:
             keep[shift:] &= side[:-shift] != 0.0
             keep[:-shift] &= side[shift:] != 0.0
-    base = [filled, v]
+    keep[:reach] = keep[-reach:] = False
+    base = [unit_bristles(m, x) if m.stretch else filled, v]
     if m.curve:
         power = (np.abs(v) / m.curve_speed) ** m.curve_power
         base += [filled * np.exp(-power), filled * power * np.exp(-power)]
@@ -92,6 +116,12 @@ def axis_problem(m: Machine, logged: dict[str, np.ndarray], noise: float, rows: 
     t = np.arange(x.size) * m.step
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
     signals = {"d": filled, "v": v, "x": x, "t": t, "way": way}
+    signals |= {f"stop_{k}": y for k, y in enumerate(stops(x, m.reach * STRETCHES).T)}
+    if m.curve:
+        # The Stribeck curve of the base model, after pure delays of its speed.
+        for k in MEMORY_ROWS:
+            late = np.concatenate([np.full(k, v[0]), v[:-k]])
+            signals[f"memory_{k}"] = filled * np.exp(-((np.abs(late) / m.curve_speed) ** m.curve_power))
     signals |= {f"late_{k}": force - np.concatenate([np.full(k, force[0]), force[:-k]]) for k in LATE_ROWS}
     signals |= {name: logged[name] for name in ("normal_load", "temperature")}
     thin = np.flatnonzero(keep)
@@ -149,6 +179,10 @@ def _axis_shapes(s: dict[str, np.ndarray], m: Machine) -> Iterator[tuple[str, np
     for speed in m.speed * np.geomspace(0.01, 0.5, 9):
         yield "stribeck", np.column_stack([d * np.exp(-((v / speed) ** 2))])
         yield "stribeck", np.column_stack([d * np.exp(-np.abs(v) / speed)])
+    for memory in (name for name in s if name.startswith("memory")):
+        yield "frictional_lag", np.column_stack([s[memory]])
+    for k in range(len(STRETCHES) - 1):
+        yield "presliding", np.column_stack([s[f"stop_{k}"], s[f"stop_{k + 1}"]])
     for way in m.reach * np.geomspace(0.3, 30.0, 8):
         yield "run_in", np.column_stack([d * np.exp(-s["way"] / way)])
     for time in np.geomspace(0.1, 2.0, 5) * t[-1]:
@@ -178,7 +212,7 @@ def both(m: Machine, problems: list[Problem], names: tuple[str, str]) -> float:
     shapes = _tip_shapes if m.rig == "actuator-tip" else _axis_shapes
     chosen: list[list[list[np.ndarray]]] = []
     for name in names:
-        options = [list(columns for n, columns in shapes(p.signals, m) if n == name) for p in problems]
+        options = [[columns for n, columns in shapes(p.signals, m) if n == name] for p in problems]
         if not options[0]:
             return np.inf
         ranked = sorted(zip(*options, strict=True), key=lambda columns: max(left(problems, list(columns))))

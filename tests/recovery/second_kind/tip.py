@@ -46,14 +46,14 @@ def relays(count: int, low: float, high: float, weight: float) -> Signal:
     return run
 
 
-def creep(weights: Sequence[float], times: Sequence[float]) -> Signal:
+def creep(weights: Sequence[float] | np.ndarray, times: Sequence[float] | np.ndarray) -> Signal:
     """Voigt elements in series: u + sum of weight times (1 + s time)^-1 (u - u[0]), each settled at the first row."""
 
     def run(u: np.ndarray, dt: float) -> np.ndarray:
         out = u.copy()
         for weight, time in zip(weights, times, strict=True):
             decay = np.exp(-dt / time)
-            out += weight * lfilter([0.0, 1.0 - decay], [1.0, -decay], u - u[0])
+            out += weight * np.asarray(lfilter([0.0, 1.0 - decay], [1.0, -decay], u - u[0]))
         return out
 
     return run
@@ -69,7 +69,7 @@ def second_order(time: float, damping: float) -> Signal:
         # Bilinear transform: s becomes 2 (1 - z^-1) / (1 + z^-1) per step.
         a = np.array([4.0 + 4.0 * damping * w + w * w, 2.0 * w * w - 8.0, 4.0 - 4.0 * damping * w + w * w])
         b = w * w * np.array([1.0, 2.0, 1.0])
-        return u[0] + lfilter(b, a, fine - u[0])[::parts]
+        return u[0] + np.asarray(lfilter(b, a, fine - u[0]))[::parts]
 
     return run
 
