@@ -192,6 +192,7 @@ def draw_case(rng: np.random.Generator, klass: str, rig: str, effects: list[Hidd
     scale = m.coulomb if axis else 50.0 * m.gain
     bench = Bench(m, draw_inputs(rng, m, effects), log_uniform(rng, 1.5, 4.0), how.mass == "known")
     low, high = (limit * scale for limit in (AXIS_NOISE if axis else TIP_NOISE))
+    low *= log_uniform(rng, 1.0, 3.0)
     sigma, strengths, limits = log_uniform(rng, low, high), [], (low, high)
     builds = [h.draw(rng, m) for h in effects]
     counting = bool(effects) and effects[0].name == "sensor_quantisation"
@@ -213,7 +214,7 @@ def draw_case(rng: np.random.Generator, klass: str, rig: str, effects: list[Hidd
         left = refit.rivals(m, problems, beside)
     if klass == "two":
         left["both"] = refit.both(m, problems, (_own(effects[0], rig), _own(effects[1], rig)))
-    accept = _accepted(effects, rig, m.base, left, min(seen))
+    accept = _accepted(effects, rig, m.base, left, max(seen))
     levels = noise_levels(m, sigma, bench.rows)
     counts = _joined(builds, strengths).counts
     tables = [table(rng, m, one, how, levels, beside, counts) for one in logged]

@@ -33,8 +33,8 @@ class Machine:
     """One machine; SI, angles in rad and torques in N m on a rotary axis.
 
     `speed`, `slow`, `reach` and `acceleration` bound its motions; `curve_speed` and `curve_power` shape a Stribeck
-    curve of the base model, exp(-(|v| / curve_speed)^curve_power), of height `curve`; `bandwidth` is the controller's; `stretch` is that of
-    bristles in the base model.
+    curve of the base model, exp(-(|v| / curve_speed)^curve_power), of height `curve`; `bandwidth` is the controller's;
+    `stretch` is that of bristles in the base model.
     """
 
     rig: str
