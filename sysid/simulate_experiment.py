@@ -117,7 +117,11 @@ class SimulatedExperiment:
             model["custom"] = [str(path.resolve()) for path in experiment.custom]
         settings = {key: self._setting(key) for key in self.model.values if not key.startswith("rig.")}
         model["parameters"] = settings
-        noise = {name: self._quantity(_added(found), found.unit) for name, found in self.noise.items()}
+        rounded = {name.partition("@")[2] for name in _quantisation(experiment.effects)}
+        noise = {
+            name: self._quantity(_added(found) if rounded & {"", name} else found.value, found.unit)
+            for name, found in self.noise.items()
+        }
         for name in self.exact:
             largest = max(float(np.max(np.abs(record.channels[name]))) for record in self.records)
             noise[name] = self._quantity(LEAST * largest or LEAST, CHANNELS[name].si_unit(rig.rotary))
@@ -207,12 +211,15 @@ def read_motion(experiment: Experiment, file: Path) -> Record:
 
 
 def noise_signal(noise: Noise, time: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """Noise (n,) of one channel at a uniform step: a first-order autoregression, stationary from its first value."""
-    step = float(time[1] - time[0])
+    """Noise (n,) of one channel at a uniform step: white and autoregressive, stationary from its first value."""
+    step, white = float(time[1] - time[0]), noise.spectrum.white
     kept = float(np.exp(-step / noise.correlation_time)) if noise.correlation_time > 0.0 else 0.0
     drawn = np.sqrt(1.0 - kept**2) * random.standard_normal(time.size)
     drawn[0] /= np.sqrt(1.0 - kept**2)
-    return _added(noise) * np.asarray(lfilter([1.0], [1.0, -kept], drawn))
+    coloured = np.asarray(lfilter([1.0], [1.0, -kept], drawn))
+    if white > 0.0 and kept > 0.0:
+        coloured = np.sqrt(1.0 - white) * coloured + np.sqrt(white) * random.standard_normal(time.size)
+    return _added(noise) * coloured
 
 
 def _added(noise: Noise) -> float:
@@ -225,9 +232,9 @@ def _quantisation(names: Sequence[str]) -> list[str]:
 
 
 def _quantisation_step(model: Model, channel: str, noise: Noise | None) -> float | None:
-    """Step of a channel in the model, in its unit: as given, else as found in the records."""
-    if noise is None:
-        return None
+    """Step of a channel, in its unit: as found in the records, or as given in the model."""
+    if noise is None or noise.without_quantisation is not None:
+        return None if noise is None else noise.quantisation_step
     for effect in model.effects:
         base, own = split_channel(effect.name)
         if base == "sensor_quantisation" and own in (None, channel):

@@ -13,35 +13,29 @@ from sysid.estimation.misfit import KEPT, TRIM_FACTOR, misfit, worst_over_noise
 from sysid.estimation.reference_fit import fit_stated_model
 from sysid.prediction.problem import Problem, build_problem
 
-BELOW_THE_NOISE = 0.2
-"""Misfit over noise below which the values cannot contain the stated noise: they were rounded."""
-
 EVEN = (KEPT / TRIM_FACTOR) ** 2
 """Trimmed variance of an even distribution, that of rounding, over its variance."""
 
+MOST_RISE = 1.02
+"""Largest ratio of the held-out errors with quantisation and without."""
+
 
 def quantised_channel(reference: Reference) -> Decision | None:
-    """The decision that a channel is quantised, where its least significant bit exceeds the noise that the user gave.
+    """The decision that a channel is quantised, where the user stated less noise than its least significant bit makes.
 
-    None if no channel is quantised so coarsely, if nothing exceeds the noise, or if the noise of quantisation is only a
-    small part of what exceeds it; a larger deviation in the unit of which the error is expressed explains nothing. A
-    channel of very few levels may be fitted exactly: a misfit far below the stated noise also indicates quantisation.
+    None if there is no such channel (an estimated noise includes the quantisation), if nothing exceeds the noise, if
+    the noise of quantisation is only a small part of what exceeds it, or if the held-out error rises; a larger
+    deviation in the unit of which the error is expressed explains nothing.
     """
     problem, base = reference.problem, reference.base
-    if any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
-        return None
-    stds = {
-        c: noise.quantisation_step / np.sqrt(12.0)
-        for c, noise in problem.noise.items()
-        if noise.quantisation_step is not None
-    }
-    coarse = [channel for channel, std in stds.items() if std > problem.noise[channel].value]
-    if not coarse:
+    coarse = [c for c, n in problem.noise.items() if n.quantisation_step is not None and n.without_quantisation is None]
+    if not coarse or any(name.partition("@")[0] == "sensor_quantisation" for name in problem.experiment.effects):
         return None
     every = len(problem.noise) == len(coarse)
     added = ["sensor_quantisation"] if every else [f"sensor_quantisation@{c}" for c in coarse]
     model = base.fitted.model
-    before = worst_over_noise(misfit(model, problem.fit_records), misfit(model, problem.validate_records))
+    validated = misfit(model, problem.validate_records)
+    before = worst_over_noise(misfit(model, problem.fit_records), validated)
     other = build_problem(problem.experiment, problem.records, [*problem.experiment.effects, *added])
     refit = fit_stated_model(other)
     with_steps = Reference.of(other, refit)
@@ -55,7 +49,8 @@ def quantised_channel(reference: Reference) -> Decision | None:
         law=added[-1],
     )
     share = min(1.0, EVEN * _added_variance(problem, other) / max(before**2 - 1.0, 1e-9))
-    if before >= BELOW_THE_NOISE and (before <= NOISE_FACTOR or share < CLEAR_MARGIN):
+    risen = any(candidate.after_validate[c].rms > MOST_RISE * m.rms for c, m in validated.items())
+    if before <= NOISE_FACTOR or share < CLEAR_MARGIN or risen:
         return None
     words = "the measured values lie on a grid coarser than the noise"
     return Decision("missing-effect", candidate, (), 1.0 - share, words, detected_by=words)

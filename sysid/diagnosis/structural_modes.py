@@ -317,9 +317,8 @@ def _noise_spectrum(problem: Problem, balance: ForceBalanceRecord, mass: float, 
 
 
 def _power(noise: Noise, f: np.ndarray, step: float) -> np.ndarray:
-    """Power spectrum (k,) of a sensor's noise, a first-order autoregression."""
-    c = noise.correlation
-    return noise.value**2 * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(2.0 * np.pi * f * step) + c**2)
+    """Power spectrum (k,) of a sensor's noise."""
+    return noise.value**2 * noise.spectrum.power(2.0 * np.pi * f * step)
 
 
 def _detection_statistic(records: Sequence[_WhitenedRecord], frequency: float, damping: float) -> tuple[float, float]:

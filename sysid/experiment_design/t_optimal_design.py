@@ -191,7 +191,7 @@ def _distance_after_refit(
 def _independent(problem: Problem, record: PreparedRecord, step: float) -> float:
     """Root of the number of independent samples per sample, `step` (s) apart."""
     own = record.step
-    colour = max((n.correlation for n in problem.noise.values()), default=0.0)
+    colour = max((n.autocorrelation for n in problem.noise.values()), default=0.0)
     apart = own * (1.0 + colour) / max(1.0 - colour, 1e-3)
     if isinstance(record, ForceBalanceRecord) and record.full_filter is not None:
         apart = max(apart, record.full_filter.width)

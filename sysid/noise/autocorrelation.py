@@ -1,228 +1,289 @@
-"""Standard deviation and autocorrelation of the noise on a smooth signal, from differences of increasing order and
-windows of increasing length."""
+"""Standard deviation and autocorrelation of the noise of a channel, from differences at several lags.
+
+The normalised difference of order m at lag k of noise with autocorrelation r(k) has the variance
+
+    V(k) = sigma^2 sum_ij c_i c_j r(k |i - j|) / sum_i c_i^2,     c_i = (-1)^i binomial(m, i).
+
+For white noise V is constant, for a first-order autoregression it grows with k, at most in proportion, from
+0.67 (1 - r) sigma^2 (order 2) to sigma^2, and for a smooth signal with k^(2m). A white part, an autoregressive part and
+a smooth part are fitted to V jointly, over the longest range of lags in which they agree with it; the noise is the sum
+of the first two. V is computed from a quantile of the sizes, so that jumps and outliers do not contribute.
+
+Sources: Allan, Proc. IEEE 54 (1966) 221, and Serroukh, Walden and Percival, J. Am. Stat. Assoc. 95 (2000) 184 (variance
+of differences against lag); Rice, Ann. Statist. 12 (1984) 1215 (noise from differences).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from math import comb
+from typing import NamedTuple
 
 import numpy as np
 
-from sysid.noise.repeats import trimmed_rms
+from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
-MAD_TO_STD = 1.482602218505602
-ORDERS = range(1, 9)
-WINDOWS = (16, 24, 32, 64, 128)
-SHORT = 32
-DEGREE = 3
-CORRELATIONS = (*np.arange(0.0, 0.9, 0.05).round(2).tolist(), *np.arange(0.9, 0.995, 0.01).round(2).tolist())
-LONGEST = 0.9
-"""Largest correlation: noise correlated over more than ten samples is not distinguishable from a signal that moves."""
+LAGS = tuple(np.unique(np.round(2.0 ** np.arange(0.0, 10.1, 0.5)).astype(int)).tolist())
+QUANTILE, NORMAL_QUANTILE = 0.35, 0.453762
+"""Quantile of the sizes of the differences, and the same of a standard normal variable: low, so that stretches in which
+the signal changes fast do not contribute."""
+
+HIGH, NORMAL_HIGH, TAIL = 0.85, 1.439531, 1.2
+"""The same of a high quantile. V from it exceeds V from the low one by less than the factor `TAIL`, beside its
+statistical error, where the differences consist of noise: what a signal contributes is concentrated in time."""
+
+CORRELATIONS = (0.0, *np.exp(-1.0 / 2.0 ** np.arange(-1.0, 9.01, 0.25)).tolist())
+
 AGREES = 0.08
-FILTERED_FALL = 1.25
-"""White noise gives the same standard deviation at every order of differences; a fall by this factor up to the eighth
-order shows that the log has no white part."""
+"""Largest relative error of V, beside its statistical error."""
+
+UNEVEN = 4.0
+"""Largest such factor of noise whose standard deviation changes in time."""
+
+ENOUGH = 8
+"""Lag up to which the simplest noise must agree with V."""
+
+LEAST_SPANS = 60
+"""Differences per lag from which V is used: neighbouring differences are correlated over the lag."""
+
+SHORT = 16
+"""Longest lag of a channel that is not compared with recorded motion: noise of a longer correlation time is not
+distinguishable from a signal."""
+
+ORDERS = (2, 4, 6)
+FILTERED_ORDERS, FILTERED_FALL = (6, 8), 1.25
+"""Orders whose differences have the same size for white noise; a fall by this factor shows that the log has no white
+part."""
+
+MOST_DIFFERENCES = 8_000
 
 
-LOCAL = 256
-"""Differences from which the local standard deviation of the noise is estimated."""
+@dataclass(frozen=True)
+class Series:
+    """A channel of one record.
 
-UNEVEN = 0.15
-"""Standard deviation of the logarithm of that size above which the noise is uneven; stationary white noise has 0.08."""
+    Args:
+        time: s, (n,).
+        values: (n,), NaN in gaps.
+        step: usual step, s.
+        removed: part of the noise power removed from the values, (m,) from frequency zero to Nyquist's; none if empty.
+    """
 
-LEAST_LEVEL = 0.1
-"""Lower limit of the local size relative to the usual size; constant values have size zero."""
-
-UNSEEN_UNDER_STEP = 0.1
-"""Noise below a tenth of a sensor's step does not affect its readings; it is taken to be that tenth."""
+    time: np.ndarray
+    values: np.ndarray
+    step: float
+    removed: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True)
 class Autoregression:
-    """Noise as a first-order autoregression.
+    """Noise as the sum of white noise and a first-order autoregression.
 
     Args:
-        value: standard deviation.
-        correlation: of neighbouring samples.
-        filtered: the log has no white part, so `value` is a lower bound.
-        white: standard deviation of white noise that would give the same differences of neighbours.
+        value: standard deviation of the sum.
+        spectrum: of the sum.
+        filtered: the log has no white part at all, so `value` is a lower bound.
+        reach: longest lag in the fit, in rows.
+        factor: by which `value` may be too small or too large: half the range of the fits that agree with V.
     """
 
     value: float
+    spectrum: NoiseSpectrum = WHITE
+    filtered: bool = False
+    reach: int = 1
+    factor: float = 1.0
+
+
+class _Fit(NamedTuple):
+    """Correlation and variance of the autoregressive part, and variance of the white part."""
+
     correlation: float
-    filtered: bool
     white: float
+    coloured: float
 
 
-def segments(time: np.ndarray, values: np.ndarray, step: float) -> list[np.ndarray]:
-    """Stretches of `values` without a gap and with even steps, of at least sixteen samples each."""
-    good = ~np.isnan(values)
-    joined = good[1:] & good[:-1] & (np.abs(np.diff(time) - step) <= 0.02 * step)
-    breaks = np.flatnonzero(~joined) + 1
-    return [piece for piece in np.split(values, breaks) if piece.size >= WINDOWS[0]]
+def without_outliers(values: np.ndarray) -> np.ndarray:
+    """`values` (n,) with NaN at samples more than six standard deviations from the median of their four neighbours."""
+    known = np.flatnonzero(np.isfinite(values))
+    out = values.copy()
+    if known.size < 5:
+        return out
+    held = values[known]
+    padded = np.pad(held, 2, mode="edge")
+    beside = np.sort([padded[:-4], padded[1:-3], padded[3:-1], padded[4:]], axis=0)
+    away = np.abs(held - 0.5 * (beside[1] + beside[2]))
+    scale = 1.4826 * float(np.median(away))
+    if scale > 0.0:
+        out[known[away > 6.0 * scale]] = np.nan
+    return out
 
 
-def difference_scale(differences: np.ndarray) -> float:
-    """Standard deviation by the median of the sizes, robust against a minority of jumps and outliers."""
-    return float(MAD_TO_STD * np.median(np.abs(differences)))
+def _differences(series: Series, lag: int, order: int) -> np.ndarray:
+    """Divided differences (m,) at a lag in rows, normalised to unit variance for white noise of unit variance; at any
+    spacing they are zero for a polynomial of lower order. Values held constant over a difference are left out."""
+    count = series.values.size - order * lag
+    if count <= 0:
+        return np.empty(0)
+    start = np.arange(0, count, _stride(count))
+    times = [series.time[start + j * lag] for j in range(order + 1)]
+    values = [series.values[start + j * lag] for j in range(order + 1)]
+    total, square = np.zeros(start.size), np.zeros(start.size)
+    for j in range(order + 1):
+        weight = np.ones(start.size)
+        for m in range(order + 1):
+            if m != j:
+                weight *= lag * series.step / (times[j] - times[m])
+        total += weight * (values[j] - values[0])
+        square += weight**2
+    used = np.isfinite(total) & (times[-1] - times[0] <= 2.0 * order * lag * series.step)
+    used &= np.any([values[j] != values[0] for j in range(1, order + 1)], axis=0)
+    return total[used] / np.sqrt(square[used])
 
 
-def fit_autoregression(
-    pieces: Sequence[np.ndarray], quantisation_step: float | None = None, flat: bool = False
-) -> Autoregression | None:
-    """Noise of a signal given in stretches.
+def _stride(count: int) -> int:
+    return max(1, count // MOST_DIFFERENCES)
+
+
+class _Spread(NamedTuple):
+    """V, the same from the high quantile over it, and the number of differences per lag, at one lag."""
+
+    variance: float
+    tail: float
+    spans: float
+
+
+def _spread(series: Sequence[Series], lag: int, order: int) -> _Spread:
+    parts = [np.abs(_differences(one, lag, order)) for one in series]
+    sizes = np.concatenate(parts)
+    if not sizes.size:
+        return _Spread(np.nan, np.nan, 0.0)
+    spans = sum(part.size * min(1.0, _stride(one.values.size) / lag) for one, part in zip(series, parts, strict=True))
+    low, high = (np.quantile(sizes, [QUANTILE, HIGH]) / [NORMAL_QUANTILE, NORMAL_HIGH]) ** 2
+    return _Spread(float(low), float(high / max(low, 1e-300)), spans)
+
+
+@cache
+def _shares(order: int) -> np.ndarray:
+    """V over the variance of an autoregression, (lags, correlations)."""
+    c = np.array([(-1) ** k * comb(order, k) for k in range(order + 1)], dtype=float)
+    apart = np.abs(np.subtract.outer(np.arange(order + 1), np.arange(order + 1)))
+    over_lag = np.array(CORRELATIONS) ** np.array(LAGS)[:, None]
+    return np.einsum("i,lrij,j->lr", c, over_lag[:, :, None, None] ** apart, c) / comb(2 * order, order)
+
+
+def _removed_shares(order: int, removed: np.ndarray) -> np.ndarray:
+    """Part of `_shares` that is lost with the part `removed` (m,) of the power, from frequency zero to Nyquist's."""
+    angle = np.linspace(0.0, np.pi, removed.size)
+    response = (2.0 * np.sin(0.5 * angle * np.array(LAGS)[:, None])) ** (2 * order) / comb(2 * order, order)
+    spectra = np.array([NoiseSpectrum(correlation, 0.0).power(angle) for correlation in CORRELATIONS])
+    return response @ (spectra * removed / removed.size).T
+
+
+def fit_noise(signal: Sequence[Series], residual: Sequence[Series] | None = None) -> Autoregression | None:
+    """Noise of a channel.
 
     Args:
-        pieces: stretches, each of shape (n,).
-        quantisation_step: step of the values; on a coarse grid medians are not used, and the quantisation noise is
-            subtracted.
-        flat: the stretches contain only noise and slow drift, so that long windows determine the correlation too.
+        signal: the channel in each record.
+        residual: the channel less what a smooth function of the recorded motion explains, if there is such motion. Both
+            contain the noise, and more; at each lag the smaller V applies.
 
     Returns:
-        None where the stretches are too short in total (fewer than 64 samples).
+        None with fewer than eight differences; value zero where the values contain no noise.
     """
-    if sum(piece.size for piece in pieces) < 64:
-        return None
-    scales = [_order_scale(pieces, order) for order in ORDERS]
-    floor = scales[-1]
-    if quantisation_step is not None and floor < 3.0 * quantisation_step:
-        value = _under_quantum(pieces, quantisation_step)
-        return Autoregression(value, 0.0, False, value)
-    if floor <= 0.0:
-        return Autoregression(0.0, 0.0, False, 0.0)
-    if scales[-3] > FILTERED_FALL**2 * floor:
-        return Autoregression(floor, 0.0, True, floor)
-    order, white = next(
-        (order, scale)
-        for order, scale, after in zip(ORDERS, scales, [*scales[1:], floor])
-        if scale <= 1.06 * after or order == ORDERS[-1]
-    )
-    levels = _levels(pieces, order, white)
-    return _correlated([_without_outliers(piece, white) for piece in pieces], levels, order, white, flat)
+    parts = [signal] if residual is None else [signal, residual]
+    if _spread(signal, 1, 2).spans < 8:
+        constant = sum(int(np.isfinite(one.values).sum()) for one in signal) >= 10
+        return Autoregression(0.0) if constant else None
+    high = [min(_spread(part, 1, order) for part in parts) for order in FILTERED_ORDERS]
+    if not high[-1].variance > 0.0:
+        return Autoregression(0.0, filtered=True)
+    found = Autoregression(float(np.sqrt(high[-1].variance)))
+    if high[0].variance > FILTERED_FALL**2 * high[-1].variance:
+        return replace(found, filtered=True)
+    # Noise of uneven size has a longer tail at every lag; a signal faster than the samples a still longer one.
+    uneven = high[-1].tail if 1.0 < high[-1].tail < UNEVEN else 1.0
+    for order in ORDERS:
+        usable: list[_Spread] = []
+        for lag in LAGS if residual is not None and order == ORDERS[0] else [lag for lag in LAGS if lag <= SHORT]:
+            measured = min(_spread(part, lag, order) for part in parts)
+            tail = TAIL * uneven * (1.0 + 6.0 / np.sqrt(max(measured.spans, 1.0)))
+            if measured.spans < LEAST_SPANS or (measured.tail > tail and (lag > 3 or order == ORDERS[0])):
+                break
+            usable.append(measured)
+        shares = _shares(order)
+        if residual is not None:
+            shares = shares - np.mean([_removed_shares(order, one.removed) for one in residual], axis=0)
+        fitted = _fit(usable, order, shares)
+        if fitted is not None and fitted.reach > found.reach:
+            found = fitted
+        if found.reach >= ENOUGH:
+            break
+    return found
 
 
-def _levels(pieces: Sequence[np.ndarray], order: int, white: float) -> list[np.ndarray]:
-    """Local size of the noise along each piece (n,) relative to its usual size, from differences; 1 for even noise."""
-    spans = [piece.size - order for piece in pieces]
-    differences = np.concatenate([np.diff(piece, order) for piece in pieces]) / np.sqrt(comb(2 * order, order))
-    parts = np.array_split(differences, max(1, differences.size // LOCAL))
-    sizes = np.maximum([difference_scale(part) / white for part in parts], LEAST_LEVEL)
-    centres = (np.arange(sizes.size) + 0.5) * differences.size / sizes.size
-    along = np.interp(np.arange(differences.size), centres, sizes)
-    if float(np.std(np.log(along))) <= UNEVEN:
-        return [np.ones(piece.size) for piece in pieces]
-    return [np.pad(level, (0, order), mode="edge") for level in np.split(along, np.cumsum(spans)[:-1])]
+def _fit(measured: Sequence[_Spread], order: int, shares: np.ndarray) -> Autoregression | None:
+    """The simplest noise that agrees with V up to the lag `ENOUGH`, over the longest range of lags; else any that does.
 
-
-def _order_scale(pieces: Sequence[np.ndarray], order: int) -> float:
-    parts = [np.diff(piece, order) for piece in pieces if piece.size > order]
-    return difference_scale(np.concatenate(parts)) / np.sqrt(comb(2 * order, order))
-
-
-def _under_quantum(pieces: Sequence[np.ndarray], quantisation_step: float) -> float:
-    """Noise of a coarsely quantised channel without the quantisation noise."""
-    total = min(
-        trimmed_rms(np.concatenate([np.diff(piece, order) for piece in pieces])) / np.sqrt(comb(2 * order, order))
-        for order in (2, 3, 4)
-    )
-    left = total**2 - quantisation_step**2 / 12.0
-    return max(float(np.sqrt(max(left, 0.0))), UNSEEN_UNDER_STEP * quantisation_step)
-
-
-def _without_outliers(piece: np.ndarray, scale: float) -> np.ndarray:
-    """Replace outliers by the running median of five samples."""
-    around = np.lib.stride_tricks.sliding_window_view(np.pad(piece, 2, mode="edge"), 5)
-    middle = np.median(around, axis=1)
-    return np.where(np.abs(piece - middle) > 6.0 * scale, middle, piece)
-
-
-def _correlated(
-    pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], order: int, white: float, flat: bool
-) -> Autoregression:
-    """First-order autoregression that agrees with both the scatter in windows and the differences."""
-    measured = {}
-    for length in WINDOWS:
-        scatter = _window_scatter(pieces, levels, length)
-        if scatter:
-            measured[length] = scatter
-    short = [length for length in measured if length <= SHORT]
-    if len(short) < 3 or 2 * SHORT not in measured or measured[short[0]] <= 1.1 * white:
-        return Autoregression(white, 0.0, False, white)
-    used = list(measured) if flat else short
-    errors = {
-        correlation: {
-            length: float(np.log(scatter * _difference_share(order, correlation) / white / _seen(length, correlation)))
-            for length, scatter in measured.items()
-        }
-        for correlation in CORRELATIONS
-        if flat or correlation <= LONGEST
-    }
-    size = 1.0
-    if flat:
-        # Differences and windows each give the standard deviation: the correlation at which they agree best.
-        spread = {c: float(np.std([0.0, *error.values()])) for c, error in errors.items()}
-        best = min(spread, key=lambda correlation: spread[correlation])
-        size = float(np.exp(np.mean([0.0, *errors[best].values()])))
-    else:
-        # A curved signal adds to the scatter, more so in longer windows: take the smallest correlation that agrees.
-        sizes = {c: max(abs(error[length]) for length in used) for c, error in errors.items()}
-        best = next(c for c, size in sizes.items() if size <= max(AGREES, min(sizes.values())))
-    misfit = errors[best]
-    # The scatter of a curved signal grows with the fourth power of the window, that of an autoregression slower.
-    levels_off = misfit[2 * SHORT] < 0.4 and all(value > -0.25 for value in misfit.values())
-    if max(abs(misfit[length]) for length in used) > 0.2 or not levels_off:
-        return Autoregression(white, 0.0, False, white)
-    return Autoregression(size * white / _difference_share(order, best), best, False, white)
-
-
-def _window_scatter(pieces: Sequence[np.ndarray], levels: Sequence[np.ndarray], length: int) -> float | None:
-    """Standard deviation about a cubic in windows of `length`, from the lower quartile of the windows' variances.
-
-    The variance of each window is divided by the square of the local noise level, so that for uneven noise the lower
-    quartile selects windows with little signal, not windows with little noise.
+    `shares` (lags, correlations) is V over the variance of each autoregression.
     """
-
-    def windows_of(parts: Sequence[np.ndarray]) -> list[np.ndarray]:
-        return [part[: part.size // length * length].reshape(-1, length) for part in parts if part.size >= length]
-
-    windows = windows_of(pieces)
-    if not windows or sum(window.shape[0] for window in windows) < 12:
-        return None
-    basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), DEGREE + 1))
-    rows = np.concatenate(windows)
-    rest = rows - (rows @ basis) @ basis.T
-    freedom = length - DEGREE - 1
-    variances = np.sum(rest**2, axis=1) / freedom / np.mean(np.concatenate(windows_of(levels)), axis=1) ** 2
-    return float(np.sqrt(np.quantile(variances, 0.25) / _quarter(freedom)))
-
-
-def _quarter(freedom: float) -> float:
-    """Lower quartile of a chi-square variable over its mean (Wilson and Hilferty 1931)."""
-    return (1.0 - 2.0 / (9.0 * freedom) - 0.67449 * np.sqrt(2.0 / (9.0 * freedom))) ** 3
+    shorter = None
+    for parts in (1, 2, 3):
+        for size in range(len(measured), 2, -1):
+            lag = np.array(LAGS[:size])
+            variance = np.array([one.variance for one in measured[:size]])
+            allowed = (AGREES + 4.0 / np.sqrt([one.spans for one in measured[:size]])) * variance
+            smooth = (lag / lag[-1]) ** (2.0 * order)
+            columns = np.column_stack([shares[:size] / allowed[:, None], smooth / allowed])
+            if fits := list(_candidates(lag, variance / allowed, columns, parts)):
+                found = _middle(fits, int(lag[-1]))
+                if found.reach >= ENOUGH:
+                    return found
+                shorter = found if shorter is None or found.reach > shorter.reach else shorter
+                break
+    return shorter
 
 
-@cache
-def _difference_share(order: int, correlation: float) -> float:
-    """Normalised difference of an autoregression of unit size, over that of white noise of unit size."""
-    binomial = np.array([(-1) ** k * comb(order, k) for k in range(order + 1)], dtype=float)
-    lags = np.abs(np.subtract.outer(np.arange(order + 1), np.arange(order + 1)))
-    return float(np.sqrt(binomial @ correlation**lags @ binomial / comb(2 * order, order)))
+def _middle(fits: Sequence[_Fit], reach: int) -> Autoregression:
+    """The fit nearest to the geometric mean of the smallest and the largest standard deviation, with that mean."""
+    values = np.sqrt([fit.white + fit.coloured for fit in fits])
+    mean = float(np.sqrt(values.min() * values.max()))
+    best = fits[int(np.argmin(np.abs(np.log(values / mean))))]
+    spectrum = NoiseSpectrum(best.correlation, best.white / (best.white + best.coloured))
+    return Autoregression(mean, spectrum, False, reach, float(values.max()) / mean)
 
 
-@cache
-def _seen(length: int, correlation: float) -> float:
-    """Result of `_window_scatter` for an autoregression of unit size.
+def _candidates(lag: np.ndarray, target: np.ndarray, columns: np.ndarray, parts: int) -> Iterator[_Fit]:
+    """The fits that agree with V over its allowed error, `target` (l,).
 
-    Correlated samples have fewer degrees of freedom (Welch and Satterthwaite), and hence a lower quartile.
+    Args:
+        lag: in rows, (l,).
+        target: V over its allowed error, (l,).
+        columns: the same of each autoregression of unit variance, and of the smooth part.
+        parts: 1 for white noise, 2 for an autoregression, 3 for both.
     """
-    basis, _ = np.linalg.qr(np.vander(np.linspace(-1.0, 1.0, length), DEGREE + 1))
-    lags = np.abs(np.subtract.outer(np.arange(length), np.arange(length)))
-    full = correlation**lags
-    across = basis @ (basis.T @ full)
-    matrix = full - across - across.T + basis @ (across @ basis).T
-    total = float(np.trace(matrix))
-    freedom = total**2 / float(np.sum(matrix**2))
-    white_freedom = length - DEGREE - 1
-    return float(np.sqrt(total / white_freedom * _quarter(freedom) / _quarter(white_freedom)))
+    for k, correlation in enumerate(CORRELATIONS):
+        if (correlation == 0.0) != (parts == 1):
+            continue
+        if correlation > 0.0 and -1.0 / np.log(correlation) > 2.0 * lag[-1]:
+            return
+        used = [0, k, -1] if parts == 3 else [k, -1]
+        variances = _nonnegative(columns[:, used], target)
+        error = float(np.max(np.abs(columns[:, used] @ variances - target)))
+        if lag.size > len(used) and error < 1.0 and variances[:-1].sum() > 0.0:
+            white = float(variances[0]) if parts != 2 else 0.0
+            yield _Fit(correlation, white, float(variances[:-1].sum()) - white)
+
+
+def _nonnegative(matrix: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Least-squares amplitudes (p,), the most negative one set to zero until none is negative."""
+    used = np.ones(matrix.shape[1], dtype=bool)
+    while used.any():
+        found = np.linalg.lstsq(matrix[:, used], target, rcond=None)[0]
+        if found.min() >= 0.0:
+            out = np.zeros(used.size)
+            out[used] = found
+            return out
+        used[np.flatnonzero(used)[int(np.argmin(found))]] = False
+    return np.zeros(matrix.shape[1])

@@ -1,16 +1,16 @@
 """Noise of a measured channel, found before any model is fitted.
 
-Sources in order of preference: the value given by the user; the scatter from cycle to cycle of a periodic motion;
-stretches of constant input; differences of neighbouring samples. The residual of a model is never used, since it
-contains the missing effects.
+Sources in order of preference: the value given by the user; the scatter from cycle to cycle of a periodic motion; the
+differences of the samples at several lags, after removal of what a smooth function of the recorded motion explains.
+The residual of the model is never used, since it contains the missing effects. Quantisation is part of the noise: the
+differences are taken with a uniform random number of one step added to each value, so that they contain the rounding of
+a signal that rests between two steps (Schuchman, IEEE Trans. Commun. Technol. 12 (1964) 162).
 
-Differences contain only the fastest part of the noise. Correlated noise is detected by comparing them with the scatter
-in windows of increasing length. A filtered log is detected by differences that keep decreasing with their order, or by
-differences of neighbouring samples that are smaller than the noise of any sensor while the cycles scatter far more. A
-filtered log without periodic repeats is reported, since the estimate is then only a lower bound.
+A log that was filtered shows no noise from sample to sample: its differences keep decreasing with their order, or are
+smaller than the noise of any sensor while the cycles scatter far more. Without periodic repeats the estimate is then
+only a lower bound, which is reported.
 
-Sources: Rice, Ann. Statist. 12 (1984) 1215, and Gasser, Sroka and Jennen-Steinmetz, Biometrika 73 (1986) 625
-(differences); Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
+Source: Pintelon and Schoukens, System Identification (2012), ch. 2 (repeats).
 """
 
 from __future__ import annotations
@@ -25,23 +25,28 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
-from sysid.experiment.rigs import RIGS
-from sysid.noise.autocorrelation import Autoregression, difference_scale, fit_autoregression, segments
+from sysid.noise.autocorrelation import Autoregression, Series, fit_noise, without_outliers
+from sysid.noise.motion_regression import motion_residual
 from sysid.noise.quantisation import find_quantisation_step
 from sysid.noise.repeats import cycle_scatter
+from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
-NoiseSource = Literal["given", "repeats", "quiet", "difference"]
+NoiseSource = Literal["given", "repeats", "difference"]
 BEST_SENSOR = 1e-4
 """Ratio of noise to signal below which a force log whose cycles scatter more is taken to be filtered: no force sensor
 has a signal-to-noise ratio above 80 dB from sample to sample."""
 
-
 LEAST = 1e-9
 """Ratio of noise to largest value below which the noise is taken as zero: the error of rounding to nine digits."""
 
+UNSEEN_UNDER_STEP = 0.1
+"""Noise below a tenth of a sensor's step does not affect its readings; it is taken to be that tenth."""
 
-UNEVEN = 2.5
-"""Largest ratio of the noise of a record to that at constant input at which both are taken as the same noise."""
+MOST_ROWS, STRETCHES = 16_000, 4
+"""Rows of a record from which its noise is estimated, in as many stretches."""
+
+WRONG_FLOOR, LEAST_SAMPLES = 0.7, 300
+"""Error over noise below which, with as many samples, the noise is overestimated."""
 
 
 @dataclass(frozen=True)
@@ -49,12 +54,13 @@ class Noise:
     """Standard deviation of the noise on one channel.
 
     Args:
-        value: SI.
+        value: SI, quantisation included.
         unit: SI unit.
         source: method by which the value was obtained.
-        correlation: correlation of neighbouring samples (first-order autoregression); zero for white noise.
-        correlation_time: s, -step / log(correlation); zero for white noise.
-        filtered: whether the log was low-pass filtered, so that differences of neighbours do not show the noise.
+        spectrum: of the noise.
+        correlation_time: s, of the autoregressive part; zero for white noise.
+        filtered: whether the log was low-pass filtered, so that `value` is a lower bound unless given or from repeats.
+        factor: by which an estimated `value` may be too small or too large.
         quantisation_step: least significant bit of the values, SI; None if they are not quantised.
         note: one line for the user.
         without_quantisation: standard deviation without quantisation noise, SI; None if `value` does not include
@@ -64,16 +70,25 @@ class Noise:
     value: float
     unit: str
     source: NoiseSource
-    correlation: float = 0.0
+    spectrum: NoiseSpectrum = WHITE
     correlation_time: float = 0.0
     filtered: bool = False
+    factor: float = 1.0
     quantisation_step: float | None = None
     note: str = ""
     without_quantisation: float | None = None
 
+    @property
+    def autocorrelation(self) -> float:
+        """At a lag of one sample."""
+        correlation, white, lines = self.spectrum
+        coloured = 1.0 - white - sum(share for _, share in lines)
+        return coloured * correlation + sum(share * float(np.cos(angle)) for angle, share in lines)
+
     def to_json(self) -> dict[str, Any]:
-        """JSON output: a quantity with `from`."""
-        return {**as_json(self.value, self.unit), "from": self.source}
+        """JSON output: a quantity with `from`, and the autocorrelation at a lag of one sample if it is not zero."""
+        out = {**as_json(self.value, self.unit), "from": self.source}
+        return {**out, "autocorrelation": round(self.autocorrelation, 4)} if self.autocorrelation else out
 
 
 def estimate_noise(records: Sequence[Record], channel: str, given: float | None = None) -> Noise:
@@ -85,163 +100,138 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
         given: standard deviation given by the user, SI.
 
     Returns:
-        The noise. With `given`, only its correlation and quantisation are estimated from the records.
+        The noise. With `given`, only its autocorrelation and quantisation are estimated from the records.
 
     Raises:
-        InputError: no record contains the channel, or none has a long enough stretch.
+        InputError: no record contains the channel, or it has too few values.
     """
-    holding = [record for record in records if channel in record.channels]
+    holding = [_stretches(record) for record in records if channel in record.channels]
     if not holding:
         raise InputError(f"no record holds '{channel}'")
     unit = holding[0].units[channel]
-    step = float(np.median([record.step for record in holding]))
-    quanta = [find_quantisation_step([record.channels[channel]]) for record in holding]
-    quantisation_step = max((found for found in quanta if found is not None), default=None)
-    if quantisation_step is None:
-        fitted = fit_autoregression([piece for record in holding for piece in _pieces(record, channel)])
-    else:
-        # Records may differ in quantisation (two sensors, or processed data): each is evaluated with its own step.
-        apart = [fit_autoregression(_pieces(record, channel), found) for record, found in zip(holding, quanta)]
-        fitted = _together([found for found in apart if found is not None])
-    irregular = fitted is None
+    steps = [find_quantisation_step([record.channels[channel]]) or 0.0 for record in holding]
+    # Records may differ in quantisation (two sensors, or processed data).
+    rounding = float(np.sqrt(np.average(np.square(steps), weights=[record.size for record in holding]) / 12.0))
+    fitted = _fitted(holding, channel, steps)
     if fitted is None:
-        fitted = _irregular(holding, channel)
-    if given is not None:
-        return _noise(given, unit, "given", fitted, step, quantisation_step, "given")
+        if given is None:
+            raise InputError(f"channel '{channel}' has too few samples to estimate its noise; give it under [noise]")
+        fitted = Autoregression(given)
+    value = float(np.hypot(_unrounded(fitted.value**2 - 2.0 * rounding**2, rounding), rounding))
+    time = _correlation_time(fitted.spectrum.correlation, holding)
+    noise = Noise(value, unit, "difference", fitted.spectrum, time, fitted.filtered, fitted.factor, max(steps) or None)
+    if given is None:
+        noise = _estimated(noise, records, channel)
+    elif given < rounding:
+        return replace(noise, value=given, source="given", factor=1.0, note=_with_grid("given", noise, given))
+    else:
+        # Whether a stated value includes the rounding shows in the records.
+        total = min(float(np.hypot(given, rounding)), max(given, value))
+        noise = replace(noise, value=total, source="given", factor=1.0, note="given")
+    own = _unrounded(noise.value**2 - rounding**2, rounding) if rounding else None
+    return replace(noise, note=_with_grid(noise.note, noise, noise.value), without_quantisation=own)
+
+
+def _correlation_time(correlation: float, records: Sequence[Record]) -> float:
+    step = float(np.median([record.step for record in records]))
+    return -step / float(np.log(correlation)) if correlation > 0.0 else 0.0
+
+
+def _unrounded(variance: float, rounding: float) -> float:
+    """Standard deviation of the noise before rounding, not below what rounding hides."""
+    return float(np.sqrt(max(variance, 12.0 * (UNSEEN_UNDER_STEP * rounding) ** 2)))
+
+
+def _with_grid(note: str, noise: Noise, value: float) -> str:
+    step = noise.quantisation_step
+    coarse = step is not None and step > 0.1 * value
+    return f"{note}; the values lie on a grid of {step:.3g} {noise.unit}" if coarse else note
+
+
+def _stretches(record: Record) -> Record:
+    """The record, reduced to evenly spaced stretches if it is long."""
+    if record.size <= MOST_ROWS:
+        return record
+    starts = np.linspace(0, record.size - MOST_ROWS // STRETCHES, STRETCHES).astype(int)
+    rows = np.unique(np.concatenate([np.arange(start, start + MOST_ROWS // STRETCHES) for start in starts]))
+    channels = {name: values[rows] for name, values in record.channels.items()}
+    return replace(record, time=record.time[rows], channels=channels)
+
+
+def _fitted(records: Sequence[Record], channel: str, steps: Sequence[float]) -> Autoregression | None:
+    """White and autoregressive noise of the channel with as much uniform noise added as its rounding, (step) per
+    record."""
+    random = np.random.default_rng(0)
+    signal, residual = [], []
+    for record, step in zip(records, steps, strict=True):
+        values = record.channels[channel]
+        values = without_outliers(values + step * random.uniform(-0.5, 0.5, values.size) if step else values)
+        signal.append(Series(record.time, values, record.step))
+        if (rest := motion_residual(record, values, channel)) is not None:
+            residual.append(Series(record.time, without_outliers(rest.values), record.step, rest.removed))
+    return fit_noise(signal, residual if len(residual) == len(signal) else None)
+
+
+def _estimated(noise: Noise, records: Sequence[Record], channel: str) -> Noise:
+    """`noise` from differences, or that from repeats in its place."""
+    holding = [record for record in records if channel in record.channels]
     repeats = [scatter for record in holding if (scatter := cycle_scatter(record, channel)) is not None]
     scatter = _rms([item.scatter for item in repeats])
     signal = _rms([float(np.sqrt(np.nanmean(record.channels[channel] ** 2))) for record in holding])
-    filtered = fitted.filtered or (scatter > 10.0 * fitted.value and fitted.value < BEST_SENSOR * signal)
-    if repeats and (filtered or scatter <= 3.0 * fitted.value):
+    filtered = noise.filtered or (scatter > 10.0 * noise.value and noise.value < BEST_SENSOR * signal)
+    if repeats and (filtered or scatter <= 3.0 * noise.value):
         cycles = sum(item.cycles for item in repeats)
         note = f"from cycle to cycle, {cycles} cycles of {repeats[0].period:.4g} s"
+        rounded = (noise.quantisation_step or 0.0) / np.sqrt(12.0)
+        found = replace(noise, value=max(scatter, rounded), source="repeats", filtered=filtered, factor=1.0)
         if filtered:
-            note += f"; the log was filtered, so the difference of neighbouring samples ({fitted.value:.2g} {unit}) "
-            note += "is no estimate of the noise"
+            note += f"; the log was filtered, so the difference of neighbouring samples ({noise.value:.2g} "
+            note += f"{noise.unit}) is no estimate of the noise"
             memory = float(np.median([item.correlation for item in repeats]))
-            fitted = Autoregression(scatter, memory, True, fitted.white)
-        return _noise(scatter, unit, "repeats", fitted, step, quantisation_step, note)
+            time = _correlation_time(memory, holding)
+            found = replace(found, spectrum=NoiseSpectrum(memory, 0.0), correlation_time=time)
+        return replace(found, note=note)
     least = LEAST * max(float(np.nanmax(np.abs(record.channels[channel]))) for record in holding) or LEAST
-    if fitted.value < least:
+    if noise.value < least:
         note = f"no noise is seen; taken as {LEAST:g} of the largest value, the last digit a file would keep"
-        if fitted.filtered:
+        if noise.filtered:
             note += ". The log was filtered, or comes from no sensor: a lower bound; give [noise], or record repeats"
-        return _noise(
-            least, unit, "difference", Autoregression(least, 0.0, fitted.filtered, least), step, quantisation_step, note
-        )
-    idle = _input_idle(holding, channel, fitted, quantisation_step)
-    if idle is not None:
-        return _noise(idle.value, unit, "quiet", idle, step, quantisation_step, "where the input stands still")
-    note = "from differences of neighbouring samples"
-    if irregular:
-        note += " at uneven times"
-    if fitted.correlation:
-        note += f" and windows of growing length: coloured, correlation time {_time(fitted.correlation, step):.2g} s"
-    if fitted.filtered:
+        return Noise(least, noise.unit, "difference", filtered=noise.filtered, note=note)
+    note = "from differences of samples at several lags"
+    if noise.correlation_time:
+        note += f"; autocorrelated over {noise.correlation_time:.2g} s"
+    if noise.factor > 1.2:
+        note += f", uncertain by a factor of {noise.factor:.2g}"
+    if noise.filtered:
         note += "; the log was filtered, so this is a lower bound: give [noise], or record repeats"
     elif repeats:
         # Cycles that differ by more than sensor noise contain an effect that changes from cycle to cycle.
-        note += f"; cycles differ by {scatter:.2g} {unit}, which is no sensor noise"
-    return _noise(fitted.value, unit, "difference", fitted, step, quantisation_step, note)
+        note += f"; cycles differ by {scatter:.2g} {noise.unit}, which is no sensor noise"
+    return replace(noise, note=note)
 
 
 def _rms(values: Sequence[float]) -> float:
     return float(np.sqrt(np.mean(np.square(values)))) if len(values) else 0.0
 
 
-def _pieces(record: Record, channel: str) -> list[np.ndarray]:
-    return segments(record.time, record.channels[channel], record.step)
+def noise_warnings(noise: Mapping[str, Noise], errors: Mapping[str, tuple[float, int]]) -> list[str]:
+    """One line for each channel whose error is clearly below its noise.
 
-
-def _together(models: Sequence[Autoregression]) -> Autoregression | None:
-    if not models:
-        return None
-    return Autoregression(
-        _rms([fitted.value for fitted in models]),
-        float(np.median([fitted.correlation for fitted in models])),
-        all(fitted.filtered for fitted in models),
-        _rms([fitted.white for fitted in models]),
-    )
-
-
-def _noise(
-    value: float,
-    unit: str,
-    source: NoiseSource,
-    fitted: Autoregression,
-    step: float,
-    quantisation_step: float | None,
-    note: str,
-) -> Noise:
-    if quantisation_step is not None and quantisation_step > 0.1 * value:
-        note += f"; the values lie on a grid of {quantisation_step:.3g} {unit}"
-    correlation = fitted.correlation
-    return Noise(value, unit, source, correlation, _time(correlation, step), fitted.filtered, quantisation_step, note)
-
-
-def _time(correlation: float, step: float) -> float:
-    return -step / float(np.log(correlation)) if correlation > 0.0 else 0.0
-
-
-def _irregular(records: Sequence[Record], channel: str) -> Autoregression:
-    """White noise of unevenly sampled records, from the residuals of each sample to the line between its neighbours,
-    divided by their standard deviation for unit noise."""
-    parts = []
-    for record in records:
-        good = np.flatnonzero(~np.isnan(record.channels[channel]))
-        t, x = record.time[good], record.channels[channel][good]
-        if t.size < 3:
-            continue
-        share = (t[1:-1] - t[:-2]) / (t[2:] - t[:-2])
-        miss = x[1:-1] - (1.0 - share) * x[:-2] - share * x[2:]
-        parts.append(miss / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2))
-    if not parts or sum(part.size for part in parts) < 8:
-        raise InputError(f"channel '{channel}' has too few samples to estimate its noise; give it under [noise]")
-    value = difference_scale(np.concatenate(parts))
-    return Autoregression(value, 0.0, False, value)
-
-
-def _input_idle(
-    records: Sequence[Record], channel: str, overall: Autoregression, quantisation_step: float | None
-) -> Autoregression | None:
-    """The noise in stretches of constant input, if they are long enough and free of residual motion."""
-    pieces: list[np.ndarray] = []
-    for record in records:
-        inputs = [name for name in _inputs(record) if name != channel and name in record.channels]
-        if not inputs:
-            continue
-        still = np.ones(record.size, dtype=bool)
-        for name in inputs:
-            values = record.channels[name]
-            reach = 1e-6 * float(np.nanmax(values) - np.nanmin(values))
-            moves = np.abs(np.diff(values, prepend=values[0])) > reach
-            still &= ~np.isnan(values) & ~moves
-        masked = np.where(still, record.channels[channel], np.nan)
-        pieces += [piece for piece in segments(record.time, masked, record.step) if piece.size >= 100]
-    if sum(piece.size for piece in pieces) < 1000:
-        return None
-    fitted = fit_autoregression(pieces, quantisation_step, flat=True)
-    if fitted is None or fitted.filtered:
-        return None
-    uneven = overall.white / max(fitted.white, 1e-300)
-    if 0.8 < uneven < 1.0 / 0.6:
-        return fitted
-    if 1.0 / UNEVEN < uneven < UNEVEN:
-        # Noise of equal correlation but uneven size: the standard deviation of the whole record applies.
-        return replace(fitted, value=uneven * fitted.value, white=overall.white)
-    # If the differences of neighbours deviate strongly from those of the whole record, the noise is not the same.
-    return None
-
-
-def _inputs(record: Record) -> tuple[str, ...]:
-    """The imposed channels of the rig kinds that fit the record's channels."""
-    held = set(record.channels)
-    fitting = [
-        rig
-        for rig in RIGS.values()
-        if all(held & set(group) for group in rig.inputs) and all(held & set(group) for group in rig.measured)
-    ]
-    return fitting[0].input_channels if fitting else ()
+    Args:
+        noise: by channel.
+        errors: error over noise and scored samples, by channel.
+    """
+    out = []
+    for channel, (over, size) in errors.items():
+        if over < WRONG_FLOOR and size >= LEAST_SAMPLES and channel in noise:
+            found = noise[channel]
+            source = "the stated noise" if found.source == "given" else "the estimated noise"
+            advice = "correct [noise]" if found.source == "given" else "state it under [noise]"
+            out.append(
+                f"{channel}: the error is {over:.2g} of {source} ({found.value:.3g} {found.unit}), which is therefore "
+                f"too large; {advice}"
+            )
+    return out
 
 
 def measured_channels(experiment: Experiment, records: Sequence[Record]) -> list[str]:
@@ -276,15 +266,17 @@ def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple
 
 
 def with_quantisation(noise: Mapping[str, Noise], names: Sequence[str]) -> dict[str, Noise]:
-    """Noise with step/sqrt(12) added in the channels that the named `sensor_quantisation` effects act on."""
+    """Noise with step/sqrt(12) added in the channels that the named `sensor_quantisation` effects act on, where it does
+    not include that yet: the stated value is smaller."""
     out = dict(noise)
     for name in names:
         wanted = name.partition("@")[2]
         for channel, found in noise.items():
-            if found.quantisation_step is None or (wanted and wanted != channel):
+            if found.quantisation_step is None or found.without_quantisation is not None or wanted not in ("", channel):
                 continue
-            step = found.quantisation_step / np.sqrt(12.0)
+            value = float(np.hypot(found.value, found.quantisation_step / np.sqrt(12.0)))
             # Quantisation errors well above the noise change with the motion; they are treated as white.
-            value = float(np.hypot(found.value, step))
-            out[channel] = replace(found, value=value, correlation=0.0, without_quantisation=found.value)
+            out[channel] = replace(
+                found, value=value, spectrum=WHITE, correlation_time=0.0, without_quantisation=found.value
+            )
     return out

@@ -12,6 +12,9 @@ SHARPNESS = 0.995
 PULSES = 0.99
 """Share of rows one step from the last from which the rows are taken as logged at pulses."""
 
+LEAST_LEVELS = 8
+"""Least number of occupied levels of a quantised measurement; a command may have two."""
+
 
 def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
     """Quantisation step of the values of a channel.
@@ -23,8 +26,8 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
         arrays: the channel in each record, shape (n,), gaps as NaN.
 
     Returns:
-        The step in the channel's unit; None where the values are not quantised, or every row is one step from the last:
-        rows logged at the pulses of an encoder have exact positions.
+        The step in the channel's unit; None where the values are not quantised, on too few levels, or every row is one
+        step from the last: rows logged at the pulses of an encoder have exact positions.
     """
     values = np.concatenate([array[~np.isnan(array)] for array in arrays])
     if values.size < 20:
@@ -53,5 +56,5 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
         if abs(np.mean(np.exp(2j * np.pi * inside / step))) < SHARPNESS:
             return None
         if reach >= widest:
-            return step
+            return step if np.unique(np.round(offset / step)).size >= LEAST_LEVELS else None
         reach *= 4.0

@@ -13,7 +13,7 @@ from sysid.experiment.unknowns import Prior, Unknown
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.prepare import driven_mass
 from sysid.prediction.friction_drive.parameters import friction_drive_parameters
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
 
@@ -130,12 +130,12 @@ def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Map
     found = _motion_and_force({name: filled(values)[0] for name, values in channels.items()}, kind, stiffness, noise)
     if found is None:
         return 1.0
-    position, force, sigma, correlation = found
+    position, force, sigma, spectrum = found
     width = step
     while width < position.size * step / 40.0:
         complementary_filter = GaussianFilter(width, step, position.size)
         acceleration = float(np.std(complementary_filter(position, 2)))
-        if sigma * complementary_filter.noise_gain(2, correlation) < 0.2 * acceleration:
+        if sigma * complementary_filter.noise_gain(2, spectrum) < 0.2 * acceleration:
             return float(np.std(force)) / acceleration
         width *= 2.0
     return 1.0
@@ -143,8 +143,8 @@ def _largest_mass(record: Record, kind: str, stiffness: float | None, noise: Map
 
 def _motion_and_force(
     channels: Mapping[str, np.ndarray], kind: str, stiffness: float | None, noise: Mapping[str, Noise]
-) -> tuple[np.ndarray, np.ndarray, float, float] | None:
-    """Position and force (n,) of a driven mass, with deviation and correlation of the position's noise.
+) -> tuple[np.ndarray, np.ndarray, float, NoiseSpectrum] | None:
+    """Position and force (n,) of a driven mass, with deviation and spectrum of the position's noise.
 
     For a body pulled by a spring one of the two follows from the other and the stiffness.
     """
@@ -153,11 +153,11 @@ def _motion_and_force(
     if pull is not None and stiffness is not None:
         if position is None and force is not None:
             known = noise["spring_force"]
-            return pull - force / stiffness, force, known.value / stiffness, known.correlation
+            return pull - force / stiffness, force, known.value / stiffness, known.spectrum
         if position is not None and force is None:
             force = stiffness * (pull - position)
     return (
         None
         if position is None or force is None
-        else (position, force, noise["position"].value, noise["position"].correlation)
+        else (position, force, noise["position"].value, noise["position"].spectrum)
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,6 +18,28 @@ BAND = 0.1325
 
 CUT_SMOOTHING = 6.0
 """Half-length for smoothing at selected samples, in standard deviations: the weight of the truncated part is 2e-9."""
+
+
+class NoiseSpectrum(NamedTuple):
+    """Spectrum of noise of unit variance: white noise, a first-order autoregression, and lines.
+
+    Args:
+        correlation: of neighbouring samples of the autoregressive part.
+        white: part of the variance that is white.
+        lines: angle per sample (rad) and part of the variance of each.
+    """
+
+    correlation: float = 0.0
+    white: float = 1.0
+    lines: tuple[tuple[float, float], ...] = ()
+
+    def power(self, angle: np.ndarray) -> np.ndarray:
+        """Power density (k,) without the lines, 1 for white noise; `angle` per sample, rad."""
+        c, broad = self.correlation, 1.0 - sum(share for _, share in self.lines)
+        return self.white + (broad - self.white) * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(angle) + c**2)
+
+
+WHITE = NoiseSpectrum()
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER)
@@ -115,15 +138,16 @@ class GaussianFilter:
             return signal[index]
         return _smoothed_at(np.ascontiguousarray(signal, dtype=float), self._short_kernel, index)
 
-    def noise_gain(self, order: int = 0, correlation: float = 0.0) -> float:
-        """Standard deviation of the output for noise of unit variance, white or AR(1) with `correlation` per sample."""
+    def noise_gain(self, order: int = 0, spectrum: NoiseSpectrum = WHITE) -> float:
+        """Standard deviation of the output for noise of unit variance."""
         kernel = self.kernel(order)
-        if correlation == 0.0:
+        if spectrum == WHITE:
             return float(np.sqrt(np.sum(kernel**2)))
-        length = 1 << int(2 * kernel.size - 1).bit_length()
+        # The grid resolves the autoregression's peak at frequency zero.
+        length = 1 << int(max(2 * kernel.size - 1, 64.0 / (1.0 - spectrum.correlation))).bit_length()
         power = np.abs(np.fft.rfft(kernel, length)) ** 2
-        angle = np.linspace(0.0, np.pi, power.size)
-        spectrum = (1.0 - correlation**2) / (1.0 - 2.0 * correlation * np.cos(angle) + correlation**2)
         weights = np.full(power.size, 2.0)
         weights[[0, -1]] = 1.0
-        return float(np.sqrt(np.sum(power * spectrum * weights) / length))
+        angle = np.linspace(0.0, np.pi, power.size)
+        broad = float(np.sum(power * spectrum.power(angle) * weights)) / length
+        return float(np.sqrt(broad + sum(share * np.interp(line, angle, power) for line, share in spectrum.lines)))

@@ -57,17 +57,13 @@ def write_simulated_records(
     inputs = "its own inputs" if motion is None else motion.name
     head = f"# Simulated from the model of {place.folder.resolve().name} on {inputs}, {added}.\n"
     atomic_write_text(target, head + tomlkit.dumps(simulated.document(formats[0])))
-    noise = {}
-    for name, found in simulated.noise.items() if seed is not None else ():
-        correlation = {"autocorrelation": found.correlation} if found.correlation else {}
-        noise[name] = {**found.to_json(), **correlation}
     return {
         "schema": 1,
         "effects": [effect.name for effect in simulated.model.effects],
         "parameters": {
             key: {**as_json(value, unit), "from": origin} for key, value, unit, origin in simulated.parameters()
         },
-        "noise": noise,
+        "noise": {name: found.to_json() for name, found in simulated.noise.items()} if seed is not None else {},
         "seed": seed,
         "records": [{"name": r.name, "role": r.role, "rows": int(r.time.size)} for r in simulated.records],
         "files": [str(file) for file in (*files, target)],

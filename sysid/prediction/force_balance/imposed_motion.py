@@ -24,7 +24,7 @@ from sysid.prediction.force_balance.record import (
     make_axis,
     optional_channel,
 )
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.gaussian_filter import WHITE, GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 from sysid.signals.resampling import uniform
 
@@ -89,10 +89,10 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
     filtered velocity does, and reversals are uncertain by its noise in addition to half a step.
     """
     step, std = record.step, position_noise(sensor)
-    correlation = sensor.correlation if sensor is not None else 0.0
+    spectrum = sensor.spectrum if sensor is not None else WHITE
     width = motion_filter_width(record.axis.position, sensor, step)
-    axis, velocity_noise = _filtered_axis(record.axis, width, std, correlation)
-    remaining = std * GaussianFilter(width, step, record.size).noise_gain(0, correlation)
+    axis, velocity_noise = _filtered_axis(record.axis, width, std, spectrum)
+    remaining = std * GaussianFilter(width, step, record.size).noise_gain(0, spectrum)
     filtered = replace(
         record,
         axis=axis,
@@ -109,22 +109,22 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
         filtered,
         velocity_sign=direction.sign,
         timing_uncertainty=float(np.hypot(record.timing_uncertainty, direction.timing * step)),
-        half_width_variant=lambda: (_filtered_axis(record.axis, 0.5 * width, std, correlation)[0], unchanged),
+        half_width_variant=lambda: (_filtered_axis(record.axis, 0.5 * width, std, spectrum)[0], unchanged),
     )
 
 
-def _filtered_axis(axis: Axis, width: float, std: float, correlation: float) -> tuple[Axis, float]:
+def _filtered_axis(axis: Axis, width: float, std: float, spectrum: NoiseSpectrum) -> tuple[Axis, float]:
     """The axis from its position filtered by `width`, s, and the standard deviation of its velocity.
 
     Args:
         axis: with the logged position.
         width: s; at least `LEAST_WIDTH` steps for the derivatives.
         std: of the position's noise, m.
-        correlation: of that noise from row to row.
+        spectrum: of that noise.
     """
     step, n = float(axis.time[1] - axis.time[0]), axis.time.size
     smooth, slope = GaussianFilter(width, step, n), GaussianFilter(max(width, LEAST_WIDTH * step), step, n)
-    velocity, noise = slope(axis.position, 1), std * slope.noise_gain(1, correlation)
+    velocity, noise = slope(axis.position, 1), std * slope.noise_gain(1, spectrum)
     position, acceleration = smooth(axis.position), slope(axis.position, 2)
     rest = REST_SIGMAS * noise + 1e-6 * float(np.max(np.abs(velocity)))
     return make_axis(axis.time, position, velocity, acceleration, axis.load, axis.temperature, rest), noise

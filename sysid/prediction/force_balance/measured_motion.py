@@ -14,7 +14,7 @@ import numpy as np
 from sysid.noise.estimate import Noise
 from sysid.prediction.force_balance.record import REST_SIGMAS, ForceBalanceRecord, VelocityAgreement
 from sysid.prediction.force_balance.stick_event_times import KINK_WIDTHS
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.gaussian_filter import WHITE, GaussianFilter
 from sysid.signals.masks import filled, runs
 
 CLEAR_SPEED = 2.0 * REST_SIGMAS
@@ -61,16 +61,16 @@ def motion_filter_width(position: np.ndarray, noise: Noise | None, step: float) 
     if noise is None or std == 0.0:
         return 0.0
     quantum = noise.quantisation_step or 0.0
-    coarse = quantum if quantum > noise.value else 0.0
+    coarse = quantum if quantum > (noise.without_quantisation or noise.value) else 0.0
     best, clearest = 0.0, 0.0
     width = 0.0
     while width <= max(position.size / 40.0, 1.0):
         if width == 0.0:
             speed = float(np.mean(np.abs(np.diff(position))))
-            own = std * float(np.sqrt(2.0 * (1.0 - noise.correlation)))
+            own = std * float(np.sqrt(2.0 * (1.0 - noise.autocorrelation)))
         else:
             smooth = GaussianFilter(width, 1.0, position.size)
-            speed, own = float(np.mean(np.abs(smooth(position, 1)))), std * smooth.noise_gain(1, noise.correlation)
+            speed, own = float(np.mean(np.abs(smooth(position, 1)))), std * smooth.noise_gain(1, noise.spectrum)
         ratio = speed / own
         if ratio >= CLEAR_SPEED and width * speed >= STAIRCASE * coarse:
             return width * step
@@ -160,7 +160,7 @@ def velocity_agreement(
     reach = n // LONGEST_LAG
     inside = slice(smooth.margin + reach, n - smooth.margin - reach)
     rate, own, slope = smooth(position, 1)[inside], smooth(velocity), smooth(velocity, 1)[inside]
-    noise_of_rate = position_noise(noise) * smooth.noise_gain(1, noise.correlation if noise is not None else 0.0)
+    noise_of_rate = position_noise(noise) * smooth.noise_gain(1, noise.spectrum if noise is not None else WHITE)
     if rate.size == 0 or np.std(rate) <= REST_SIGMAS * noise_of_rate or not own[inside].any():
         return None
 

@@ -27,18 +27,18 @@ from sysid.prediction.force_balance.record import (
 from sysid.prediction.force_balance.reversals import EventSearch, ResolvedMotion, resolve_events
 from sysid.prediction.force_balance.stick_event_times import SlipPhases, SmoothedMotion, restored_kinks
 from sysid.prediction.force_balance.stick_phases import StickPhases, find_stick_phases
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import dilated, filled, longer_than
 from sysid.signals.resampling import uniform
 
 
 class _Signal(NamedTuple):
-    """A signal (n,) with its gaps bridged, the mask (n,) of the gaps, and size and correlation of its noise."""
+    """A signal (n,) with its gaps bridged, the mask (n,) of the gaps, and size and spectrum of its noise."""
 
     values: np.ndarray
     gap: np.ndarray
     std: float
-    correlation: float
+    spectrum: NoiseSpectrum
 
 
 class _Motion(NamedTuple):
@@ -90,11 +90,11 @@ def driven_mass(
 
     valid = _valid_rows(missing, width / step, reach)
     full = GaussianFilter(width, step, n)
-    acceleration_noise = position.std * full.noise_gain(2, position.correlation)
+    acceleration_noise = position.std * full.noise_gain(2, position.spectrum)
     inertia, signals = mass * acceleration_noise, (position, force)
     measured, noises, inputs = _filtered_channels(channel, channels, signals, full, inertia, pull_stiffness)
     prefilter = GaussianFilter(PREFILTER_SHARE * width, step, n)
-    own, rate = (position.std * prefilter.noise_gain(order, position.correlation) for order in (0, 1))
+    own, rate = (position.std * prefilter.noise_gain(order, position.spectrum) for order in (0, 1))
     prepared = ForceBalanceRecord(
         name=record.name,
         role=record.role,
@@ -162,12 +162,12 @@ def _filtered_channels(
         pull_stiffness: of the pulling spring, N/m.
     """
     position, force = signals
-    own_force = force.std * full.noise_gain(0, force.correlation)
+    own_force = force.std * full.noise_gain(0, force.spectrum)
     measured, noises = {channel: full(force.values)}, {channel: float(np.hypot(own_force, inertia))}
     if "pull_position" not in channels or pull_stiffness is None:
         return measured, noises, {}
     inputs = {"pull_position": full(filled(channels["pull_position"])[0]), "spring_force": full(force.values)}
-    own = position.std * full.noise_gain(0, position.correlation)
+    own = position.std * full.noise_gain(0, position.spectrum)
     if channel == "position":
         return {channel: full(position.values)}, {channel: float(np.hypot(own, inertia / pull_stiffness))}, inputs
     if "position" in channels:
@@ -186,7 +186,7 @@ def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, R
     """
     step, n, prefilter_width = float(motion.time[1] - motion.time[0]), motion.time.size, PREFILTER_SHARE * width
     axis, _ = _prefiltered(motion, prefilter_width, width)
-    gain = GaussianFilter(prefilter_width, step, n).noise_gain(1, motion.position.correlation)
+    gain = GaussianFilter(prefilter_width, step, n).noise_gain(1, motion.position.spectrum)
     rest = REST_SIGMAS * (motion.position.std * gain)
     reach = max(6, int(np.ceil(1.5 * width / step)))
     shortest = max(3, int(np.ceil(2.0 * prefilter_width / step)))
@@ -200,10 +200,10 @@ def _resolved(motion: _Motion, drive: np.ndarray, width: float) -> tuple[Axis, R
 def _position(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise], step: float) -> _Signal | None:
     """The measured position, or the integral of the measured velocity; none where neither is recorded."""
     if "position" in channels:
-        return _Signal(*filled(channels["position"]), noise["position"].value, noise["position"].correlation)
+        return _Signal(*filled(channels["position"]), noise["position"].value, noise["position"].spectrum)
     if "velocity" in channels:
         velocity, gap = filled(channels["velocity"])
-        return _Signal(integral(velocity, step), gap, noise["velocity"].value * step, 0.0)
+        return _Signal(integral(velocity, step), gap, noise["velocity"].value * step, NoiseSpectrum())
     return None
 
 
@@ -211,13 +211,13 @@ def _drive_force(channels: Mapping[str, np.ndarray], noise: Mapping[str, Noise],
     """The drive force at the rows."""
     force, gap = filled(channels["drive_force"])
     known = noise.get("drive_force")
-    std, correlation = (known.value, known.correlation) if known is not None else (0.0, 0.0)
+    std, spectrum = (known.value, known.spectrum) if known is not None else (0.0, NoiseSpectrum())
     if hold == "zero":
         # The force is held over the step before a row and over that after it: its mean acts at the row.
         force = np.concatenate([force[:1], 0.5 * (force[1:] + force[:-1])])
         gap = gap | np.concatenate([[False], gap[:-1]])
         std /= np.sqrt(2.0)
-    return _Signal(force, gap, std, correlation)
+    return _Signal(force, gap, std, spectrum)
 
 
 def _signals(
@@ -237,9 +237,9 @@ def _signals(
         force = position._replace(values=stiffness * (pull - position.values), std=stiffness * position.std)
         return "position", position, force
     spring = noise["spring_force"]
-    force = _Signal(*filled(channels["spring_force"]), spring.value, spring.correlation)
+    force = _Signal(*filled(channels["spring_force"]), spring.value, spring.spectrum)
     if position is None:
-        position = _Signal(pull - force.values / stiffness, gap_pull, spring.value / stiffness, spring.correlation)
+        position = _Signal(pull - force.values / stiffness, gap_pull, spring.value / stiffness, spring.spectrum)
     return "spring_force", position, force
 
 
@@ -258,7 +258,7 @@ def _filter_width(
     if _scale(force.values) == 0.0:
         return _free_motion_width(position, step)
     target = max(force.std, 1e-3 * _scale(force.values))
-    return filter_width(position.std * unquantised, step, mass, target, position.values.size, position.correlation)
+    return filter_width(position.std * unquantised, step, mass, target, position.values.size, position.spectrum)
 
 
 FREE_MOTION = 1e-2
@@ -272,7 +272,7 @@ def _free_motion_width(position: _Signal, step: float) -> float:
     for width in step * np.geomspace(1.0, max(1.0, n / 40.0), 30):
         smooth = GaussianFilter(width, step, n)
         inside = slice(smooth.margin, n - smooth.margin)
-        own = position.std * smooth.noise_gain(2, position.correlation)
+        own = position.std * smooth.noise_gain(2, position.spectrum)
         ratio = own / max(float(np.std(smooth(position.values, 2)[inside])), 1e-300)
         if ratio < least:
             best, least = float(width), ratio
@@ -310,7 +310,7 @@ def _prefiltered(motion: _Motion, width: float, full_width: float) -> tuple[Axis
         _across_gaps(prefilter(position.values, 2), motion.missing, width / step),
         motion.load,
         motion.temperature,
-        REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.correlation)),
+        REST_SIGMAS * (position.std * prefilter.noise_gain(1, position.spectrum)),
     )
     return axis, _complementary(prefilter, full_width)
 
@@ -347,7 +347,7 @@ def _stick_phases(
     """
     by_spring = record.kind == "spring-pull" and not {"position", "velocity"} & channels.keys()
     sensor = noise.get("spring_force" if by_spring else "position")
-    if sensor is None or (sensor.quantisation_step or 0.0) > sensor.value:
+    if sensor is None or (sensor.quantisation_step or 0.0) > (sensor.without_quantisation or sensor.value):
         return None
     if not by_spring and "position" not in channels:
         return None

@@ -16,7 +16,7 @@ import numpy as np
 from sim.library.effect import Axis
 from sysid.prediction.force_balance.stick_event_times import SlipPhases
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT, StickPhases
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 from sysid.signals.masks import filled
 
 PREFILTER_SHARE = 0.4
@@ -171,7 +171,7 @@ def make_axis(
 
 
 def filter_width(
-    position_noise: float, step: float, mass: float, force_noise: float, size: int, correlation: float = 0.0
+    position_noise: float, step: float, mass: float, force_noise: float, size: int, spectrum: NoiseSpectrum
 ) -> float:
     """Width (s) of the filter: the least at which mass times acceleration is no noisier than `force_noise`.
 
@@ -181,12 +181,12 @@ def filter_width(
         mass: moving mass, kg.
         force_noise: standard deviation of the force, N.
         size: samples in the record; the filter never spans more than a fortieth of it.
-        correlation: of the position's noise from sample to sample.
+        spectrum: of the position's noise.
     """
     width = 1.0 * step
     longest = size * step / 40.0
     while width < longest:
-        gain = GaussianFilter(width, step, size).noise_gain(2, correlation)
+        gain = GaussianFilter(width, step, size).noise_gain(2, spectrum)
         if mass * position_noise * gain <= force_noise:
             return width
         width *= 1.15

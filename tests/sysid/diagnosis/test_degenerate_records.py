@@ -13,7 +13,7 @@ from sysid.diagnose import diagnose
 from sysid.ladder import add_effects
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.problem import load_problem
-from tests.sysid.slide import POSITION, SIGN, STEP, TIME, VELOCITY, slide
+from tests.sysid.slide import NOISE, POSITION, SIGN, STEP, TIME, VELOCITY, slide
 
 FORCE = 1.5 * SIGN + 20.0 * VELOCITY
 
@@ -47,20 +47,38 @@ def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
         load_problem(tmp_path)
 
 
-def test_quantisation_to_two_values_is_found_and_kept(tmp_path: Path) -> None:
+def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
     speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
     rounded = np.round(1.5 * np.sign(speed))
-    slide(tmp_path, rounded, '"coulomb"', held_out=True)
+    problem = slide(tmp_path, rounded, '"coulomb"', held_out=True)
     for name in ("fit.csv", "validate.csv"):
         for column, values in ((1, np.cumsum(speed) * STEP), (2, speed), (3, rounded)):
             _edit(tmp_path / name, column, values)
+    assert problem.noise["friction_force"].quantisation_step is None
+    found = diagnose(tmp_path)
+    assert (found.verdict, found.effect) == ("adequate", None)
+
+
+def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> None:
+    slide(tmp_path, FORCE, '"coulomb", "viscous"', held_out=True)
+    step = 10.0 * NOISE
+    for name in ("fit.csv", "validate.csv"):
+        force = np.loadtxt(tmp_path / name, delimiter=",", skiprows=1)[:, 3]
+        _edit(tmp_path / name, 3, step * np.round(force / step))
     found = diagnose(tmp_path)
     assert (found.verdict, found.effect) == ("missing-effect", "sensor_quantisation")
-    assert max(m.over_noise for m in found.before_validate.values()) < 1e-6
     add_effects(tmp_path, ["sensor_quantisation"])
     again = diagnose(tmp_path)
     assert again.verdict == "adequate"
-    assert not again.replacements
+    assert again.problem.noise["friction_force"].value == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=1e-6)
+    # An estimated noise contains the rounding from the start: nothing is missing.
+    experiment = (tmp_path / "experiment.toml").read_text(encoding="utf-8")
+    without = experiment.replace("[noise]\nfriction_force", "[noise]\n#").replace('"sensor_quantisation"', "")
+    (tmp_path / "experiment.toml").write_text(without, encoding="utf-8")
+    estimated = diagnose(tmp_path)
+    assert estimated.verdict == "adequate"
+    floor = estimated.problem.noise["friction_force"].value
+    assert floor == pytest.approx(np.hypot(NOISE, step / np.sqrt(12.0)), rel=0.15)
 
 
 @pytest.mark.parametrize("rows", [12, 30, 100])

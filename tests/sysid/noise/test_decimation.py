@@ -6,6 +6,7 @@ import pytest
 from sysid.experiment.record import Record
 from sysid.noise.decimation import MOST_ROWS, decimated, decimation_factor, noise_of_means
 from sysid.noise.estimate import Noise
+from sysid.signals.gaussian_filter import NoiseSpectrum
 
 
 def _record(time: np.ndarray, **channels: np.ndarray) -> Record:
@@ -61,8 +62,10 @@ def test_noise_of_the_means_is_that_of_simulated_autoregressions(correlation: fl
     for i in range(1, n):
         x[:, i] = correlation * x[:, i - 1] + np.sqrt(1.0 - correlation**2) * rng.standard_normal(copies)
     means = 3.0 * x.reshape(copies, 50, k).mean(axis=2)
-    found = noise_of_means({"position": Noise(3.0, "m", "given", correlation, quantisation_step=1.0)}, k)["position"]
+    found = noise_of_means(
+        {"position": Noise(3.0, "m", "given", NoiseSpectrum(correlation, 0.0), quantisation_step=1.0)}, k
+    )["position"]
     assert found.value == pytest.approx(float(np.std(means)), rel=0.05)
     lag_one = float(np.mean(means[:, 1:] * means[:, :-1])) / float(np.var(means))
-    assert found.correlation == pytest.approx(lag_one, abs=0.03)
+    assert found.autocorrelation == pytest.approx(lag_one, abs=0.03)
     assert found.quantisation_step is None

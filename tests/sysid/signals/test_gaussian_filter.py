@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sysid.signals.gaussian_filter import GaussianFilter
+from sysid.signals.gaussian_filter import GaussianFilter, NoiseSpectrum
 
 
 @pytest.mark.parametrize("width", [2e-3, 5e-3, 0.02])
@@ -23,7 +23,7 @@ def test_derivatives_of_a_parabola_are_exact(width: float) -> None:
     assert np.allclose(smooth(x)[inner], (x - 5.0 * variance)[inner], atol=1e-10)
 
 
-@pytest.mark.parametrize("correlation", [0.0, 0.8])
+@pytest.mark.parametrize("correlation", [0.0, 0.8, 0.98])
 @pytest.mark.parametrize("order", [0, 1, 2])
 def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float) -> None:
     rng = np.random.default_rng(3)
@@ -35,7 +35,16 @@ def test_noise_gain_is_that_of_generated_noise(order: int, correlation: float) -
         noise[i] = correlation * noise[i - 1] + np.sqrt(1.0 - correlation**2) * white[i]
     smooth = GaussianFilter(4e-3, step, n)
     measured = float(np.std(smooth(noise, order)[1000:-1000]))
-    assert measured == pytest.approx(smooth.noise_gain(order, correlation), rel=0.03)
+    assert measured == pytest.approx(smooth.noise_gain(order, NoiseSpectrum(correlation, 0.0)), rel=0.03)
+
+
+def test_noise_gain_of_parts_adds_in_variance() -> None:
+    smooth = GaussianFilter(4e-3, 1e-3, 4000)
+    angle = 0.3
+    line = float(np.std(smooth(np.sqrt(2.0) * np.sin(angle * np.arange(4000)))[100:-100]))
+    white, coloured = smooth.noise_gain(), smooth.noise_gain(0, NoiseSpectrum(0.9, 0.0))
+    mixed = smooth.noise_gain(0, NoiseSpectrum(0.9, 0.3, ((angle, 0.5),)))
+    assert mixed**2 == pytest.approx(0.3 * white**2 + 0.2 * coloured**2 + 0.5 * line**2, rel=5e-3)
 
 
 def test_no_width_changes_nothing() -> None:

@@ -1,0 +1,78 @@
+"""Level and autocorrelation of noise from differences at several lags, against noise generated here."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from sysid.noise.autocorrelation import Series, fit_noise, without_outliers
+
+STEP = 1e-3
+
+
+def autoregression(size: int, correlation: float, seed: int) -> np.ndarray:
+    out = np.random.default_rng(seed).standard_normal(size)
+    for i in range(1, size):
+        out[i] = correlation * out[i - 1] + np.sqrt(1.0 - correlation**2) * out[i]
+    return out
+
+
+def _series(values: np.ndarray, time: np.ndarray | None = None) -> Series:
+    return Series(STEP * np.arange(values.size) if time is None else time, values, STEP)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.5, 0.9, 0.98, 0.99])
+def test_level_and_autocorrelation_of_noise_alone(correlation: float) -> None:
+    values = [autoregression(20_000, correlation, seed) for seed in range(2)]
+    # The second argument: no motion is compared with, and the range of lags is not limited.
+    found = fit_noise(
+        [_series(v) for v in values], [Series(STEP * np.arange(v.size), v, STEP, np.zeros(9)) for v in values]
+    )
+    assert found is not None and not found.filtered
+    assert found.value == pytest.approx(1.0, rel=0.25 if correlation > 0.95 else 0.08)
+    assert found.spectrum.correlation == pytest.approx(correlation, abs=max(0.01, 0.2 * (1.0 - correlation)))
+    assert 1.0 / found.factor <= 1.05 * found.value and found.value / found.factor <= 1.05
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_polynomial_at_uneven_times_adds_nothing(order: int) -> None:
+    generator = np.random.default_rng(1)
+    time = np.cumsum(STEP * generator.uniform(0.5, 1.5, 8000))
+    noise = 1e-3 * generator.standard_normal(8000)
+    found = fit_noise([_series(noise + 10.0 * time**order, time)])
+    assert found is not None and found.value == pytest.approx(1e-3, rel=0.05)
+
+
+def test_outliers_do_not_raise_the_level() -> None:
+    values = autoregression(20_000, 0.0, 5)
+    places = np.random.default_rng(6).choice(values.size, 400, replace=False)
+    with_outliers = values.copy()
+    with_outliers[places] += 40.0
+    # A row between two outliers is left out, too.
+    cleaned = without_outliers(with_outliers)
+    assert np.isnan(cleaned[places]).all() and np.isnan(cleaned).sum() < 460
+    clean, dirty = fit_noise([_series(values)]), fit_noise([_series(cleaned)])
+    assert clean is not None and dirty is not None and dirty.value == pytest.approx(clean.value, rel=0.03)
+
+
+def test_record_at_rest_for_most_of_its_rows() -> None:
+    values = np.full(20_000, 0.7)
+    values[15_000:] += np.sin(0.01 * np.arange(5000)) + 0.01 * autoregression(5000, 0.0, 7)
+    found = fit_noise([_series(values)])
+    assert found is not None and found.value == pytest.approx(0.01, rel=0.1)
+
+
+@pytest.mark.parametrize("values", [np.full(3, np.nan), np.arange(3.0), np.full(200, np.nan), np.zeros(0)])
+def test_too_few_values_give_no_estimate(values: np.ndarray) -> None:
+    assert fit_noise([_series(values)]) is None
+
+
+def test_constant_values_have_no_noise() -> None:
+    found = fit_noise([_series(np.full(200, 2.5))])
+    assert found is not None and found.value == 0.0
+
+
+def test_smooth_noise_is_marked_as_filtered() -> None:
+    kernel = np.exp(-0.5 * (np.arange(-120, 121) / 15.0) ** 2)
+    found = fit_noise([_series(np.convolve(autoregression(20_000, 0.0, 8), kernel, mode="same"))])
+    assert found is not None and found.filtered
