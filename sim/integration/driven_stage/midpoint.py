@@ -100,7 +100,8 @@ def simulate_midpoint(
     if contact.weights.size > 1:
         stiffness = float(np.max(contact.limit)) * float(np.sum(contact.weights / contact.stretches))
     resolved = resolved_stage(stage._replace(stiffness=stiffness))._replace(stiffness=stage.stiffness)
-    substeps = refinement * min(max(1, int(np.ceil(stage.step / LONGEST_STEP))), MOST_STEPS)
+    # A multiple of the longest step is not divided once more because of round-off.
+    substeps = refinement * min(max(1, int(np.ceil(stage.step / LONGEST_STEP - 1e-6))), MOST_STEPS)
     single = Elements(np.ones(1), np.ones(1))
     springs = springs_of(Elements(contact.stretches, contact.weights) if contact.weights.size > 1 else single)
     pad_springs = springs_of(Elements(pads.stretches, pads.weights))
