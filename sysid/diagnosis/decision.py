@@ -127,7 +127,7 @@ class _Comparison:
         gain = curve.gain
         return (
             self.excess > 0.0
-            and gain.loss >= NOTABLE_SHARE * self.reference.loss
+            and gain.loss >= max(NOTABLE_SHARE * self.reference.loss, self.noise.form_error)
             and gain.significance >= LEAST_SIGNIFICANCE
             and gain.steadiness >= CURVE_STEADINESS
         )

@@ -26,6 +26,7 @@ import numpy as np
 from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.diagnosis.candidate import Candidate, Reference
+from sysid.diagnosis.constants import LEAST_GAIN
 from sysid.diagnosis.decision import Decision
 from sysid.estimation.fit import FittedModel, fit_model
 from sysid.estimation.least_squares import robust_scale
@@ -202,6 +203,9 @@ def structural_mode_candidate(
     if candidate is None or not prefers_balance_fit(candidate.fitted, fitted):
         candidate = reference.evaluate(fitted, (effect,))
     if candidate is None or candidate.error > LARGEST_INCREASE * np.sqrt(reference.held_out.loss):
+        return None
+    if otherwise.verdict == "unexplained" and candidate.gain.loss < LEAST_GAIN * reference.held_out.loss:
+        # Errors of a wrong model near its events are not white either: without a gain they are no sign of a mode.
         return None
     left = min(1.0, max(candidate.held_out.loss - 1.0, 0.0) / max(reference.held_out.loss - 1.0, 1e-9))
     left = 0.0 if otherwise.verdict == "adequate" else left
