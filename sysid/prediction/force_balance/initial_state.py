@@ -74,5 +74,6 @@ def friction_from_initial_state(
     low, high = np.log(1e-9 * far), np.log(far)
     # The force falls as the reversal lies further beyond the initial position.
     if excess(0.0) > 0.0 and excess(1e-9 * far) > 0.0 > excess(far):
-        beyond = float(np.exp(brentq(lambda log: excess(float(np.exp(log))), low, high, xtol=1e-7)))
+        root: Any = brentq(lambda log: excess(float(np.exp(log))), low, high, xtol=1e-7)
+        beyond = float(np.exp(root))
     return preceded(beyond, axis.time.size)
