@@ -1,7 +1,7 @@
 """One axis in time: semi-implicit steps of set-valued friction (Moreau 1988), prescribed, on a spring, or driven.
 
-Each step takes forces at the middle of the free motion and solves m (w - v) / h + c w + level Sign(w) = push for the
-new velocity w: w = 0 where |push + m v / h| stays below the level, otherwise the level opposes w exactly.
+Each step takes forces at the middle of the free motion and solves m (w - v) / h + c (v + w) / 2 + level Sign(w) = push
+for the new velocity w: w = 0 where the level exceeds what is left of push and momentum, otherwise it opposes w exactly.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def run_driven(m: Machine, motion: Motion, laws: Sequence[Law], chain: Chain) ->
     kp, kd, ki = m.mass * m.bandwidth**2, 1.6 * m.mass * m.bandwidth, 0.1 * m.mass * m.bandwidth**3
     place, speed, rate, load, warmth, warming = _lists(motion, dt)
     command = [0.0] * n if motion.command is None else motion.command.tolist()
-    drive, integral, late, follow = 0.0, 0.0, round(chain.delay / h), 1.0
+    drive, before, integral, late, follow = 0.0, 0.0, 0.0, round(chain.delay / h), 1.0
     if chain.lag:
         follow = float(-np.expm1(-h / chain.lag))
     pulled, x, v, bristles = m.rig == "spring-pull", 0.0, 0.0, total.bristles
@@ -159,18 +159,21 @@ def run_driven(m: Machine, motion: Motion, laws: Sequence[Law], chain: Chain) ->
                 drive = transmitted(target + part * (ahead - target) - middle, m.stiffness, chain)
             else:
                 wanted = command[max(k * steps + j - late, 0) // steps]
+                before = drive
                 drive += (wanted - drive) * follow
-            s.x, s.v = middle, v
+            # The velocity in the middle of the step as the last step's acceleration has it, but for a reversal.
+            ahead_v = v + 0.5 * h * s.rate
+            s.x, s.v = middle, ahead_v if ahead_v * v > 0.0 else v
             level = total.level(s)
-            push = drive - total.force(s)
+            push = (0.5 * (before + drive) if chain.lag else drive) - total.force(s)
             if bristles:
                 push -= level * bristles.value(s) + bristles.drag(v)
                 level = 0.0
-            free = mass * v / h + push
+            free = (mass / h - 0.5 * m.viscous) * v + push
             if free > level:
-                w = (free - level) / (mass / h + m.viscous)
+                w = (free - level) / (mass / h + 0.5 * m.viscous)
             elif free < -level:
-                w = (free + level) / (mass / h + m.viscous)
+                w = (free + level) / (mass / h + 0.5 * m.viscous)
             else:
                 w = 0.0
             s.rate = (w - v) / h

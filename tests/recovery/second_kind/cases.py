@@ -22,7 +22,7 @@ from .records import Inputs, Logged, closure, draw_inputs, noise_levels, problem
 CLASSES = {"named": 0.60, "two": 0.12, "none": 0.14, "unknown": 0.14}
 VISIBLE = {"named": (3.0, 60.0), "two": (8.0, 40.0), "unknown": (4.0, 60.0)}
 AXIS_NOISE, TIP_NOISE = (4e-4, 1.2e-2), (1e-4, 2e-3)
-NOTHING_LEFT = 0.4
+NOTHING_LEFT = 0.3
 ATTEMPTS, SAME_EFFECT = 60, 12
 
 
