@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from second_kind import cases, hidden, loggers, machines, make_case, refit
+from second_kind import axis, cases, hidden, loggers, machines, make_case, refit
 from second_kind.axis import Chain, Motion, Run, run_axis
 from second_kind.friction_laws import FORMS, Ageing, Bristles, Curve, Law, State
 from second_kind.machines import RIGS, Machine, draw_machine
@@ -74,6 +74,28 @@ def test_the_work_of_the_spring_is_dissipated_or_stored() -> None:
     lost = np.sum((COULOMB * np.abs(out.velocity) + VISCOUS * out.velocity**2) * m.step)
     stored = 0.5 * m.stiffness * (x[-1] - out.position[-1]) ** 2 + 0.5 * MASS * out.velocity[-1] ** 2
     assert pulled == pytest.approx(lost + stored, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "rig"),
+    [("flexible_mode", "spring-pull"), ("magnetic_cogging", "force-drive"), ("stribeck", "force-drive"),
+     ("drive_lag", "force-drive"), ("presliding", "spring-pull"), ("backlash", "spring-pull")],
+)  # fmt: skip
+def test_a_tenth_of_the_time_step_changes_little_of_what_the_effect_does(
+    name: str, rig: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    effect = next(h for h in hidden.NAMED if h.name == name and rig in h.rigs)
+    rng = np.random.default_rng(1)
+    m = replace(draw_machine(rng, rig, curve=False), rows=1500)
+    x, v, a = reference(rng, "random_steps", m)
+    build, positions = effect.draw(rng, m), []
+    for hide, finest in ((False, axis.FINEST), (True, axis.FINEST), (True, 0.1 * axis.FINEST)):
+        monkeypatch.setattr(axis, "FINEST", finest)
+        setting = build(1.0) if hide else hidden.Setting()
+        zero = np.zeros(m.rows)
+        positions.append(run_axis(m, Motion(x, v, a, zero, zero), setting.laws, setting.chain).position)
+    plain, usual, finer = positions
+    assert np.std(usual - finer) < 0.05 * np.std(usual - plain)
 
 
 @pytest.mark.parametrize("form", FORMS)
