@@ -1,19 +1,24 @@
 """Do 95 % intervals cover the truth? An independent implementation of the very same laws, the true effect added.
 
     python benchmarks/hidden_effects.py --cases 0 --coverage 300 --jobs 2
+    python benchmarks/interval_coverage.py --autocorrelation 0 0.9 0.98 --cases 60
 
 Only laws that the generator writes as the library does are asked for, plain records and hard ones (coloured noise,
 gaps, other units and rates, rotary axes, a mass that is uncertain or absent) apart. Beside the share of intervals that
 hold the truth stands the robust deviation of (value - truth)/std: 1 is honest, less too modest, more overbold.
+
+With `--autocorrelation` the records are those of `noise_alone.py`: Coulomb and viscous friction, nothing missing.
 """
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import io
 import json
 import shutil
 import sys
+import tempfile
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -21,6 +26,8 @@ from multiprocessing import get_context
 from pathlib import Path
 from statistics import median
 from typing import Any
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from benchmarks.scoring import plain, share
 
@@ -159,3 +166,44 @@ def coverage_table(count: int, seed: int, folder: Path, jobs: int, hard: float =
         for r in rows if r.covered is False
     )]  # fmt: skip
     return "\n".join(lines + [f"  failed: {text}" for text in failed])
+
+
+def _noise_alone(job: tuple[Path, float, int]) -> list[Told]:
+    """Intervals of the friction values of one record of noise of a given autocorrelation."""
+    import numpy as np
+
+    from benchmarks.noise_alone import COULOMB, VISCOUS, write_case
+    from sysid.estimation.covariance import intervals
+    from sysid.estimation.reference_fit import fit_stated_model
+    from sysid.prediction.problem import load_problem
+
+    folder, correlation, number = job
+    write_case(folder, np.random.default_rng([4711, number]), correlation, True)
+    problem = load_problem(folder)
+    known = intervals(fit_stated_model(problem).fitted, problem.fit_records).by_key
+    out = []
+    for key, truth in (("coulomb.force", COULOMB), ("viscous.coefficient", VISCOUS)):
+        found = known[key]
+        off, covered = (found.value - truth) / found.std, found.low <= truth <= found.high
+        out.append(Told(folder.name, "velocity-drive", False, "none", key, off, covered))
+    return out
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--autocorrelation", type=float, nargs="+", default=[0.0, 0.9, 0.98])
+    parser.add_argument("--cases", type=int, default=60, help="of each autocorrelation")
+    parser.add_argument("--jobs", type=int, default=1)
+    a = parser.parse_args()
+    with (
+        tempfile.TemporaryDirectory() as scratch,
+        ProcessPoolExecutor(a.jobs, mp_context=get_context("spawn")) as pool,
+    ):
+        for correlation in a.autocorrelation:
+            jobs = [(Path(scratch) / f"{correlation}_{k}", correlation, k) for k in range(a.cases)]
+            rows = [row for told in pool.map(_noise_alone, jobs) for row in told]
+            print(_line(f"autocorrelation {correlation}", rows), flush=True)
+
+
+if __name__ == "__main__":
+    main()

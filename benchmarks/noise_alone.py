@@ -57,10 +57,8 @@ def autoregressive(size: int, correlation: float, random: np.random.Generator) -
     return out
 
 
-def write_case(folder: Path, number: int, seed: int) -> tuple[float, float, bool]:
-    """Write experiment `number`; returns the autocorrelation, the standard deviation (N), and whether it is stated."""
-    random = np.random.default_rng([seed, number])
-    correlation, stated = CORRELATIONS[number // EACH], number % EACH < STATED
+def write_case(folder: Path, random: np.random.Generator, correlation: float, stated: bool) -> float:
+    """Write an experiment; returns the standard deviation of its noise, N."""
     rate, seconds = random.choice([200.0, 500.0, 1000.0]), random.uniform(15.0, 40.0)
     std = COULOMB * 10.0 ** random.uniform(-2.3, -1.0)
     folder.mkdir(parents=True)
@@ -81,7 +79,7 @@ def write_case(folder: Path, number: int, seed: int) -> tuple[float, float, bool
         np.savetxt(folder / f"{role}.csv", rows, delimiter=",", header=header, comments="", fmt="%.9g")
         text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
     (folder / "experiment.toml").write_text(text, encoding="utf-8")
-    return correlation, std, stated
+    return std
 
 
 def _judge(job: tuple[Path, int, int, bool]) -> tuple[float, bool, float, str]:
@@ -92,7 +90,8 @@ def _judge(job: tuple[Path, int, int, bool]) -> tuple[float, bool, float, str]:
     from sysid.experiment.record import load_records
     from sysid.noise.estimate import estimate_noise
 
-    correlation, std, stated = write_case(folder, number, seed)
+    correlation, stated = CORRELATIONS[number // EACH], number % EACH < STATED
+    std = write_case(folder, np.random.default_rng([seed, number]), correlation, stated)
     ratio = estimate_noise(load_records(load_experiment(folder)), "friction_force").value / std
     if levels_only:
         return correlation, stated, ratio, ""

@@ -8,15 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from sysid.estimation.fit import FittedModel
-from sysid.estimation.misfit import blocks
+from sysid.estimation.misfit import LOSS_CORNER, blocks
 from sysid.estimation.systematic_errors import systematic_errors
 from sysid.prediction.model import PreparedRecord
+from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
 BLOCKS_PER_RECORD = 40
 
 IDENTIFIABLE = 1e-9
 """Eigenvalue of the scaled information matrix, relative to the largest, up to which its direction is not
 identifiable."""
+
+
+LEAST_CORRELATION, MOST_CORRELATION = 0.05, 0.995
+"""Least autocorrelation of a residual at a lag of one sample that is not white, and largest coefficient."""
 
 
 @dataclass(frozen=True)
@@ -98,8 +103,9 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
 
     with Student's t on 2/3 B - p degrees of freedom. The factor before the sum is the leverage correction CR3 (Bell and
     McCaffrey 2002; Cameron and Miller 2015). The weight 1/2 of the neighbouring block is Bartlett's (Newey and West
-    1987) for correlation across the edge of a block; it costs a third of the degrees of freedom. Correlation, filtering
-    and uneven noise widen the interval; faster sampling does not narrow it. A prior enters as one more observation, and
+    1987) for correlation across the edge of a block; it costs a third of the degrees of freedom. The variance is at
+    least that of independent noise, and that of noise with the residual's autocorrelation. Correlation, filtering and
+    uneven noise widen the interval; faster sampling does not narrow it. A prior enters as one more observation, and
     the systematic errors (`sysid.estimation.systematic_errors`) as further terms of rank one.
     """
     fit = fitted.fit
@@ -110,8 +116,9 @@ def intervals(fitted: FittedModel, records: Sequence[PreparedRecord]) -> Interva
     count = int(np.unique(numbers).size)
     covariance = _covariance(fitted, records, information, numbers, count)
     free, root = information.free, information.root
-    # Lower limit: the covariance of independent noise; with few blocks the estimate may be smaller.
-    spread = np.maximum(np.diag(covariance), np.diag(root @ root.T))
+    # Lower limits: with few blocks, or noise correlated over a block, the estimate may be smaller.
+    limits = [np.diag(covariance), np.diag(root @ root.T), np.diag(_autoregressive(fitted, information))]
+    spread = np.max(limits, axis=0)
     std = np.full(len(fit.keys), np.inf)
     std[free] = np.sqrt(spread) / information.size[free]
     unidentified = []
@@ -152,6 +159,30 @@ def _covariance(
         shift = root @ (root.T @ (columns.T @ (inner * change)))
         covariance += np.outer(shift, shift)
     return covariance
+
+
+def _autoregressive(fitted: FittedModel, information: _Information) -> np.ndarray:
+    """Covariance (f, f) of the scaled free values for noise of unit variance with the autocorrelation of the residual.
+
+    The noise is the sum of white noise and an autoregression of coefficient c; the autocorrelations r1 and r2 of the
+    residual at lags of one and two samples of a channel give c = r2/r1, and the autoregression's part of the variance
+    r1/c.
+    """
+    root, total, start = information.root, np.diag(information.prior**2), 0
+    columns = information.columns * information.inner[:, None]
+    for samples in fitted.weights.samples:
+        for pick in samples.values():
+            part = slice(start, start + pick.size)
+            start += pick.size
+            r = np.clip(fitted.fit.residual[part], -LOSS_CORNER, LOSS_CORNER)
+            one, two = (float(r[lag:] @ r[: r.size - lag]) / max(float(r @ r), 1e-300) for lag in (1, 2))
+            c = min(max(two / one, 0.0), MOST_CORRELATION) if one > LEAST_CORRELATION else 0.0
+            spectrum = NoiseSpectrum(c, 1.0 - min(one / c, 1.0)) if c > 0.0 else WHITE
+            transformed = np.fft.rfft(columns[part], 2 * pick.size, axis=0)
+            power = np.full(transformed.shape[0], 2.0) * spectrum.power(np.linspace(0.0, np.pi, transformed.shape[0]))
+            power[[0, -1]] *= 0.5
+            total = total + np.real(transformed.conj().T @ (power[:, None] * transformed)) / (2 * pick.size)
+    return root @ (root.T @ total @ root) @ root.T
 
 
 MOST_LEVERAGE = 0.98

@@ -68,6 +68,18 @@ def test_autocorrelated_noise_widens_the_interval() -> None:
     assert deviation == pytest.approx(scatter, rel=0.15)
 
 
+@pytest.mark.parametrize("correlation", [0.9, 0.97])
+def test_noise_correlated_over_a_block_of_time_keeps_the_coverage(correlation: float) -> None:
+    def coloured(rng: np.random.Generator) -> np.ndarray:
+        drive = np.sqrt(1.0 - correlation**2) * rng.standard_normal(SAMPLES + 300)
+        return np.asarray(lfilter([1.0], [1.0, -correlation], drive))[300:]
+
+    # A block has 50 samples, the noise a correlation time of 10 or 33. 1000 intervals: a deviation of 0.007.
+    share, deviation, scatter = held(coloured, draws=500)
+    assert 0.93 <= share <= 0.975
+    assert deviation == pytest.approx(scatter, rel=0.12)
+
+
 def test_heteroscedastic_noise_is_weighted_locally() -> None:
     def uneven(rng: np.random.Generator) -> np.ndarray:
         # Loud where the sine is large: its amplitude is known less well than an even noise of that size would tell.
