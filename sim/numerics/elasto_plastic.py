@@ -43,10 +43,10 @@ def elements_along(stretches: np.ndarray, curve: np.ndarray) -> Elements:
     return Elements(stretches, np.maximum((slope - np.append(slope[1:], 0.0)) * stretches, 0.0))
 
 
-def springs_of(elements: Elements, stress: float = 0.0) -> Springs:
-    """Springs of the elements at a limit of one, each stretched by `stress` times what it can bear."""
+def springs_of(elements: Elements) -> Springs:
+    """Unloaded springs of the elements, at a friction limit of one."""
     weights = np.ascontiguousarray(elements.weights, dtype=float)
-    return Springs(stress * weights, weights / elements.stretches, weights)
+    return Springs(np.zeros(weights.size), weights / elements.stretches, weights)
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER, forceinline=True, _nrt=False)
