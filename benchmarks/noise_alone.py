@@ -122,13 +122,12 @@ def main() -> None:
         for stated in (True, False):
             own = [row for row in rows if row[:2] == (correlation, stated)]
             if own:
-                good = sum(row[3] == "adequate" for row in own)
                 low, middle, high = np.quantile([row[2] for row in own], [0.0, 0.5, 1.0])
-                print(
-                    f"autocorrelation {correlation:.2f}, noise {'stated' if stated else 'estimated'}: adequate {good} "
-                    f"of {len(own)}; estimated level over true level {low:.2f} {middle:.2f} {high:.2f}"
-                )
-    print(f"adequate: {sum(row[3] == 'adequate' for row in rows)} of {len(rows)}")
+                level = f"estimated level over true level {low:.2f} {middle:.2f} {high:.2f}"
+                good = "" if a.levels_only else f"adequate {sum(row[3] == 'adequate' for row in own)} of {len(own)}; "
+                print(f"autocorrelation {correlation:.2f}, noise {'stated' if stated else 'estimated'}: {good}{level}")
+    if not a.levels_only:
+        print(f"adequate: {sum(row[3] == 'adequate' for row in rows)} of {len(rows)}")
 
 
 if __name__ == "__main__":
