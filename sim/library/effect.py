@@ -156,6 +156,9 @@ class Effect:
             simulation, in place of `force`.
         time_domain: for an effect of drive, structure or memory: its time-domain realisation, a function of its values.
         acts_on: place of action.
+        needs: what the records must have for the effect to be observable.
+        between_rows: a law for the course of a command between its rows.
+        refinement: tried only once another law of its name is in the model, or by name.
         variants: other laws under the same name (`stribeck:free_exponent`).
     """
 
@@ -177,7 +180,9 @@ class Effect:
     parallel_element: Any = None
     time_domain: Callable[[Any], TimeDomain] | None = None
     acts_on: Literal["friction", "axis", "drive", "piezo", "sensor", "memory", "structure"] = "axis"
-    needs: tuple[Literal["load", "temperature", "rotary"], ...] = ()
+    needs: tuple[Literal["load", "temperature", "rotary", "imposed_motion"], ...] = ()
+    between_rows: bool = False
+    refinement: bool = False
     variants: tuple[Effect, ...] = ()
 
     def __post_init__(self) -> None:

@@ -6,29 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.effects.catalogue import find, library
+from sim.effects.catalogue import ORDER, find, library
 from sim.library.effect import Effect
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.observable import can_show, contact_candidates
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
-from sysid.prediction.model import public_name
+from sysid.prediction.model import in_contact, public_name
 from sysid.prediction.problem import Problem
 
-PUBLIC_EFFECTS = (
-    *("coulomb", "viscous", "stribeck", "presliding", "bristle_damping", "frictional_lag", "dwell_strengthening"),
-    *("direction_asymmetry", "position_dependent_friction", "load_dependent_friction"),
-    *("temperature_dependent_friction", "run_in", "quadratic_drag", "constant_bias", "cable_spring"),
-    *("magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay"),
-    *("piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity"),
-    *("sensor_drift",),
-)
+PUBLIC_EFFECTS = ORDER[: ORDER.index("sensor_quantisation")]
 """Names of the interface that are tried by refitting; `sensor_quantisation` is read off the values themselves."""
-
-OF_A_COMMAND = (":of_steps", ":of_curves")
-"""Variants for a voltage between the rows, held or along a curve."""
-
-REFINEMENTS = (":maxwell_slip", ":lugre_causal", ":overtone", ":lubricated")
-"""Variants that are tried only once another of their group is in the model, or by name."""
 
 
 def candidate_effects(problem: Problem, present: Sequence[str], all_effects: bool = False) -> list[Effect]:
@@ -38,8 +25,8 @@ def candidate_effects(problem: Problem, present: Sequence[str], all_effects: boo
     level needs a level to multiply.
     """
     taken = {public_name(name) for name in present}
-    cores = {"coulomb", "presliding", "dahl", "lugre", "lugre_undamped", "lugre_causal", "lugre_causal_as_run"}
-    has_core = bool(taken & (cores | {"maxwell_slip"}))
+    effects = [find(name, problem.custom) for name in taken]
+    cores = {e.friction_state.name for e in effects if e.friction_state is not None and not in_contact(e)}
     names = list(PUBLIC_EFFECTS)
     if all_effects:
         names += [n for n in library() if n not in names and n != "sensor_quantisation"]
@@ -51,18 +38,15 @@ def candidate_effects(problem: Problem, present: Sequence[str], all_effects: boo
         effect = find(name, problem.custom)
         if not is_observable(problem, effect):
             continue
-        if (
-            effect.friction_state is not None
-            and has_core
-            and (name == "coulomb" or taken & (cores - {"coulomb"}))
-            and not all_effects
-        ):
+        # Bristles may take the place of plain friction; nothing else takes the place of a friction state model.
+        core = effect.friction_state
+        if core is not None and cores and not all_effects and (core.name in cores or cores != {"coulomb"}):
             continue
-        if effect.friction_state is None and not has_core and (effect.factor is not None or effect.level is not None):
+        if core is None and not cores and (effect.factor is not None or effect.level is not None):
             continue
         found.extend(_on_channels(problem, effect, present))
         for variant in effect.variants:
-            if variant.name.endswith(REFINEMENTS) or not is_observable(problem, variant):
+            if variant.refinement or not is_observable(problem, variant):
                 continue
             found.extend(_on_channels(problem, find(variant.name, problem.custom), present))
     driven = [r for r in problem.fit_records if isinstance(r, FrictionDriveRecord)]
@@ -88,22 +72,19 @@ def is_observable(problem: Problem, effect: Effect) -> bool:
         return acts in ("drive", "piezo", "sensor") or (acts == "structure" and effect.signal is not None)
     if isinstance(records[0], FrictionDriveRecord):
         return can_show(records[0], effect)
-    if acts == "piezo" or effect.name.endswith(OF_A_COMMAND):
+    if acts == "piezo" or effect.between_rows:
         # Other measured channels are too smooth for the course of a signal between the rows to matter.
         return False
-    if effect.friction_state is not None and effect.friction_state.name == "free_maxwell_slip":
-        # So many shares take a motion that is known, not one that is measured.
-        return kind == "velocity-drive"
+    if "imposed_motion" in effect.needs and kind != "velocity-drive":
+        return False
     if acts == "drive":
-        return kind == "force-drive" and effect.name in ("drive_lag", "drive_delay")
-    if effect.name == "backlash":
+        return kind == "force-drive" and effect.inverse is not None
+    if acts == "structure" and effect.memory is not None:
         # In a spring-pull rig with one channel a gap is not distinguishable from a longer pull.
         return kind == "velocity-drive" or (kind == "spring-pull" and {"position", "spring_force"} <= channels)
-    if effect.name == "flexible_mode":
+    if acts == "structure":
         return kind != "velocity-drive"
-    if acts == "sensor" and kind == "force-drive":
-        return effect.name in ("sensor_lag", "sensor_delay")
-    return True
+    return not (acts == "sensor" and kind == "force-drive") or effect.inverse is not None
 
 
 def _varies(records: Sequence[object], name: str) -> bool:
@@ -121,7 +102,7 @@ def _on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> li
         return [effect]
     channels = list(problem.fit_records[0].measured)
     # How a command runs from row to row is the same for the whole log.
-    if problem.kind == "force-drive" or len(channels) == 1 or effect.name.endswith(OF_A_COMMAND):
+    if problem.kind == "force-drive" or len(channels) == 1 or effect.between_rows:
         return [effect]
     each = [find(f"{effect.name}@{channel}", problem.custom) for channel in channels]
     each = [e for e in each if e.name not in present]

@@ -75,6 +75,7 @@ _SMOOTH = Effect(
 _OF_STEPS = replace(
     _SMOOTH,
     name="flexible_mode:of_steps",
+    between_rows=True,
     meaning="a resonance between a voltage that is held from row to row and what is measured",
     equation="as flexible_mode; u is held from each row to the next",
     signal=_signal_of_steps,

@@ -62,6 +62,7 @@ _SINE = Effect(
 _OVERTONE = replace(
     _SINE,
     name="magnetic_cogging:overtone",
+    refinement=True,
     meaning="a cogging force with a second harmonic: square teeth, saturated iron",
     equation="force = amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a), a = 2 pi x/pitch + phase",
     parameters=(*_SINE.parameters, *SECOND_HARMONIC),

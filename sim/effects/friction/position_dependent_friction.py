@@ -106,6 +106,7 @@ _GRADIENT = replace(
 _OVERTONE = replace(
     _SINE,
     name="position_dependent_friction:overtone",
+    refinement=True,
     meaning="a periodic variation along the travel with a second harmonic",
     equation="level * (1 + amplitude * (sin a + second_sine sin 2a + second_cosine cos 2a)), a = 2 pi x/pitch + phase",
     parameters=(*(replace(p, high=0.6) if p.name == "amplitude" else p for p in _SINE.parameters), *SECOND_HARMONIC),

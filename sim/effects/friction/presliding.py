@@ -12,7 +12,7 @@ EFFECT = replace(
     MAXWELL_SLIP,
     name="presliding",
     variants=tuple(
-        replace(effect, name=f"presliding:{effect.name}")
+        replace(effect, name=f"presliding:{effect.name}", refinement=effect in (MAXWELL_SLIP, CAUSAL))
         for effect in (MAXWELL_SLIP, FREE_MAXWELL_SLIP, dahl.EFFECT, LUGRE, CAUSAL)
     ),
 )

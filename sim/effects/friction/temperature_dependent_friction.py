@@ -64,6 +64,7 @@ _EXPONENTIAL = replace(
 _LUBRICATED = replace(
     _EXPONENTIAL,
     name="temperature_dependent_friction:lubricated",
+    refinement=True,
     meaning="level and viscous drag fall with temperature, each at its own rate",
     equation="level * exp(coefficient * dT) + drag * v * (exp(drag_coefficient * dT) - 1),  dT = T - reference",
     parameters=(

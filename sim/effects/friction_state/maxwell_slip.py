@@ -82,6 +82,7 @@ MAXWELL_SLIP = Effect(
 
 FREE_MAXWELL_SLIP = Effect(
     name="free_maxwell_slip",
+    needs=("imposed_motion",),  # so many shares take a motion that is known, not one that is measured
     meaning="elastic contact before sliding: parallel elements, each with its share of the level",
     equation="F = level * sum_k w_k stop(x; u_k);  u_k from stretch/span to stretch, w_k = share_k / sum of the shares",
     shows="after each reversal the force rises along a concave curve over micrometres, the same at any speed",

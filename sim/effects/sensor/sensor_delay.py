@@ -56,6 +56,7 @@ _STRAIGHT = Effect(
 _OF_CURVES = replace(
     _STRAIGHT,
     name="sensor_delay:of_curves",
+    between_rows=True,
     meaning="a sensor reports, after a delay, a quantity that is smooth between rows",
     equation="y(t) = u(t - delay), u a cubic between rows that stays between them (Fritsch and Carlson 1980)",
     signal=_signal_of_curves,

@@ -61,6 +61,7 @@ _SMOOTH = Effect(
 _OF_STEPS = replace(
     _SMOOTH,
     name="sensor_lag:of_steps",
+    between_rows=True,
     meaning="a digital filter follows the measured quantity, which it takes as held from row to row",
     equation="as sensor_lag; u is held, and changes to a row's value the part `early` of a step before that row",
     source="Astrom and Wittenmark, Computer-Controlled Systems (1997), sec. 2.3 (delay of a part of a step)",
