@@ -9,7 +9,7 @@ part w_k = (m_k - m_(k+1)) u_k of the level, so f is met exactly at every knot, 
 broken line with a knot at every stretch. Only ratios of the shares matter; one of them is held.
 
 After a reversal at u_0 the force follows the same curve at twice its size: Masing's rule. Along a record the elements
-yield ideally; in a simulation their rate falls with the eighth power of the stretch.
+yield ideally; in a simulation they yield smoothly.
 """
 
 from __future__ import annotations
