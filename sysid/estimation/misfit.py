@@ -11,7 +11,7 @@ import numpy as np
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.force_balance.stick_phases import STICK_DISPLACEMENT
 from sysid.prediction.model import Model, PreparedRecord, predict
-from sysid.prediction.sensors import noise_with_delays
+from sysid.prediction.sensors import residual_noise
 
 KEPT = 0.97
 """Share of samples in the trimmed rms; it leaves out single samples near reversals that occur between two samples."""
@@ -87,7 +87,7 @@ def channel_noise(model: Model, record: PreparedRecord, channel: str) -> float:
     """
     if not isinstance(record, ForceBalanceRecord) or channel != record.force_channel:
         return scored_channels(record)[channel][2]
-    noise = noise_with_delays(record, model.effects, model.values)
+    noise = residual_noise(record, model.effects, model.values)
     if record.velocity_sign is None or record.prefiltered_noise == 0.0:
         return noise
     axis = record.axis._replace(velocity=record.axis.velocity + record.velocity_noise)
