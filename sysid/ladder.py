@@ -16,8 +16,8 @@ from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.structural_modes import detect_structural_mode, prefers_balance_fit, with_structural_mode
 from sysid.estimation.covariance import intervals
 from sysid.estimation.driven_stage_search import lowest_minimum
-from sysid.estimation.fit import FittedModel, fit_model, root_mean_huber
-from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual, worst_over_noise
+from sysid.estimation.fit import FittedModel, fit_model
+from sysid.estimation.misfit import ChannelMisfit, misfit, residual_weights, weighted_residual
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.score_test import profiled_residual
 from sysid.estimation.screening import screen_and_refit
@@ -34,9 +34,6 @@ from sysid.prediction.model import Model, public_name
 from sysid.prediction.observable import candidate_effects, is_observable
 from sysid.prediction.problem import Problem, build_problem, load_problem
 from sysid.report import both_json, noise_json, parameter_unit, parameters_json
-
-SAME_MINIMUM = 1.05
-"""Ratio of held-out errors up to which two fits of a model are taken to be the same."""
 
 
 @dataclass(frozen=True)
@@ -61,14 +58,6 @@ class Addition:
     after_validate: dict[str, ChannelMisfit]
     changed: dict[str, tuple[float, float]]
     seconds: float
-
-    @property
-    def warnings(self) -> list[str]:
-        """One line where the held-out error has risen."""
-        before, after = (worst_over_noise({}, errors) for errors in (self.before_validate, self.after_validate))
-        if after <= SAME_MINIMUM * before:
-            return []
-        return [f"the held-out error rises from {before:.3g} to {after:.3g} times the noise; --undo takes it back"]
 
 
 def add_effects(
@@ -182,8 +171,10 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
             f"{nearest(name, observable)}"
         )
     profiled = profiled_residual(fitted)
-    # The search of a diagnosis, so that the model added is the one whose error it states.
-    refitted = [screen_and_refit(fitted, option, problem.fit_records, problem.scales, profiled) for option in options]
+    refitted = [
+        screen_and_refit(fitted, option, problem.fit_records, problem.scales, profiled, starts=3, iterations=40)
+        for option in options
+    ]
     found = [c for c in refitted if c is not None]
     if not found:
         raise InputError(
@@ -208,10 +199,7 @@ def _with_effect(problem: Problem, fitted: FittedModel, name: str) -> tuple[Prob
         # Without this effect, an effect of the model may have been fitted to a wrong local minimum.
         if fits_clearly_better(other.fitted, extended):
             extended = other.fitted
-    final = fit_model(extended.model, problem.fit_records, iterations=40)
-    errors = [root_mean_huber(weighted_residual(f.model, problem.validate_records, weights)) for f in (extended, final)]
-    # With new weights a fit may leave for another minimum, which is lower on its own records only.
-    return problem, final if errors[1] <= SAME_MINIMUM * errors[0] else extended
+    return problem, fit_model(extended.model, problem.fit_records, iterations=40)
 
 
 def _reselected_effects(problem: Problem, added: Sequence[str]) -> tuple[str, ...]:

@@ -28,7 +28,7 @@ from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import Record, load_record, load_whole_records
 from sysid.experiment.record_spec import RecordSpec
 from sysid.experiment.rigs import CHANNELS
-from sysid.noise.estimate import LEAST, Noise
+from sysid.noise.estimate import LEAST, Noise, noise_by_channel, with_quantisation
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model
@@ -182,7 +182,7 @@ def simulate_experiment(
     advance("fit")
     own = motion is None
     inputs = load_whole_records(experiment) if motion is None else [read_motion(experiment, Path(motion))]
-    noise, exact = _noise(problem, own)
+    noise, exact = _noise(problem)
     records = []
     for record in inputs:
         record = _true_motion(record, noise) if own else record
@@ -249,15 +249,18 @@ def _is_auxiliary(problem: Problem, key: str) -> bool:
     return effect is not None and (effect.parameter(parameter).fixed or effect.parameter(parameter).role == "reference")
 
 
-def _noise(problem: Problem, own: bool) -> tuple[dict[str, Noise], tuple[str, ...]]:
+def _noise(problem: Problem) -> tuple[dict[str, Noise], tuple[str, ...]]:
     """Noise to be added by channel, and the channels with an estimated noise to which none is added.
 
     An input is exact unless its noise is stated; in the experiment's own records its log has that noise already, and
     it serves as the true input.
     """
     rig, stated = problem.experiment.rig.declaration, problem.experiment.noise
-    added = {n: found for n, found in problem.noise.items() if n in rig.measured_channels or n in stated}
-    return added, tuple(name for name in problem.noise if name not in added)
+    # That of the rows as logged: long records are prepared as means over many rows.
+    noise, _ = noise_by_channel(problem.experiment, problem.records)
+    noise = with_quantisation(noise, _quantisation(problem.experiment.effects))
+    added = {n: found for n, found in noise.items() if n in rig.measured_channels or n in stated}
+    return added, tuple(name for name in noise if name not in added)
 
 
 def _true_motion(record: Record, noise: Mapping[str, Noise]) -> Record:

@@ -44,11 +44,11 @@ def candidate_effects(problem: Problem, present: Sequence[str], all_effects: boo
             continue
         if core is None and not cores and (effect.factor is not None or effect.level is not None):
             continue
-        found.extend(_on_channels(problem, effect, present))
+        found.extend(on_channels(problem, effect, present))
         for variant in effect.variants:
             if variant.refinement or not is_observable(problem, variant):
                 continue
-            found.extend(_on_channels(problem, find(variant.name, problem.custom), present))
+            found.extend(on_channels(problem, find(variant.name, problem.custom), present))
     driven = [r for r in problem.fit_records if isinstance(r, FrictionDriveRecord)]
     return [*found, *contact_candidates(driven, present)] if driven else found
 
@@ -96,7 +96,7 @@ def _varies(records: Sequence[object], name: str) -> bool:
     return False
 
 
-def _on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
+def on_channels(problem: Problem, effect: Effect, present: Sequence[str]) -> list[Effect]:
     """A sensor effect on each measured channel and, for an actuator tip, on all together; other effects unchanged."""
     if effect.acts_on != "sensor":
         return [effect]

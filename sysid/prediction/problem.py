@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal
 
 from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
@@ -93,11 +94,10 @@ def build_problem(experiment: Experiment, records: Sequence[Record], effects: Se
     if quantised:
         noise = with_quantisation(noise, quantised)
     logged, k = records, decimation_factor(records)
-    if k > 1:
-        held = ("drive_force",) if experiment.rig.input_hold == "zero" else ()
-        records, noise = [decimated(record, k, held) for record in records], noise_of_means(noise, k)
+    hold, records = averaged(experiment, records)
+    noise = noise_of_means(noise, k) if k > 1 else noise
     rig, rig_unknowns = rig_parameters(experiment, records, noise)
-    prepared = _prepare(experiment, records, noise, rig, "linear" if k > 1 else experiment.rig.input_hold)
+    prepared = _prepare(experiment, records, noise, rig, hold)
     for record, ready in zip(records, prepared, strict=True):
         if not any(valid.any() for valid in ready.valid.values()):
             raise InputError(
@@ -123,6 +123,16 @@ def build_problem(experiment: Experiment, records: Sequence[Record], effects: Se
             f"'{stiffness.value:.4g} +- {0.01 * stiffness.value:.2g} {unit}'"
         )
     return Problem(experiment, tuple(logged), noise, fits, held_out, scales, custom, model, tuple(notes))
+
+
+def averaged(experiment: Experiment, records: Sequence[Record]) -> tuple[Literal["zero", "linear"], list[Record]]:
+    """The records as they are prepared, long ones as means over blocks of rows, and how their input runs from row to
+    row."""
+    k, hold = decimation_factor(records), experiment.rig.input_hold
+    if k == 1:
+        return hold, list(records)
+    held = ("drive_force",) if hold == "zero" else ()
+    return "linear", [decimated(record, k, held) for record in records]
 
 
 def _displacement_by_spring(record: PreparedRecord) -> bool:

@@ -11,7 +11,7 @@ else follows from the inputs, and horizons of the other rigs are the free run.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +26,7 @@ from sysid.prediction.force_balance.predict import unfiltered_force
 from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import FrictionDriveRecord
 from sysid.prediction.model import Model, PreparedRecord, predict
-from sysid.prediction.problem import Problem
+from sysid.prediction.problem import Problem, averaged
 from sysid.prediction.sensors import sensor_input
 from sysid.prediction.simulation import Start, simulate_driven_mass, uniform_inputs
 
@@ -66,14 +66,15 @@ class SimulationErrors:
 
 def simulation_errors(problem: Problem, model: Model) -> SimulationErrors:
     """Errors of simulation of a model on the records of a problem."""
-    raw = {record.name: record for record in problem.records}
+    hold, logged = averaged(problem.experiment, problem.records)
+    rig, raw = replace(problem.experiment.rig, input_hold=hold), {record.name: record for record in logged}
     sets = {"fit": problem.fit_records, "validate": problem.validate_records}
     free_run: Errors = {}
     horizon: dict[str, Errors] = {name: {} for name in HORIZONS}
     try:
         for part, records in sets.items():
             starts = max(1, MOST_STARTS // max(len(records), 1))
-            found = [_runs(problem.experiment.rig, raw[r.name], r, model, starts) for r in records]
+            found = [_runs(rig, raw[r.name], r, model, starts) for r in records]
             free_run[part] = _misfits([run for run, _ in found])
             for name in HORIZONS:
                 horizon[name][part] = _misfits([windows for _, runs in found for windows in runs[name]])

@@ -83,7 +83,6 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
         "before": both_json(step.problem, step.before_fit, step.before_validate),
         "after": both_json(step.problem, step.after_fit, step.after_validate),
         "parameters": dict(step.revision.document["parameters"]),
-        "warnings": step.warnings,
         "seconds": step.seconds,
     }
     print_revision(run, step, document)

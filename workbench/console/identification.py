@@ -95,8 +95,6 @@ def print_revision(run: Run, step: Addition, document: Mapping[str, Any]) -> Non
     for key, (old, new) in step.changed.items():
         unit = parameters.get(public_key(key), {}).get("unit", "")
         run.echo(f"{public_key(key)} changed from {quantity_text(old, unit)} to {quantity_text(new, unit)}")
-    for line in step.warnings:
-        run.echo(f"warning: {line}")
     run.echo(f"wrote {step.revision.path} and {step.problem.experiment.path}")
 
 

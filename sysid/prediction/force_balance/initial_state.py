@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from sim.library.effect import Axis, Effect
 from sysid.prediction.force_balance.record import ForceBalanceRecord
@@ -14,10 +13,10 @@ FIRST_ROWS = 50
 """Rows, filter widths apart, over which the first force is averaged where the record does not begin at rest."""
 
 MOST_ROWS = 400
-"""Largest number of rows up to the end of those, as their path is evaluated several times."""
+"""Largest number of rows up to the end of those, as their path is evaluated at every step of the bisection."""
 
-BEFORE = np.arange(-3.0, 0.0)
-"""Rows of the motion that is put before a record."""
+BISECTIONS = 28
+"""Steps of the bisection for the preceding motion."""
 
 
 def first_rows(balance: ForceBalanceRecord) -> slice:
@@ -54,26 +53,31 @@ def friction_from_initial_state(
     measured = balance.inputs.get("spring_force", balance.measured[balance.force_channel])
     wanted = measured[rows] - other[rows]
 
-    def preceded(beyond: float, size: int) -> np.ndarray:
-        """Force (size,) in the first rows after a motion to `beyond` the first position and back, m."""
-        before = side * np.array([-far, beyond, 0.0])
+    def preceded(before: np.ndarray, size: int) -> np.ndarray:
+        """Force (size,) in the first rows after a motion `before` them (k,), m from the first position."""
+        count = before.size
         return along(
             np.concatenate([axis.position[0] + before, axis.position[:size]]),
-            np.concatenate([before / balance.step, axis.velocity[:size]]),
-            np.concatenate([axis.time[0] + balance.step * BEFORE, axis.time[:size]]),
-            np.concatenate([np.full(before.size, level[0]), level[:size]]),
+            np.concatenate([np.gradient(before, balance.step), axis.velocity[:size]]),
+            np.concatenate([axis.time[0] + balance.step * np.arange(-count, 0), axis.time[:size]]),
+            np.concatenate([np.full(count, level[0]), level[:size]]),
             p,
-        )[before.size :]
+        )[count:]
 
-    def excess(beyond: float) -> float:
-        return float(np.median(side * (preceded(beyond, rows.stop)[rows] - wanted)))
-
-    beyond = 0.0
     side = 1.0 if float(np.median(wanted)) >= 0.0 else -1.0
     far = 1e3 * max(float(np.ptp(axis.position)), 1e-9)
-    low, high = np.log(1e-9 * far), np.log(far)
+    low, high = 1e-9 * far, far
+
+    def motion(beyond: float) -> np.ndarray:
+        return side * np.array([-far, beyond, 0.0])
+
+    def too_high(beyond: float) -> bool:
+        return float(np.median(side * (preceded(motion(beyond), rows.stop)[rows] - wanted))) > 0.0
+
     # The force falls as the reversal lies further beyond the initial position.
-    if excess(0.0) > 0.0 and excess(1e-9 * far) > 0.0 > excess(far):
-        root: Any = brentq(lambda log: excess(float(np.exp(log))), low, high, xtol=1e-7)
-        beyond = float(np.exp(root))
-    return preceded(beyond, axis.time.size)
+    if too_high(0.0):
+        for _ in range(BISECTIONS):
+            middle = float(np.sqrt(low * high))
+            low, high = (middle, high) if too_high(middle) else (low, middle)
+        return preceded(motion(high), axis.time.size)
+    return preceded(motion(0.0), axis.time.size)
