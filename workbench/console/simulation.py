@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from workbench.console.tables import feature_text, plain_table
+from workbench.console.tables import feature_text, plain_table, rich_table
+from workbench.identification.tables import CODE, STRONG, TEXT, make_table, quantity_text
 from workbench.options import Run
 from workbench.simulation.monte_carlo import Study
 
@@ -40,13 +41,13 @@ def print_features(run: Run, experiment: str, found: dict[str, Any]) -> None:
 
 def print_simulated_records(run: Run, document: dict[str, Any]) -> None:
     """Values and noise with which the records of an experiment were simulated, and the files."""
-    table = plain_table(f"Simulated: {', '.join(document['effects'])}", "parameter", "value", "from")
-    for key, quantity in document["parameters"].items():
-        table.add_row(key, feature_text(quantity), quantity["from"])
-    run.console.print(table)
+    run.echo(f"model: {', '.join(document['effects']) or 'no effects'}")
+    shown = {key: q for key, q in document["parameters"].items() if q["from"] != "default"}
+    rows = [(key, quantity_text(q["value"], q["unit"]), q["from"]) for key, q in shown.items()]
+    run.console.print(rich_table(make_table("Values", [("parameter", CODE), ("value", STRONG), ("from", TEXT)], rows)))
     for channel, noise in document["noise"].items():
         correlation = f", autocorrelation {noise['autocorrelation']:.2f}" if "autocorrelation" in noise else ""
-        run.echo(f"noise of {channel}: {feature_text(noise)} ({noise['from']}{correlation})")
+        run.echo(f"noise of {channel}: {quantity_text(noise['value'], noise['unit'])} ({noise['from']}{correlation})")
     for record in document["records"]:
         run.echo(f"{record['name']} ({record['role']}): {record['rows']} rows")
     run.echo(f"wrote {', '.join(document['files'])}")
