@@ -165,7 +165,7 @@ def _logged(bench: Bench, channels: Channels, quantised: str = "") -> list[Recor
         noisy = {n: channels[n] + noise_signal(Noise(std, "", "given"), time, random) for n, std in bench.noise.items()}
         for name, std in bench.noise.items():
             if quantised.endswith(("sensor_quantisation", f"sensor_quantisation@{name}")):
-                noisy[name] = 3.0 * std * np.round(noisy[name] / (3.0 * std))
+                noisy[name] = 2.0 * std * np.round(noisy[name] / (2.0 * std))
         units = {name: CHANNELS[name].si_unit(bench.rotary) for name in channels}
         found.append(
             Record(
