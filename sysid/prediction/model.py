@@ -66,6 +66,9 @@ class Scales:
 _SCALES = ("force", "position", "velocity", "time", "sample", "travelled", "load", "temperature", "input", "channel")
 
 
+LEAST_FORCE = 1e-2
+"""Median of a force over its standard deviation below which the log is at rest for most of its rows."""
+
 LEAST_REST = 10.0
 """Samples of the shortest stick phase that sets the scale of time at rest."""
 
@@ -96,7 +99,8 @@ def scales_of(records: Sequence[PreparedRecord]) -> Scales:
             y = force if record.is_free else y
             # The force of rigid friction has two values: its median is one of them, and the middle lies between.
             middle = 0.0 if record.is_free else float(np.mean(np.quantile(force, [0.05, 0.95])))
-            found["force"].append(float(np.median(np.abs(force - middle))) or float(np.std(force)))
+            typical, spread = float(np.median(np.abs(force - middle))), float(np.std(force))
+            found["force"].append(typical if typical > LEAST_FORCE * spread else spread)
         found["channel"].append(float(np.max(np.abs(y))))
         found["position"].append(float(np.ptp(axis.position)))
         found["velocity"].append(float(np.max(np.abs(axis.velocity))))

@@ -23,6 +23,7 @@ from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.friction_drive.record import friction_drive_record
 from sysid.prediction.model import Model, PreparedRecord, Scales, scales_of, with_effect
 from sysid.prediction.rig_parameters import rig_parameters
+from sysid.prediction.settling import without_start
 
 FORMS = {
     "velocity-drive": "output",
@@ -193,7 +194,7 @@ def _prepare(
             )
             width = balance.full_filter.width if balance.full_filter is not None else None
             prepared.append(balance)
-    return prepared
+    return [without_start(record) for record in prepared]
 
 
 def _with_stretch(model: Model, records: Sequence[PreparedRecord]) -> Model:

