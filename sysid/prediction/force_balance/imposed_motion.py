@@ -33,8 +33,9 @@ SIGN_STEPS = 2.5
 """Standard deviations of its noise, and quantisation steps, from which a given velocity has a certain sign."""
 
 
-LEAST_WIDTH = 2.0
-"""Least width in steps of the filter by which a velocity is derived from a position."""
+LEAST_WIDTH = 0.7
+"""Least width in steps of the filter by which a velocity is derived from a position: its noise gain is that of central
+differences. A wider one would blur motions of few samples."""
 
 
 def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
