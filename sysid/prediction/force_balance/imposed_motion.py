@@ -33,9 +33,9 @@ SIGN_STEPS = 2.5
 """Standard deviations of its noise, and quantisation steps, from which a given velocity has a certain sign."""
 
 
-LEAST_WIDTH = 0.7
-"""Least width in steps of the filter by which a velocity is derived from a position: its noise gain is that of central
-differences. A wider one would blur motions of few samples."""
+SLOPE_WIDTHS = (0.7, 1.0, 1.4, 2.0)
+"""Widths in steps of the filter by which a velocity is derived from a position whose differences are clear of its
+noise: the first one at which the speed is clear of the noise too, since a wider one blurs motions of few samples."""
 
 
 def velocity_drive(record: Record, noise: Mapping[str, Noise]) -> ForceBalanceRecord:
@@ -103,7 +103,7 @@ def _with_filtered_motion(record: ForceBalanceRecord, sensor: Noise | None) -> F
     )
     if width == 0.0:
         return filtered
-    reach = max(LEAST_WIDTH, width / step)
+    reach = max(SLOPE_WIDTHS[-1], width / step)
     direction = direction_from_velocity(axis.position, axis.velocity * step, velocity_noise * step, reach)
     unchanged = GaussianFilter(0.0, step, record.size)
     return replace(
@@ -119,13 +119,18 @@ def _filtered_axis(axis: Axis, width: float, std: float, spectrum: NoiseSpectrum
 
     Args:
         axis: with the logged position.
-        width: s; at least `LEAST_WIDTH` steps for the derivatives.
+        width: s; one of `SLOPE_WIDTHS` for the derivatives where it is zero.
         std: of the position's noise, m.
         spectrum: of that noise.
     """
     step, n = float(axis.time[1] - axis.time[0]), axis.time.size
-    smooth, slope = GaussianFilter(width, step, n), GaussianFilter(max(width, LEAST_WIDTH * step), step, n)
-    velocity, noise = slope(axis.position, 1), std * slope.noise_gain(1, spectrum)
+    smooth, velocity, noise = GaussianFilter(width, step, n), axis.velocity, 0.0
+    slope = smooth
+    for least in SLOPE_WIDTHS:
+        slope = GaussianFilter(max(width, least * step), step, n)
+        velocity, noise = slope(axis.position, 1), std * slope.noise_gain(1, spectrum)
+        if width >= SLOPE_WIDTHS[-1] * step or np.mean(np.abs(velocity)) >= REST_SIGMAS * noise:
+            break
     position, acceleration = smooth(axis.position), slope(axis.position, 2)
     rest = REST_SIGMAS * noise + 1e-6 * float(np.max(np.abs(velocity)))
     return make_axis(axis.time, position, velocity, acceleration, axis.load, axis.temperature, rest), noise
