@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
+from sysid.diagnosis.consistency import consistency_warnings
 from sysid.diagnosis.residual_maps import ResidualMap, residual_maps
 from sysid.estimation.misfit import ChannelMisfit, misfit
 from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
@@ -23,6 +24,7 @@ class Comparison:
         fit, validate: misfit by channel on the records of the fit and the held-out ones.
         maps: of the residual over every coordinate, largest explained share first.
         simulation: errors of a free run, and of simulations over short horizons.
+        warnings: contradictions in the records, one line each.
         seconds: run time.
     """
 
@@ -33,6 +35,7 @@ class Comparison:
     maps: tuple[ResidualMap, ...]
     simulation: SimulationErrors
     seconds: float
+    warnings: tuple[str, ...] = ()
 
 
 def compare(source: str | Path | Problem, design: DesignValues | None = None) -> Comparison:
@@ -50,12 +53,14 @@ def compare(source: str | Path | Problem, design: DesignValues | None = None) ->
     base = fit_stated_model(problem)
     model = base.fitted.model
     maps = residual_maps(model, problem.fit_records, base.fitted.weights, problem.validate_records, base.weights)
+    fit = misfit(model, problem.fit_records)
     return Comparison(
         problem=problem,
         base=base,
-        fit=misfit(model, problem.fit_records),
+        fit=fit,
         validate=misfit(model, problem.validate_records),
         maps=tuple(maps),
         simulation=simulation_errors(problem, model),
         seconds=perf_counter() - began,
+        warnings=tuple(consistency_warnings(problem, fit)),
     )

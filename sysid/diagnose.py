@@ -13,6 +13,7 @@ from sim.effects.catalogue import find
 from sim.library.effect import Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
+from sysid.diagnosis.consistency import consistency_warnings
 from sysid.diagnosis.constants import FORM_ERROR, FORM_ERROR_ADEQUATE, NOISE_FACTOR
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide
 from sysid.diagnosis.model_search import ModelSearch
@@ -46,6 +47,7 @@ class Diagnosis:
         seconds: run time.
         replacements: effects added earlier that should be removed or replaced.
         reported_in_full: number of trials reported with their errors and values.
+        warnings: contradictions in the records, one line each.
     """
 
     problem: Problem
@@ -58,6 +60,7 @@ class Diagnosis:
     seconds: float
     replacements: tuple[Replacement, ...] = ()
     reported_in_full: int = IN_FULL
+    warnings: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
@@ -130,17 +133,20 @@ def diagnose(
         others = [trial for trial in ranked if trial.public_name != decision.best.public_name]
         in_full = 1 + sum(trial in others for trial in ranked[:IN_FULL])
         ranked = [decision.best, *others]
+    before_fit = misfit(base.fitted.model, problem.fit_records)
+    after_fit = before_fit if decision.best is None else decision.best.after_fit
     return Diagnosis(
         problem=problem,
         base=base,
         trials=tuple(ranked),
         decision=decision,
         maps=tuple(maps),
-        before_fit=misfit(base.fitted.model, problem.fit_records),
+        before_fit=before_fit,
         before_validate=misfit(base.fitted.model, problem.validate_records),
         seconds=perf_counter() - began,
         replacements=tuple(replacements),
         reported_in_full=in_full,
+        warnings=tuple(consistency_warnings(problem, after_fit)),
     )
 
 

@@ -233,6 +233,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "form": problem.form,
+        "warnings": list(diagnosis.warnings),
         "verdict": diagnosis.verdict,
         "effect": diagnosis.effect,
         "indistinguishable": list(diagnosis.indistinguishable),
@@ -267,6 +268,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "form": problem.form,
+        "warnings": list(comparison.warnings),
         "effects": [e.name for e in base.fitted.model.effects],
         "noise": noise_json(problem),
         "before": both_json(problem, comparison.fit, comparison.validate),

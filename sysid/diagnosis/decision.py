@@ -57,10 +57,12 @@ class NoiseLevel:
 
 @dataclass(frozen=True)
 class FreeCurve:
-    """The free curve that explains most, and its share of the excess."""
+    """The free curve that explains most: its coordinate, its share of the excess, and the quantity that is a function
+    of the coordinate, in words."""
 
     coordinate: Coordinate
     share: float
+    quantity: str = "force"
 
 
 @dataclass(frozen=True)
@@ -261,6 +263,11 @@ def _missing(compared: _Comparison, best: Candidate, ties: tuple[str, ...], reas
     return Decision("missing-effect", best, ties, left, reason, *report)
 
 
+def _free_curve(curve: Candidate, share: float) -> FreeCurve:
+    quantity = {"friction": "friction level", "piezo": "voltage"}.get(curve.effect.acts_on, "force")
+    return FreeCurve(curve.effect.coordinates[0], share, quantity)
+
+
 _Report = tuple[FreeCurve | None, tuple[str, float] | None]
 
 
@@ -268,6 +275,6 @@ def _report(compared: _Comparison, best: Candidate | None, curve: Candidate | No
     if compared.excess <= 0.0:
         return None, None
     return (
-        None if curve is None else FreeCurve(curve.effect.coordinates[0], max(compared.share(curve), 0.0)),
+        None if curve is None else _free_curve(curve, max(compared.share(curve), 0.0)),
         None if best is None else (best.public_name, max(compared.share(best), 0.0)),
     )

@@ -12,7 +12,6 @@ Candidates are screened by the score test; the most promising are refitted in fu
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
@@ -84,7 +83,6 @@ class ModelSearch:
         self.all_effects = all_effects
         self.reference = Reference.of(problem, base)
         self._progress = progress
-        self._counts = itertools.count()
         self._on_top: dict[str, list[Candidate]] = {}
         self._without: dict[str, Candidate | None] = {}
 

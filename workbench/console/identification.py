@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
+import click
+
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.estimation.identifiability import public_key
@@ -16,6 +18,7 @@ from workbench.identification.statements import (
     equivalence_statement,
     is_adequate,
     near_noise,
+    next_step_statement,
     noise_text,
     replacement_statements,
     unphysical_statements,
@@ -53,6 +56,7 @@ def print_comparison(run: Run, comparison: Comparison, document: Mapping[str, An
         run.echo(line)
     if not is_adequate(comparison):
         run.console.print(rich_table(dependence_table(document["where"][:MOST_COORDINATES])))
+    print_warnings(run, comparison)
     run.echo(comparison_statement(comparison))
 
 
@@ -64,8 +68,14 @@ def print_diagnosis(run: Run, diagnosis: Diagnosis, document: Mapping[str, Any])
     run.console.print(rich_table(parameter_table(document["parameters"], f"Parameters of the model{added}")))
     if document["detectable"] and near_noise(diagnosis):
         run.console.print(rich_table(detectable_table(document["detectable"])))
+    print_warnings(run, diagnosis)
     run.echo(_decision_line(diagnosis))
-    lines = [equivalence_statement(diagnosis), *replacement_statements(diagnosis), *unphysical_statements(diagnosis)]
+    lines = [
+        equivalence_statement(diagnosis),
+        next_step_statement(diagnosis),
+        *replacement_statements(diagnosis),
+        *unphysical_statements(diagnosis),
+    ]
     for line in (*lines, *document["not_identifiable"]):
         if line:
             run.echo(line)
@@ -77,6 +87,12 @@ def _decision_line(found: Diagnosis) -> str:
     if found.effect:
         return f"missing: {statement.replace(' is missing', '', 1)}"
     return f"adequate: {found.reason}." if found.verdict == "adequate" else f"{found.verdict}: {statement}"
+
+
+def print_warnings(run: Run, found: Comparison | Diagnosis) -> None:
+    """Print the contradictions in the records, above the verdict."""
+    for line in found.warnings:
+        run.echo(click.style(f"warning: {line}", fg="yellow"))
 
 
 def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from stagecad.parameters.units import format_quantity
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
+from sysid.diagnosis.decision import FreeCurve
 from sysid.diagnosis.residual_maps import ResidualMap
 from sysid.estimation.misfit import ChannelMisfit, dominated_by_few_samples, worst_over_noise
 from sysid.experiment_design.t_optimal_design import Suggestion
@@ -101,10 +102,9 @@ def diagnosis_statement(found: Diagnosis) -> str:
         return f"Nothing is missing: {found.reason}."
     depends = dependence_text(found.maps)
     if found.verdict == "unexplained" or found.best is None:
-        return (
-            f"No effect of the library explains the residual: {found.reason}. It depends on "
-            f"{depends or 'no recorded coordinate'}."
-        )
+        rivals = rivals_text(found)
+        text = f"No effect of the library explains the residual: {rivals or found.reason}."
+        return f"{text} It depends on {depends or 'no recorded coordinate'}."
     channel = worst_channel(found.problem, found.before_validate)
     before, after = found.before_validate[channel], found.best.after_validate[channel]
     unit = channel_unit(found.problem, channel)
@@ -124,8 +124,48 @@ def diagnosis_statement(found: Diagnosis) -> str:
     if depends:
         text += f" Without it the residual depends on {depends}."
     if found.unexplained_share > NEGLIGIBLE_SHARE:
-        text += f" {100 * found.unexplained_share:.0f} % of the misfit remains: add it, and diagnose again."
+        text += f" It explains {100 * (1.0 - found.unexplained_share):.0f} % of the misfit"
+        curve = found.decision.free_curve
+        if curve is not None and curve.share > 1.0 - found.unexplained_share:
+            text += f"; {_curve_text(curve)} explains {100 * curve.share:.0f} %"
+        text += "."
     return text
+
+
+def rivals_text(found: Diagnosis) -> str:
+    """Shares of the misfit that the best free curve and the best named effect explain; empty without any."""
+    curve, named = found.decision.free_curve, found.decision.best_named
+    parts = []
+    if curve is not None and curve.share > NEGLIGIBLE_SHARE:
+        parts.append(f"{_curve_text(curve)} explains {100 * curve.share:.0f} % of the misfit")
+    if named is not None and named[1] > NEGLIGIBLE_SHARE:
+        verb, what = ("", "") if parts else (" explains", " of the misfit")
+        parts.append(f"the best named effect, {named[0]},{verb} {100 * named[1]:.0f} %{what}")
+    return ", ".join(parts)
+
+
+def _curve_text(curve: FreeCurve) -> str:
+    name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
+    return f"a free curve, a {curve.quantity} of {name},"
+
+
+def next_step_statement(found: Diagnosis) -> str:
+    """What the user can do where more is missing than the effect named, or nothing is named; else empty."""
+    folder = found.problem.experiment.folder
+    if found.best is not None and found.unexplained_share > NEGLIGIBLE_SHARE:
+        return f"More is missing: run 'stagecad add {folder} {found.effect}', then 'stagecad diagnose {folder}' again."
+    if found.verdict != "unexplained":
+        return ""
+    curve, named = found.decision.free_curve, found.decision.best_named
+    ways = []
+    if named is not None and named[1] > NEGLIGIBLE_SHARE:
+        ways.append(f"if {named[0]} is certainly present, run 'stagecad add {folder} {named[0]}' and diagnose again")
+    if curve is not None and curve.share > NEGLIGIBLE_SHARE:
+        name = COORDINATE_NAMES.get(curve.coordinate, curve.coordinate.replace("_", " "))
+        ways.append(f"declare an effect of your own, a {curve.quantity} of {name} ([model] custom)")
+    if any(noise.source != "given" for noise in found.problem.noise.values()):
+        ways.append("state the noise of the sensors under [noise], which is only estimated")
+    return f"What to do: {'; or '.join(ways)}." if ways else ""
 
 
 def equivalence_statement(found: Diagnosis) -> str:

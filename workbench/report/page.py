@@ -32,7 +32,7 @@ from workbench.report.sections import (
 )
 from workbench.simulation.figures import save_figure
 
-SCHEMA = 4
+SCHEMA = 5
 
 
 def write_comparison(run: Run, comparison: Comparison, document: Mapping[str, Any]) -> Path:

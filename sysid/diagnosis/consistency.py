@@ -1,0 +1,155 @@
+"""Contradictions in the records of an experiment, which make every verdict doubtful, as one-line warnings.
+
+A warning never changes a verdict: it states what is wrong in the records, the noise or the columns, and what to do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+
+import numpy as np
+
+from sysid.estimation.misfit import ChannelMisfit
+from sysid.experiment.record import Record
+from sysid.noise.estimate import noise_warnings
+from sysid.prediction.force_balance.measured_motion import motion_warnings
+from sysid.prediction.problem import Problem
+from sysid.signals.masks import filled, runs
+
+OUTLIER_FACTOR, OUTLIER_ROWS, MOST_OUTLIERS = 100.0, 3, 0.001
+"""Distance from the median over that of 99 % of the values from which a few rows in a row are outliers, and the largest
+share of such rows."""
+
+OPPOSITE = -0.5
+"""Correlation from which two signals that should have the same sign have opposite signs."""
+
+EXCHANGED = 0.9
+"""Correlation with the other column's signal from which two columns are exchanged, if that with its own is lower than
+one minus this value."""
+
+
+def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) -> list[str]:
+    """One line for each contradiction.
+
+    Args:
+        problem: with its records as logged and as prepared.
+        errors: misfit of the best model by channel, on the records of the fit.
+    """
+    measured = problem.experiment.rig.declaration.measured_channels
+    found = motion_warnings([*problem.fit_records, *problem.validate_records])
+    found += noise_warnings(problem.noise, {c: (m.over_noise, m.size) for c, m in errors.items()})
+    found += _identical_records(problem.records)
+    for record in problem.records:
+        found += _constant_channels(record, measured)
+        found += _outliers(record, measured)
+        found += _opposite_signs(record)
+        found += _exchanged_tip(record)
+    return found
+
+
+def _identical_records(records: Sequence[Record]) -> list[str]:
+    """Records of the fit that are held out as well: the same bytes, in windows that overlap."""
+    fit, held_out = ([r for r in records if r.role == role] for role in ("fit", "validate"))
+    return [
+        f"{one.name} (fit) and {other.name} (held out) contain the same rows of the same file: the held-out errors are "
+        "errors of the fit; hold out another record, or windows ('from', 'to') that do not overlap"
+        for one, other in product(fit, held_out)
+        if one.sha256 == other.sha256 and max(one.time[0], other.time[0]) < min(one.time[-1], other.time[-1])
+    ]
+
+
+def _constant_channels(record: Record, measured: Sequence[str]) -> list[str]:
+    return [
+        f"{record.name}: '{channel}' is {values[0]:.4g} {record.units[channel]} in every row; the sensor or the column "
+        "is wrong"
+        for channel in measured
+        if channel in record.channels
+        and (values := record.channels[channel][np.isfinite(record.channels[channel])]).size
+        and np.ptp(values) == 0.0
+    ]
+
+
+def _outliers(record: Record, measured: Sequence[str]) -> list[str]:
+    """Single rows that are larger than the others by orders of magnitude."""
+    found = []
+    for channel in measured:
+        if channel not in record.channels:
+            continue
+        values = record.channels[channel]
+        distance = np.abs(values - np.nanmedian(values))
+        usual = float(np.nanquantile(distance, 0.99))
+        large = distance > OUTLIER_FACTOR * usual
+        count = int(large.sum())
+        if usual > 0.0 and 0 < count <= MOST_OUTLIERS * values.size + 1:
+            first = int(np.flatnonzero(large)[0])
+            if all(stop - start <= OUTLIER_ROWS for start, stop in runs(large)):
+                rows = "row has a value" if count == 1 else "rows have values"
+                found.append(
+                    f"{record.name}: {count} {rows} of '{channel}' more than {OUTLIER_FACTOR:.0f} times as far from "
+                    f"the median as 99 % of the others (first {values[first]:.3g} {record.units[channel]} at "
+                    f"{record.time[first]:.6g} s); leave such cells empty"
+                )
+    return found
+
+
+def _opposite_signs(record: Record) -> list[str]:
+    """A friction force against the velocity, or a spring force against the extension of the spring."""
+    channels, found = record.channels, []
+    motion = next((name for name in ("velocity", "position") if name in channels), None)
+    if "friction_force" in channels and motion is not None:
+        values = filled(channels[motion])[0]
+        velocity = values if motion == "velocity" else np.gradient(values, record.time)
+        position = np.cumsum(values) if motion == "velocity" else values
+        parts = [_without_cubic(part, position) for part in (channels["friction_force"], np.sign(velocity))]
+        if _correlation(*parts) < OPPOSITE:
+            found.append(
+                f"{record.name}: 'friction_force' has the sign opposite to the velocity; write sign = "
+                "{friction_force = -1} if the sensor measures the reaction"
+            )
+    if {"spring_force", "position", "pull_position"} <= channels.keys():
+        extension = channels["pull_position"] - channels["position"]
+        if _correlation(channels["spring_force"], extension) < OPPOSITE:
+            found.append(
+                f"{record.name}: 'spring_force' falls with pull_position - position; the two positions are exchanged, "
+                "or a sign is wrong"
+            )
+    return found
+
+
+def _exchanged_tip(record: Record) -> list[str]:
+    """Columns of the tip's two displacements that are exchanged: tip_x follows V2 - V1, tip_y follows V1 + V2."""
+    channels = record.channels
+    if not {"tip_x", "tip_y", "voltage_1", "voltage_2"} <= channels.keys():
+        return []
+    difference = channels["voltage_2"] - channels["voltage_1"]
+    total = channels["voltage_1"] + channels["voltage_2"]
+    own = (_correlation(channels["tip_x"], difference), _correlation(channels["tip_y"], total))
+    other = (_correlation(channels["tip_x"], total), _correlation(channels["tip_y"], difference))
+    if min(map(abs, other)) > EXCHANGED and max(map(abs, own)) < 1.0 - EXCHANGED:
+        return [
+            f"{record.name}: 'tip_x' follows voltage_1 + voltage_2, and 'tip_y' their difference: exchanged columns"
+        ]
+    return []
+
+
+def _without_cubic(values: np.ndarray, position: np.ndarray) -> np.ndarray:
+    """`values` (n,) without their least-squares cubic in the position (n,): forces of position have no sign of motion.
+    What remains of rounding alone is zero."""
+    centred = _centred(position)
+    powers = np.vander(centred / max(float(np.max(np.abs(centred))), 1e-300), 4)
+    values = filled(values)[0]
+    rest = values - powers @ np.linalg.lstsq(powers, values, rcond=None)[0]
+    return rest if np.linalg.norm(rest) > 1e-9 * np.linalg.norm(values) else np.zeros_like(values)
+
+
+def _centred(values: np.ndarray) -> np.ndarray:
+    values = filled(values)[0]
+    return values - np.mean(values)
+
+
+def _correlation(one: np.ndarray, other: np.ndarray) -> float:
+    """Pearson correlation of two signals (n,); 0 where one of them is constant."""
+    one, other = _centred(one), _centred(other)
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return float(one @ other) / size if size > 0.0 else 0.0

@@ -1,0 +1,124 @@
+"""Contradictions in the records are reported in one line each; consistent records give no line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.compare import compare
+from sysid.diagnosis.consistency import consistency_warnings
+from sysid.estimation.misfit import ChannelMisfit
+from sysid.experiment.record import Record
+from sysid.prediction.problem import Problem, load_problem
+from sysid.report import comparison_json
+from tests.sysid.slide import NOISE, SIGN, TIME, slide
+
+FORCE = 1.5 * SIGN
+
+
+def _of_slide(folder: Path, force: np.ndarray) -> list[str]:
+    return list(compare(slide(folder, force, '"coulomb"', held_out=True)).warnings)
+
+
+def _with_records(problem: Problem, *channels: dict[str, np.ndarray]) -> Problem:
+    """The problem with other logged channels (n,) in its first records; what is prepared stays."""
+    changed = [
+        replace(record, channels=own, units=dict.fromkeys(own, "SI")) for record, own in zip(problem.records, channels)
+    ]
+    return replace(problem, records=tuple(changed), fit_records=(), validate_records=())
+
+
+def _errors(over_noise: float) -> dict[str, ChannelMisfit]:
+    return {"friction_force": ChannelMisfit(NOISE, over_noise, 99.0, 2500)}
+
+
+def test_consistent_records_give_no_warning(tmp_path: Path) -> None:
+    assert _of_slide(tmp_path, FORCE) == []
+
+
+def test_records_whose_error_is_below_their_noise(tmp_path: Path) -> None:
+    problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    assert consistency_warnings(problem, _errors(1.0)) == []
+    (line,) = consistency_warnings(problem, _errors(0.3))
+    assert "0.3 of the stated noise" in line
+
+
+def test_a_held_out_record_that_is_the_fit_record(tmp_path: Path) -> None:
+    slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    (tmp_path / "validate.csv").write_bytes((tmp_path / "fit.csv").read_bytes())
+    problem = load_problem(tmp_path)
+    (line,) = consistency_warnings(problem, _errors(1.0))
+    assert "fit (fit) and validate (held out) contain the same rows" in line
+    # Two windows of one file that do not overlap are two records.
+    file = tmp_path / "experiment.toml"
+    text = file.read_text(encoding="utf-8")
+    text = text.replace('role = "fit"', 'role = "fit"\nto = "1.2 s"').replace(
+        'role = "validate"', 'role = "validate"\nfrom = "1.21 s"'
+    )
+    file.write_text(text, encoding="utf-8")
+    assert consistency_warnings(load_problem(tmp_path), _errors(1.0)) == []
+
+
+def test_the_end_of_a_record_that_is_held_out_is_no_repetition(tmp_path: Path) -> None:
+    problem = slide(tmp_path, FORCE, '"coulomb"')
+    assert problem.records[0].sha256 == problem.records[1].sha256
+    assert consistency_warnings(problem, _errors(1.0)) == []
+
+
+def test_a_constant_measured_channel(tmp_path: Path) -> None:
+    problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    record = problem.records[0]
+    held = {**record.channels, "friction_force": np.full(record.size, 0.25)}
+    (line,) = consistency_warnings(_with_records(problem, held), {})
+    assert "'friction_force' is 0.25 SI in every row" in line
+
+
+@pytest.mark.parametrize("rows,warned", [([700], True), ([700, 1500], True), (list(range(700, 720)), False)])
+def test_outliers_by_orders_of_magnitude(tmp_path: Path, rows: list[int], warned: bool) -> None:
+    problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
+    force = problem.records[0].channels["friction_force"].copy()
+    force[rows] = 1e4
+    found = consistency_warnings(_with_records(problem, {**problem.records[0].channels, "friction_force": force}), {})
+    # Twenty rows in a row are an event, no outlier.
+    assert len(found) == int(warned)
+    assert not warned or "first 1e+04 SI at 0.7 s" in found[0]
+
+
+def test_a_friction_force_against_the_velocity(tmp_path: Path) -> None:
+    lines = _of_slide(tmp_path / "wrong", -FORCE)
+    assert all("sign opposite to the velocity" in line for line in lines) and len(lines) == 2
+    # A spring that is only released, and Stribeck friction in one direction, are no contradictions.
+    released = {"velocity": -0.01 * (2.0 + np.sin(9.0 * TIME)), "position": 0.05 - 0.01 * np.cumsum(TIME**0) * 1e-3}
+    for force in (200.0 * released["position"], -1.0 - 0.5 * np.exp(released["velocity"] / 0.01)):
+        problem = slide(tmp_path / "right", FORCE, '"coulomb"', held_out=True)
+        assert consistency_warnings(_with_records(problem, {**released, "friction_force": force}), {}) == []
+
+
+def _record(channels: dict[str, np.ndarray]) -> Record:
+    units = dict.fromkeys(channels, "SI")
+    return Record("fit", "fit", "fit.csv", TIME, channels, units, False, (), "0", 1e-3, True)
+
+
+def test_exchanged_columns(tmp_path: Path) -> None:
+    problem = replace(slide(tmp_path, FORCE, '"coulomb"'), fit_records=(), validate_records=())
+
+    def lines(channels: dict[str, np.ndarray]) -> list[str]:
+        return consistency_warnings(replace(problem, records=(_record(channels),)), {})
+
+    one, two = 50.0 + 40.0 * np.sin(20.0 * TIME), 50.0 + 40.0 * np.sin(20.0 * TIME + 1.1)
+    voltages = {"voltage_1": one, "voltage_2": two}
+    assert lines({**voltages, "tip_x": 1e-8 * (two - one), "tip_y": 1e-8 * (one + two)}) == []
+    assert "exchanged" in lines({**voltages, "tip_y": 1e-8 * (two - one), "tip_x": 1e-8 * (one + two)})[0]
+
+    pull, body = 0.01 * TIME, 0.01 * TIME - 1e-4 * np.sin(9.0 * TIME) ** 2
+    force = 5000.0 * (pull - body)
+    assert lines({"pull_position": pull, "position": body, "spring_force": force}) == []
+    assert "exchanged" in lines({"pull_position": body, "position": pull, "spring_force": force})[0]
+
+
+def test_warnings_are_in_the_document(tmp_path: Path) -> None:
+    found = compare(slide(tmp_path, -FORCE, '"coulomb"', held_out=True))
+    assert comparison_json(found)["warnings"] == list(found.warnings) != []
