@@ -52,8 +52,8 @@ def _identical_records(records: Sequence[Record]) -> list[str]:
     """Records of the fit that are held out as well: the same bytes, in windows that overlap."""
     fit, held_out = ([r for r in records if r.role == role] for role in ("fit", "validate"))
     return [
-        f"{one.name} (fit) and {other.name} (held out) contain the same rows of the same file: the held-out errors are "
-        "errors of the fit; hold out another record, or windows ('from', 'to') that do not overlap"
+        f"the held-out record '{other.name}' contains the same rows as '{one.name}', to which the model is fitted: its "
+        "errors are errors of the fit; hold out another record, or windows ('from', 'to') that do not overlap"
         for one, other in product(fit, held_out)
         if one.sha256 == other.sha256 and max(one.time[0], other.time[0]) < min(one.time[-1], other.time[-1])
     ]

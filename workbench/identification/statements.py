@@ -124,7 +124,7 @@ def diagnosis_statement(found: Diagnosis) -> str:
     if depends:
         text += f" Without it the residual depends on {depends}."
     if found.unexplained_share > NEGLIGIBLE_SHARE:
-        text += f" It explains {100 * (1.0 - found.unexplained_share):.0f} % of the misfit"
+        text += f" {found.effect} explains {100 * (1.0 - found.unexplained_share):.0f} % of the misfit"
         curve = found.decision.free_curve
         if curve is not None and curve.share > 1.0 - found.unexplained_share:
             text += f"; {_curve_text(curve)} explains {100 * curve.share:.0f} %"

@@ -51,7 +51,7 @@ def test_a_held_out_record_that_is_the_fit_record(tmp_path: Path) -> None:
     (tmp_path / "validate.csv").write_bytes((tmp_path / "fit.csv").read_bytes())
     problem = load_problem(tmp_path)
     (line,) = consistency_warnings(problem, _errors(1.0))
-    assert "fit (fit) and validate (held out) contain the same rows" in line
+    assert "'validate' contains the same rows as 'fit'" in line
     # Two windows of one file that do not overlap are two records.
     file = tmp_path / "experiment.toml"
     text = file.read_text(encoding="utf-8")

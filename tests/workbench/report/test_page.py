@@ -128,3 +128,11 @@ def test_a_section_that_cannot_be_read_is_written_again(tmp_path: Path) -> None:
 def test_names_from_files_are_text_on_the_page() -> None:
     page = report_html("<script>alert(1)</script>", [])
     assert "<script>" not in page
+
+
+def test_warnings_stand_above_the_headline() -> None:
+    section = rung(0, ["coulomb"], [], 2.0) | {"kind": "suggest", "title": "Title", "state": "good", "number": "1"}
+    section |= {"headline": "The headline.", "number_in_report": 1, "motions": {"rows": [], "title": "", "note": ""}}
+    page = report_html("rig", [section | {"warnings": ["one <column> is wrong"]}])
+    assert page.index("Warning: one &lt;column&gt; is wrong") < page.index("The headline.")
+    assert "Warning:" not in report_html("rig", [section])
