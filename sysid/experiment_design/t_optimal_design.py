@@ -158,7 +158,8 @@ def competing_models(found: Diagnosis) -> list[Candidate]:
     if best is None or found.verdict != "missing-effect" or best.public_name == "sensor_quantisation":
         # Quantisation is detected in the values of a channel and does not require a particular motion.
         return []
-    usable = [t for t in found.trials if t is not best and t.fitted.fit.keys and t.fit_gain > 0.0]
+    rivals = [t for t in found.trials if t is not best and t.implausible is None]
+    usable = [t for t in rivals if t.fitted.fit.keys and t.fit_gain > 0.0]
     tied = [t for t in usable if t.public_name in found.indistinguishable]
     others = [t for t in usable if t not in tied and t.gain.loss > 0.3 * best.gain.loss]
     near = [t for t in others if t.error <= COMPETING_ERROR * max(best.error, 1.0)]
