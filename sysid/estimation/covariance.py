@@ -161,6 +161,10 @@ def _covariance(
     return covariance
 
 
+LEAST_SAMPLES = 3
+"""Samples of a channel that have autocorrelations at lags of one and two samples."""
+
+
 def _autoregressive(fitted: FittedModel, information: _Information) -> np.ndarray:
     """Covariance (f, f) of the scaled free values for noise of unit variance with the autocorrelation of the residual.
 
@@ -174,6 +178,8 @@ def _autoregressive(fitted: FittedModel, information: _Information) -> np.ndarra
         for pick in samples.values():
             part = slice(start, start + pick.size)
             start += pick.size
+            if pick.size < LEAST_SAMPLES:
+                continue
             r = np.clip(fitted.fit.residual[part], -LOSS_CORNER, LOSS_CORNER)
             one, two = (float(r[lag:] @ r[: r.size - lag]) / max(float(r @ r), 1e-300) for lag in (1, 2))
             c = min(max(two / one, 0.0), MOST_CORRELATION) if one > LEAST_CORRELATION else 0.0
