@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -50,7 +50,10 @@ SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
 
 
 def run_checks(
-    design: Design, masses: BodyMasses | None = None, subjects: tuple[str, ...] | None = None
+    design: Design,
+    masses: BodyMasses | None = None,
+    subjects: tuple[str, ...] | None = None,
+    positions: Container[int] | None = None,
 ) -> list[Check]:
     """Run every check on one design.
 
@@ -59,26 +62,38 @@ def run_checks(
         masses: of the solids; None estimates the stage from the plain volume of its plate and takes the tip at its
             limit, and the inputs of the checks concerned state it.
         subjects: names of `SUBJECTS` to run; all when left out.
+        positions: of the checks to run, counted over all checks of the subjects; all when left out.
 
     Returns:
         the checks, in the order of the subjects. A calculator that refuses its arguments gives the verdict
         `out_of_range`, with its message as the note.
     """
+    chosen = [name for name in SUBJECTS if subjects is None or name in subjects]
+    functions = [(subject, function) for subject in chosen for function in SUBJECTS[subject](design)]
     found: list[Check] = []
-    for subject in SUBJECTS if subjects is None else (name for name in SUBJECTS if name in subjects):
+    for position, (subject, function) in enumerate(functions):
+        if positions is not None and position not in positions:
+            continue
         inputs = DesignInputs(design, masses)
-        for function in SUBJECTS[subject](design):
-            try:
-                check = function(inputs)
-            except InputError as error:
-                check = Check(
-                    f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",
-                    at_most(None, None, ""),
-                    source="the calculator's own range",
-                    formula="",
-                    note=str(error),
-                    trouble="out_of_range",
-                )
-            proposal = "" if check.verdict == "passes" else check.proposal
-            found.append(replace(check, subject=subject, inputs=inputs.take(), proposal=proposal))
+        try:
+            check = function(inputs)
+        except InputError as error:
+            check = Check(
+                f"{subject}: {getattr(function, 'func', function).__name__.replace('_', ' ')}",
+                at_most(None, None, ""),
+                source="the calculator's own range",
+                formula="",
+                note=str(error),
+                trouble="out_of_range",
+            )
+        passes = check.verdict == "passes"
+        found.append(
+            replace(
+                check,
+                subject=subject,
+                inputs=inputs.take(),
+                proposal="" if passes else check.proposal,
+                changes=() if passes else check.changes,
+            )
+        )
     return found

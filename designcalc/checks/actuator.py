@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
 from designcalc.drive.friction_drive import stack_current, stack_heat
 from designcalc.drive.piezo_stack import drive_pull, stack_tension, tilt_stress
 from designcalc.machine.inputs import DesignInputs
@@ -62,7 +62,8 @@ def drive_frequency(r: DesignInputs) -> Check:
         source="rigid tip on three springs; a third of the first resonance as the usual limit",
         formula="f <= min(f_up, f_rock)/3, f_up = sqrt(3 k/m)/(2 pi), f_rock = sqrt(k D^2/(2 J))/(2 pi)",
         substituted=f"f_up = {show(up, 'Hz')}, f_rock = {show(rocking, 'Hz')}",
-        proposal=f"drive at {show(limit, 'Hz')} at most, or at the resonance itself with the ellipse measured",
+        proposal="drive more slowly, or at the resonance itself with the ellipse measured",
+        changes=change("actuator.frequency", limit, "Hz", up=False),
         requirement=_ACTUATOR,
         note="in contact with the stage the tip's resonances rise; between the strikes it is free",
     )
@@ -112,7 +113,8 @@ def current(r: DesignInputs) -> Check:
         formula="I = pi f C V",
         substituted=f"f = {show(f, 'Hz')}: {show(peak, 'A')}, {show(peak * r('piezo.highest_voltage') / np.pi, 'W')} "
         "drawn on the mean from a linear amplifier",
-        proposal=f"an amplifier of {show(peak, 'A')}, or {show(f * available / peak, 'Hz')} at most",
+        proposal=f"more current, or {show(f * available / peak, 'Hz')} at most",
+        changes=change("amplifier.current", peak, "A", up=True),
         requirement=_ACTUATOR,
     )
 

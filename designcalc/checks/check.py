@@ -24,6 +24,32 @@ def ratio(value: SupportsFloat, divisor: SupportsFloat) -> float:
 
 
 @dataclass(frozen=True)
+class Change:
+    """A change of one parameter that is proposed, and what evaluating it showed."""
+
+    key: str
+    text: str
+    """value with its unit, as it is written in the parameter file"""
+    result: str = ""
+    """empty until evaluated, and when the check then passes and no other one fails"""
+
+    @property
+    def override(self) -> str:
+        """As for `--set`."""
+        return f"{self.key}={self.text}"
+
+
+def change(key: str, value: SupportsFloat, unit: str, *, up: bool) -> tuple[Change, ...]:
+    """The proposal to set a parameter to a value, rounded up or down to three digits; none for no finite value."""
+    number = float(value)
+    if not (math.isfinite(number) and number > 0):
+        return ()
+    scale = 10.0 ** (math.floor(math.log10(number)) - 2)
+    rounded = (math.ceil if up else math.floor)(number / scale * (1 + (-1e-9 if up else 1e-9))) * scale
+    return (Change(key, show(float(f"{rounded:.3g}"), unit)),)
+
+
+@dataclass(frozen=True)
 class Comparison:
     """A value and the limit that it must not exceed, or must reach; None where a number is missing."""
 
@@ -70,7 +96,9 @@ class Check:
     substituted: str = ""
     """the formula with its numbers"""
     proposal: str = ""
-    """the change that would pass; empty when the check passes"""
+    """the change that would pass, in words; empty when the check passes"""
+    changes: tuple[Change, ...] = ()
+    """proposed changes of one parameter each"""
     thesis: str = ""
     """statement of the thesis, if it is wrong or differs"""
     requirement: str = ""
@@ -125,6 +153,7 @@ class Check:
                 name: {**as_json(item.value, item.unit), "origin": item.origin} for name, item in self.inputs.items()
             },
             "proposal": self.proposal,
+            "changes": [{"set": one.override, "result": one.result} for one in self.changes],
             "thesis": self.thesis,
             "requirement": self.requirement,
             "note": self.note,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.contact.hertz_stress import edge_tension, peak_mises, point_shear_peak
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import tip_load
@@ -32,7 +32,8 @@ def pressure(r: DesignInputs) -> Check:
     peak = float(contact.peak_pressure)
     shear = point_shear_peak(contact, r.material("stage", "poisson_ratio"))
     radius = r("tip.nose_radius")
-    grow = radius * (peak / min(limits)) ** 1.5
+    # The pressure falls as R^(-2/3), while the stiffer contact raises the peak force.
+    grow = radius * (peak / min(limits)) ** 2.5
     return Check(
         "tip contact pressure",
         at_most(peak, min(limits), "Pa"),
@@ -40,7 +41,8 @@ def pressure(r: DesignInputs) -> Check:
         formula="p0 = (6 F E*^2/(pi^3 R^2))^(1/3) <= Sy/(largest von Mises stress over p0)",
         substituted=f"F = {show(load, 'N')}, R = {show(radius, 'm')}: p0 = {show(peak, 'Pa')}, limit "
         f"{show(min(limits), 'Pa')}",
-        proposal=f"nose radius of at least {show(grow, 'm')} (pressure falls as R^(-2/3)), or a harder tip",
+        proposal="a larger nose radius (pressure falls as R^(-2/3)), or a harder tip",
+        changes=change("tip.nose_radius", grow, "m", up=True),
         thesis=f"appendix A prints q = 3F/(3 pi c d), which gives {show(peak * 2 / 3, 'Pa')}; right is 3F/(2 pi c d), "
         f"{show(peak, 'Pa')}",
         note=f"peak shear {show(float(shear.shear), 'Pa')} at a depth of {show(float(shear.depth), 'm')}",
@@ -109,6 +111,8 @@ def contact_stiffness(r: DesignInputs) -> Check:
         source=_JOHNSON + "; catalogue line of the piezo",
         formula="dF/ddelta = 1.5 F/delta >= k_piezo/2, so that less than two thirds of the deflection is the contact's",
         substituted=f"{show(float(contact.stiffness), 'N/m')} against k = {show(stack, 'N/m')}",
-        proposal=f"nose radius of {show(r('tip.nose_radius') * (0.5 * stack / float(contact.stiffness)) ** 3, 'm')}, "
-        "or more preload (stiffness grows as (F R)^(1/3))",
+        proposal="a larger nose radius, or more preload (stiffness grows as (F R)^(1/3))",
+        changes=change(
+            "tip.nose_radius", r("tip.nose_radius") * (0.5 * stack / float(contact.stiffness)) ** 3, "m", up=True
+        ),
     )

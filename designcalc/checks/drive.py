@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.drive.friction_drive import (
     acceleration_limit,
     frequency_for,
@@ -47,7 +47,8 @@ def stroke(r: DesignInputs) -> Check:
         source="catalogue stroke of the piezo",
         formula="2 A <= free stroke",
         substituted=f"2 x {show(amplitude, 'm')} against {show(available, 'm')}",
-        proposal=f"amplitude of {show(available / 2, 'm')} about mid-voltage",
+        proposal="less amplitude about mid-voltage",
+        changes=change("actuator.stroke_amplitude", available / 2, "m", up=False),
         thesis="the simulated stroke of +-10 um is 20 um, more than the piezo's 17 um",
     )
 
@@ -66,8 +67,8 @@ def frequency(r: DesignInputs, law: str) -> Check:
         formula="f = v/(c X) <= f_1/3, c = 1, 2, pi",
         substituted=f"v = {show(wanted, 'm/s')}, X = {show(X, 'm')}: f = {show(needed, 'Hz')}; f_1 = "
         f"{show(first, 'Hz')}",
-        proposal=f"a longer lever h/D that gives X = {show(X * needed / (first / 3), 'm')}, or a speed of "
-        f"{show(wanted * first / 3 / needed, 'm/s')}",
+        proposal=f"a longer lever h/D that gives X = {show(X * needed / (first / 3), 'm')}, or less speed",
+        changes=change("requirements.speed", wanted * first / 3 / needed, "m/s", up=False),
         thesis=(
             f"no frequency is stated; with a tip of 100 g, first resonance {show(heavy, 'Hz')}, 200 mm/s is out of "
             "reach by any law"
@@ -92,6 +93,7 @@ def speed(r: DesignInputs) -> Check:
         substituted=f"2 x {show(X, 'm')} x {show(first / 3, 'Hz')}",
         proposal=f"{show(mass_on_piezos(r) * (reached / wanted) ** 2, 'kg')} in all to move on the piezos, a lever h/D "
         f"{wanted / reached:.3g} times longer, or drive at resonance with the ellipse measured",
+        changes=change("requirements.speed", reached, "m/s", up=False),
         thesis=f"(4.2) leaves out h/D: as printed the tip would travel {show(X * lever, 'm')}, {lever:.2f} times what "
         "the listing rightly has",
         requirement="Table 1: speed",
@@ -125,7 +127,8 @@ def preload_and_acceleration(r: DesignInputs) -> Check:
         source="the tip presses at most with weight and preload",
         formula="a <= mu (1 + p) g, p the ratio of preload to load that is asked for",
         substituted=f"mu = {mu:.3g}, p = {share:.3g}: {limit / g:.3g} g",
-        proposal=f"ask for a preload of {needed:.3g} times the weight ({show(needed * weight(r), 'N')})",
+        proposal=f"ask for more preload ({show(needed * weight(r), 'N')}), and magnets that give it",
+        changes=change("preload.ratio", needed, "", up=True),
         thesis="a light preload of 10 % and 1 G do not go together: 0.33 g at mu = 0.3",
         requirement="Table 1: acceleration",
     )

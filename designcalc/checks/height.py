@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.machine.height_adjustment import clamp_wrap, clamping_shift, screw_preload, wedge
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.tip_dynamics import usable_ellipse
@@ -84,8 +84,9 @@ def thickest_shim(r: DesignInputs) -> Check:
         source="thesis 2.3.3: gap of 0.0005 to 0.030 in held by a shim",
         formula="s stroke/2 >= thickest shim",
         substituted=f"{show(drive.range / 2, 'm')} below the middle against {show(thickest, 'm')}",
-        proposal=f"shims of at most {show(drive.range / 2, 'm')}, or a stroke of "
-        f"{show(2 * thickest / r('height_pin_1.slope'), 'm')}",
+        proposal="thinner shims, or a longer stroke",
+        changes=change("height_pin_1.stroke", 2 * thickest / r("height_pin_1.slope"), "m", up=True)
+        + change("shim.thickest", float(drive.range) / 2, "m", up=False),
     )
 
 
@@ -104,8 +105,10 @@ def return_spring(r: DesignInputs) -> Check:
         source="Coulomb friction on both faces of the wedge under holder, piezos and tip; factor 2",
         formula="k (L0 - L - stroke/2) >= 2 x 2 mu m g",
         substituted=f"{show(force, 'N')} against {show(needed, 'N')} of friction (plain volumes, {show(load, 'N')})",
-        proposal=f"{show((2 * needed - force) / r('spring.rate'), 'm')} more compression at the far end of the stroke, "
-        "by a longer spring or a shorter stroke",
+        proposal="more compression at the far end of the stroke, by a longer spring or a shorter stroke",
+        changes=change(
+            "spring.free_length", r("spring.free_length") + (2 * needed - force) / r("spring.rate"), "m", up=True
+        ),
     )
 
 

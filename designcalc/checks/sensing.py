@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
 from designcalc.errors.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.design import Design
@@ -86,7 +86,14 @@ def probe_noise(r: DesignInputs) -> Check:
         source="white noise through an RC filter",
         formula="25 nm sqrt(24 Hz/5 kHz) <= 1 nm",
         substituted=show(noise, "m"),
-        proposal=f"a corner of {show(r('sensors.filtered_probe.filter_frequency') * (1e-9 / noise) ** 2, 'Hz')}",
+        proposal="a lower corner of the filter",
+        changes=change(
+            "sensors.filtered_probe.filter_frequency",
+            r("sensors.filtered_probe.filter_frequency")
+            * (r("sensors.filtered_probe.claimed_resolution") / noise) ** 2,
+            "Hz",
+            up=False,
+        ),
         thesis="'1 nm' by gain: the filter, not the gain, lowers the noise, and white noise leaves 1.7 nm",
         requirement="Table 1: resolution",
     )

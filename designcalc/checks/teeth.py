@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.drive.magnetic_teeth import teeth_field
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import pads_stiffness
@@ -35,7 +35,8 @@ def ratio(r: DesignInputs) -> Check:
         source=_FIELD,
         formula="K_x/K_z over that of l/p = 0.2, about the thinnest that iron saturation and machining allow",
         substituted=f"e/p = {gap / pitch:.3g}: {here:.4g} at l/p = {width / pitch:.3g}, {thin:.4g} at 0.2",
-        proposal=f"tooth width of {show(0.24 * pitch, 'm')}, as far as the flux density in the teeth allows",
+        proposal="narrower teeth, as far as the flux density in them allows",
+        changes=change("teeth.width", 0.24 * pitch, "m", up=False),
         thesis=f"'l/p about 0.4 of the gap e' mixes up dimensions, and K_x/K_z has no optimum there: it rises steadily "
         f"as l/p falls, {at_rule:.4g} at 0.4, {thin:.4g} at 0.2",
     )
@@ -54,7 +55,8 @@ def lateral(r: DesignInputs) -> Check:
         formula="K_x(l)/max K_x over l/p at this gap",
         substituted=f"l/p = {r('teeth.width') / pitch:.3g}, e/p = {gap / pitch:.3g}: K_x/K_z = "
         f"{field.lateral_over_normal:.4g}; best K_x at l/p = {widths[best]:.2f}",
-        proposal=f"tooth width of {show(float(widths[best] * pitch), 'm')}",
+        proposal="the best width",
+        changes=change("teeth.width", float(widths[best] * pitch), "m", up=False),
     )
 
 
@@ -72,19 +74,18 @@ def preload(r: DesignInputs) -> Check:
 
 def preload_share(r: DesignInputs) -> Check:
     pull, wanted = attraction(r), r("preload.force")
-    if wanted > 0:
-        gap = gap_for(circuit(r), 1.2 * wanted)
-        wider = f"a gap of {show(gap, 'm')}" if gap is not None else "a wider gap"
-        proposal = f"{wider}, smaller magnets, or require the preload that the magnets give"
-    else:
-        proposal = "no magnets (teeth.fitted = false), or require the preload that they give"
+    gap = gap_for(circuit(r), 1.2 * wanted) if wanted > 0 and pull > 1.5 * wanted else None
+    changes = change("preload.force", pull / 1.2, "N", up=False)
+    if gap is not None:
+        changes = change("teeth.gap", gap, "m", up=True) + changes
     return Check(
         "attraction of the magnets beyond the preload asked for",
         at_most(pull, 1.5 * wanted, "N"),
         source=_MAGNETS,
         formula="F <= 1.5 x required preload (friction grows with it)",
         substituted=f"two pockets pull {show(pull, 'N')}, required {show(wanted, 'N')}",
-        proposal=proposal,
+        proposal="a wider gap, smaller magnets, none (teeth.fitted = false), or require the preload that they give",
+        changes=changes,
         note=f"{100 * magnets(r).leakage:.2g} % of the magnets' flux leaks past the bars; every check takes this pull "
         "as the preload",
     )

@@ -186,7 +186,8 @@ def vibration(r: DesignInputs, direction: str) -> Check:
         formula="x^2 = sum over third octaves of (v/(2 pi f))^2 |r^2/(1 - r^2 + 2 i zeta r)|^2, r = f/f_1",
         substituted=f"{show(velocity, 'm/s')} in each, K = {show(stiffness, 'N/m')}, f_1 = {show(first, 'Hz')}, zeta = "
         f"{damping:.3g}: {show(motion, 'm')} rms",
-        proposal="an isolation table, or a stiffer tip contact (larger nose radius)",
+        proposal="an isolation table"
+        + (", or stacks guided in their bores without play" if direction == "along" else ", or stiffer pads"),
         requirement=requirement,
         note=(
             f"the finest required resolution, {show(r('requirements.resolution'), 'm')}, needs a floor "

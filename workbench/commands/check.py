@@ -38,9 +38,9 @@ def command(
     scheduler: str | None,
 ) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
-    from designcalc.checks import run_checks
     from designcalc.checks.analysis.sweep import read_range
     from workbench.console.checks import print_checks, print_sweep, print_tolerance
+    from workbench.machine.margin_studies import evaluated_checks
     from workbench.report.check_figures import sweep_figure, tolerance_figure
     from workbench.report.checks import write_check_files
 
@@ -49,7 +49,7 @@ def command(
     design = run.design
     wanted = read_range(swept, design) if swept is not None else None
     masses = masses_of_solids(run) if solids else None
-    checks = run_checks(design, masses)
+    checks = evaluated_checks(run, masses)
     folder = run.out / "checks"
     drawn = draw_figures(run, masses, folder) if figures else {}
     print_checks(run, checks)

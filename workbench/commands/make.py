@@ -27,7 +27,6 @@ def command(run: Run, simulations: bool) -> None:
 
     Exit status 0 once all is built, whatever the verdicts of the checks.
     """
-    from designcalc.checks import run_checks
     from designcalc.checks.analysis.report import counted
     from drawings.procedure.procedure import procedure
     from stagecad.parameters.mass_properties import BodyMasses
@@ -41,6 +40,7 @@ def command(run: Run, simulations: bool) -> None:
     from workbench.commands.drawings import write_drawings
     from workbench.commands.parts import write_parts
     from workbench.machine.artefacts import stored_values
+    from workbench.machine.margin_studies import evaluated_checks
     from workbench.report.checks import write_check_files
     from workbench.report.machine import MachineResults, write_report
 
@@ -63,7 +63,7 @@ def command(run: Run, simulations: bool) -> None:
     hits = sum(len(sheet["hits"]) for sheet in drawings["sheets"].values())
     run.echo(f"drawings: {len(drawings['changed'])} of {drawings['files']} files written, {hits} lint hits")
     masses = BodyMasses(machine.moving_body, machine.masses["tip"])
-    checks = run_checks(design, masses)
+    checks = evaluated_checks(run, masses)
     run.echo(f"checks: {counted(checks)}")
     check_figures = _check_figures(run, masses)
     write_check_files(checks, design, masses, run.out / "checks", check_figures)

@@ -12,8 +12,18 @@ from workbench.options import Run
 if TYPE_CHECKING:
     from designcalc.checks.analysis.sweep import Point, Range
     from designcalc.checks.analysis.tolerance import ToleranceStudy
+    from designcalc.checks.check import Check
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
+
+
+def evaluated_checks(run: Run, masses: BodyMasses | None) -> list[Check]:
+    """Every check of the design, the changes that the failed ones propose evaluated."""
+    from designcalc.checks import run_checks
+    from designcalc.checks.analysis.proposals import evaluate_proposals
+
+    load = partial(source_of(run).design, rules=False)
+    return evaluate_proposals(run_checks(run.design, masses), run.design, masses, load)
 
 
 def swept_point(source: DesignSource, swept: Range, base: Design, solids: bool, value: float) -> Point:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import root_scalar
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import gravity, load, weight
@@ -58,7 +59,8 @@ def pressure(r: DesignInputs) -> Check:
         formula="p0 = (1.5 to 2) F/(pi a^2) <= p_allowed",
         substituted=f"F = {show(heaviest, 'N')}: p0 = {show(peak, 'Pa')} over a spot of radius "
         f"{show(float(contact.radius), 'm')}",
-        proposal=f"a crown radius of {show(crown_for(r, heaviest, allowed), 'm')}, or a lighter pad load",
+        proposal="a flatter crown, or a lighter pad load",
+        changes=change("pads.crown_radius", crown_for(r, heaviest, allowed), "m", up=True),
     )
 
 
@@ -69,10 +71,23 @@ def crown_for(r: DesignInputs, load: float, allowed: float) -> float:
     def excess(logarithm: float) -> float:
         return float(film(r, load, math.exp(logarithm)).peak_pressure) / allowed - 1
 
-    low, high = math.log(here), math.log(1e6 * here)
+    return _crown(excess, here)
+
+
+def crown_for_mean(r: DesignInputs, load: float, allowed: float) -> float:
+    """Crown radius at which the mean pressure equals the allowed one, m; the present one where it is below."""
+
+    def excess(logarithm: float) -> float:
+        return load / (np.pi * float(film(r, load, math.exp(logarithm)).radius) ** 2) / allowed - 1
+
+    return _crown(excess, r("pads.crown_radius"))
+
+
+def _crown(excess: Callable[[float], float], here: float) -> float:
+    low, high = math.log(here), math.log(1e9 * here)
     if excess(low) <= 0:
         return here
-    return math.exp(root_scalar(excess, bracket=(low, high), xtol=1e-6).root)
+    return math.exp(float(root_scalar(excess, bracket=(low, high), xtol=1e-6).root))
 
 
 def pv(r: DesignInputs) -> Check:
@@ -80,14 +95,17 @@ def pv(r: DesignInputs) -> Check:
     contact = film(r, heaviest)
     mean = heaviest / (np.pi * float(contact.radius) ** 2)
     speed, allowed = r("requirements.speed"), r("bearing.allowable_pv")
+    crown = crown_for_mean(r, heaviest, allowed / speed)
+    sag = r("pads.length") ** 2 / (8 * crown)
     return Check(
         "PTFE pressure times speed",
         at_most(mean * speed, allowed, "W/m^2"),
         source="pv limit of the film",
         formula="F/(pi a^2) v <= (pv)_allowed",
         substituted=f"{show(mean, 'Pa')} x {show(speed, 'm/s')} = {mean * speed:.3g} W/m^2",
-        proposal=f"a crown radius of {show(r('pads.crown_radius') * (mean * speed / allowed) ** 1.5, 'm')}, or full "
-        f"speed for {100 * allowed / (mean * speed):.2g} % of the time",
+        proposal=f"a flatter crown ({show(crown, 'm')}, {show(sag, 'm')} of sag over the pad), or full speed for "
+        f"{100 * allowed / (mean * speed):.2g} % of the time",
+        changes=change("pads.crown_radius", crown, "m", up=True) if sag > 0.1e-6 else (),
         requirement="Table 1: speed",
     )
 
@@ -174,8 +192,13 @@ def pitch(r: DesignInputs) -> Check:
         formula="theta = mu N h/K_pitch; height error theta x travel/2 at the middle of the base",
         substituted=f"h = {show(lever, 'm')}, K_pitch = {springs.pitch:.3g} N m/rad, K_roll = {springs.roll:.3g}, K_z "
         f"= {show(springs.normal, 'N/m')}: {show(tilt, 'rad')}",
-        proposal=f"pads {show(r('pads.spacing_along') * np.sqrt(drop / r('requirements.smoothness')), 'm')} apart "
-        "along the travel (stiffness grows as the square), or a measurement while the drive rests",
+        proposal="pads farther apart along the travel (stiffness grows as the square), or measure with no drive",
+        changes=change(
+            "pads.spacing_along",
+            r("pads.spacing_along") * np.sqrt(drop / r("requirements.smoothness")),
+            "m",
+            up=True,
+        ),
         requirement="Table 1: smoothness",
     )
 
@@ -196,7 +219,8 @@ def yaw(r: DesignInputs) -> Check:
         source="lateral stiffness of the teeth spread along the irons, against friction that differs by a tenth across",
         formula="theta = 0.1 mu N (w/2)/(K_x L^2/12) <= straightness/(half the stage's length)",
         substituted=f"K_x = {show(hold, 'N/m')}, L = {show(reach, 'm')}: {show(angle, 'rad')}",
-        proposal=f"irons {show(reach * np.cbrt(angle / limit), 'm')} long (both stiffness and lever grow), or a tip "
-        "that pushes through the middle of friction",
+        proposal="longer irons and magnets (both stiffness and lever grow), a guide, or a tip that pushes through the "
+        "middle of friction",
+        changes=change("tooth_iron.length", reach * np.cbrt(angle / limit), "m", up=True),
         thesis="magnets are stated to align the stage about its axis of motion; this is their stiffness",
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, preload
 from designcalc.machine.stage_plate import give_at_tip, sag, stage_modes
@@ -51,8 +51,8 @@ def stiffness(r: DesignInputs) -> Check:
         source=_PLATE + "; a fifth of the rise left as rule of thumb",
         formula="F/K <= 0.2 Y, F weight and preload, K of plate and pads above the tip",
         substituted=f"{show(load(r), 'N')}/{show(1 / give, 'N/m')} = {show(lost, 'm')}, Y = {show(rise, 'm')}",
-        proposal=f"a plate {show(r('stage.thickness') * np.cbrt(lost / (0.2 * rise)), 'm')} thick (stiffness grows as "
-        "the cube), ribs, or pads nearer to the tip",
+        proposal="a thicker plate (stiffness grows as the cube), ribs, less preload, or pads nearer to the tip",
+        changes=change("stage.thickness", r("stage.thickness") * np.cbrt(lost / (0.2 * rise)), "m", up=True),
     )
 
 

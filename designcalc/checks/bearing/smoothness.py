@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from designcalc.bearing.sliding import averaged_roughness
 from designcalc.bearing.way_profile import Surface, carried_height, synthetic_profiles
-from designcalc.checks.check import Check, CheckFunction, at_most, show
+from designcalc.checks.check import Check, CheckFunction, at_most, change, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.pads import film, heaviest_pad, pad_positions
 from stagecad.parameters.design import Design
@@ -36,7 +36,8 @@ def roughness_under_film(r: DesignInputs) -> Check:
         source="Rz about 4 Ra; a quarter of the film, so that no peak cuts through",
         formula="4 Ra <= t/4",
         substituted=f"4 x {show(rough, 'm')} against {show(thickness / 4, 'm')}",
-        proposal=f"lap the way to {show(r('bearing.proposed_way_roughness'), 'm')} Ra, as Nanosurf 2 did (nanometres)",
+        proposal="lap the way as Nanosurf 2's (nanometres)",
+        changes=change("bearing.way_roughness", r("bearing.proposed_way_roughness"), "m", up=False),
         thesis="Ra 1 um under a film of 1-2 um contradicts Nanosurf's way, lapped to nanometres",
         requirement="Table 1: smoothness",
     )
@@ -69,7 +70,8 @@ def smoothness(r: DesignInputs, key: str, label: str) -> Check:
         source=_AVERAGING,
         formula="Ra sqrt(pi/2) sqrt(pi) l/(a sqrt(8 pi n/9)) <= 1 nm rms",
         substituted=f"Ra = {show(rough, 'm')}, contact {show(side, 'm')} wide, {number} pads: {show(left, 'm')}",
-        proposal=f"Ra of {show(rough * limit / left, 'm')}, or flatter pads",
+        proposal="a smoother way, or flatter pads",
+        changes=change(f"bearing.{key}", rough * limit / left, "m", up=False),
         thesis=(_printed_rule(rough) if key == "way_roughness" else ""),
         requirement="Table 1: smoothness",
     )
@@ -103,7 +105,8 @@ def ridden(r: DesignInputs) -> Check:
         substituted=f"contact {show(side, 'm')} long, {len(places)} pads, Ra {show(surface.roughness, 'm')}, waves of "
         f"{show(surface.waviness, 'm')} at {show(surface.wavelength, 'm')}: {show(waves, 'm')}, and "
         f"{show(rough, 'm')} of roughness",
-        proposal=f"waves of at most {show(may, 'm')}, or pads that touch over several of their lengths: a convex pad "
+        changes=change("bearing.way_waviness", may, "m", up=False),
+        proposal="smaller waves, or pads that touch over several of their lengths: a convex pad "
         "averages roughness, not waves longer than its contact",
         requirement="Table 1: smoothness",
     )

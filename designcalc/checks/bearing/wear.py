@@ -44,8 +44,8 @@ def running_in(r: DesignInputs) -> Check:
         formula="h = sqrt(k F s/(pi R)) <= t/2, s = 2 travel x cycles",
         substituted=f"{cycles:.0f} cycles, {show(distance, 'm')}, {hours:.2g} h at full speed: {show(worn, 'm')} of "
         f"{show(thickness, 'm')}",
-        proposal=f"a crown radius of {show(radius * (worn / limit) ** 2, 'm')}, or run in over "
-        f"{show(travel * (limit / worn) ** 2, 'm')} of travel",
+        proposal=f"flat pads, a shorter running in, or a film that wears by "
+        f"{show(r('bearing.run_in_wear_rate') * (limit / worn) ** 2, 'm^2/N')} at most (filled PTFE: 1e-15 m^2/N)",
     )
 
 
@@ -61,7 +61,8 @@ def life(r: DesignInputs) -> Check:
         formula="s = pi R (t/2)^2/(k F)",
         substituted=f"R = {show(radius, 'm')}, F = {show(heaviest, 'N')}: {show(distance, 'm')}, "
         f"{distance / (2 * r('stage.travel')):.3g} strokes there and back",
-        proposal=f"a crown radius of {show(radius * wanted / distance, 'm')}",
+        proposal=f"flat pads, or a film that wears by {show(r('bearing.wear_rate') * distance / wanted, 'm^2/N')} at "
+        "most (filled PTFE reaches 1e-15 m^2/N)",
     )
 
 
