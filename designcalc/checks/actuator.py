@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from designcalc.bearing.sliding import crown_wear_distance
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
 from designcalc.drive.friction_drive import stack_current, stack_heat
 from designcalc.drive.piezo_stack import drive_pull, stack_tension, tilt_stress
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import load
+from designcalc.machine.loads import load, tip_load
 from designcalc.machine.tip_dynamics import (
     PIEZOS,
     bent_stack,
@@ -19,12 +20,16 @@ from designcalc.machine.tip_dynamics import (
     sway,
     sway_resonance,
     tilt_amplitude,
+    tip_noise,
     tip_resonances,
     usable_ellipse,
 )
 from stagecad.parameters.design import Design
 
 _ACTUATOR = "Table 2: actuator"
+SLIP_SHARE = 0.421
+"""Mean of ``|pi/2 sin wt - 1|`` over half a period. A tip that touches for half of each period slips by this part of X
+while the stage goes 2 X, under twice its mean force."""
 
 
 def checks(design: Design) -> list[CheckFunction]:
@@ -40,6 +45,9 @@ def checks(design: Design) -> list[CheckFunction]:
         bending,
         tilt,
         step_size,
+        amplifier_noise,
+        creep,
+        tip_wear,
     ]
 
 
@@ -211,4 +219,49 @@ def step_size(r: DesignInputs) -> Check:
         proposal="more bits",
         requirement="Table 1: resolution",
         note="open loop the piezo's hysteresis is far larger: this is the resolution of the loop, not its accuracy",
+    )
+
+
+def amplifier_noise(r: DesignInputs) -> Check:
+    noise = tip_noise(r)
+    return Check(
+        "noise of the amplifiers at the tip",
+        at_most(noise, r("requirements.resolution"), "m"),
+        source="independent noise of two amplifiers through the stacks' mean gain and the tip's lever",
+        formula="sqrt(2) u stroke/V h/D <= finest resolution",
+        substituted=f"{show(r('amplifier.noise'), 'V')} rms: {show(noise, 'm')} rms",
+        proposal="a quieter amplifier, or a filter before the stack",
+        requirement="Table 1: resolution",
+    )
+
+
+def creep(r: DesignInputs) -> Check:
+    """After a move to the end of its reach the pressed tip goes on by the creep of its stacks."""
+    reach = usable_ellipse(r)[0] / 2
+    drift = r("piezo.creep") * reach
+    return Check(
+        "creep of the piezos in a decade of time",
+        at_most(drift, r("requirements.resolution_coarse"), "m"),
+        source="logarithmic creep of the stacks, in open loop",
+        formula="creep X/2 <= 10 nm",
+        substituted=f"{100 * r('piezo.creep'):.3g} % of {show(reach, 'm')}: {show(drift, 'm')}",
+        proposal="hold the position in closed loop, or drive the stacks by charge",
+        requirement="Table 1: resolution",
+    )
+
+
+def tip_wear(r: DesignInputs) -> Check:
+    """While the stage coasts at 2 X f the tip slips by part of its path in every contact."""
+    mean, layer = tip_load(r), r("tip.coating_thickness")
+    worn_over = float(crown_wear_distance(layer, r("tip.nose_radius"), r("drive.tip_wear_rate"), mean))
+    travelled = worn_over / SLIP_SHARE
+    return Check(
+        "wear of the tip's coating",
+        at_least(travelled, r("bearing.life"), "m"),
+        source="Archard on the nose's cap under the largest mean load; slip of a sinusoidal tip against a steady stage",
+        formula="s = pi R t^2/(k F)/0.42 >= life",
+        substituted=f"R = {show(r('tip.nose_radius'), 'm')}, t = {show(layer, 'm')}, F = {show(mean, 'N')}: "
+        f"{show(travelled, 'm')} of travel",
+        proposal="a thicker or harder coating, a larger nose radius, or less preload",
+        requirement="Table 2: friction layer",
     )

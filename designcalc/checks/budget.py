@@ -14,14 +14,14 @@ from designcalc.bearing.sliding import averaged_roughness
 from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import Contribution, budget
-from designcalc.errors.sensors import filtered_noise
+from designcalc.errors.sensors import air_index_error, filtered_noise
 from designcalc.errors.thermal import floor_motion
 from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
 from designcalc.machine.stage_plate import give_at
-from designcalc.machine.tip_dynamics import holding_stiffness
+from designcalc.machine.tip_dynamics import holding_stiffness, tip_noise
 from stagecad.parameters.design import Design
 
 Array = NDArray[np.float64]
@@ -81,6 +81,7 @@ def resolution(r: DesignInputs) -> list[Contribution]:
         Contribution("sensor noise", "capacitive probe behind its filter", (float(noise), 0, 0)),
         Contribution("count of the converter", "one count on both piezos", (step / np.sqrt(12), 0, 0)),
         Contribution("floor", "stage held by the tip", (floor, 0, 0)),
+        Contribution("amplifier noise", "two amplifiers through the tip's lever", (tip_noise(r), 0, 0)),
     ]
 
 
@@ -135,10 +136,15 @@ def repeatability(r: DesignInputs) -> list[Contribution]:
     # A tenth of the pitch is not repeatable: the pads settle differently on their film.
     turn = 0.1 * 4 * bow / length
     slip = friction / holding_stiffness(r)
+    path = r("stage.travel") + r("sensors.interferometer.dead_path")
+    air = float(air_index_error(path, change, r("environment.pressure_change")))
+    pulled = r("payload.cable_force") / holding_stiffness(r)
     return [
         Contribution("growth of the base", "half the travel from its middle", (growth, 0, 0), random=False),
         Contribution("growth of the stage", "target on its end face", (plate, 0, 0), random=False),
         Contribution("wind-up by the pads' friction", "tip and contact deflect before the stage moves", (slip, 0, 0)),
+        Contribution("refractive index of the air", "interferometer over its dead path and the travel", (air, 0, 0)),
+        Contribution("cables", "change of their force over the travel", (pulled, 0, 0)),
         Contribution("linearity of the probe", "over its range", (linearity, 0, 0)),
         Contribution("pitch that does not come back", "payload off the line of measurement", rotation=(0, turn, 0)),
     ]

@@ -16,9 +16,16 @@ from designcalc.drive.friction_drive import (
     tip_force_limit,
 )
 from designcalc.machine.inputs import DesignInputs
-from designcalc.machine.loads import gravity, load_centre, preload_ratio, weight
+from designcalc.machine.loads import gravity, load, load_centre, moved_mass, preload_ratio, weight
 from designcalc.machine.pads import pad_positions
-from designcalc.machine.tip_dynamics import PIEZOS, mass_on_piezos, stack_stiffness, tip_resonance, usable_ellipse
+from designcalc.machine.tip_dynamics import (
+    PIEZOS,
+    holding_stiffness,
+    mass_on_piezos,
+    stack_stiffness,
+    tip_resonance,
+    usable_ellipse,
+)
 from stagecad.parameters.design import Design
 
 _SPEED = "kinematics of the elliptic tip: X f stopping, 2 X f coasting, pi X f at the apex"
@@ -35,6 +42,8 @@ def checks(design: Design) -> list[CheckFunction]:
         preload_and_acceleration,
         tip_over,
         travel_left,
+        stopping,
+        cables,
         sea_length,
     ]
 
@@ -171,6 +180,35 @@ def travel_left(r: DesignInputs) -> Check:
         substituted=f"{show(envelope, 'm')} against {show(way, 'm')} - {show(travel, 'm')} = {show(way - travel, 'm')}",
         proposal=f"pad spacing of at most {show(way - travel - r('pads.length'), 'm')}",
         requirement="Table 1: travel",
+    )
+
+
+def stopping(r: DesignInputs) -> Check:
+    """With the drive off, only the pads' friction brakes the stage; there are no end stops."""
+    speed, brake = r("requirements.speed"), r("bearing.dynamic_friction") * load(r)
+    energy = 0.5 * moved_mass(r) * speed**2
+    room = (r("bearing_way.length") - r("stage.travel") - r("pads.spacing_along") - r("pads.length")) / 2
+    return Check(
+        "stopping at the end of the travel by the pads' friction",
+        at_most(energy / brake, room, "m"),
+        source="energy of stage and payload at full speed against the pads' friction; the machine has no end stops",
+        formula="m v^2/2/(mu N) <= way beyond the pads",
+        substituted=f"{show(energy, 'J')} over {show(brake, 'N')}: {show(energy / brake, 'm')}; way {show(room, 'm')}",
+        proposal=f"end stops that take {show(energy, 'J')}, or less speed near the ends",
+        requirement="Table 1: travel",
+    )
+
+
+def cables(r: DesignInputs) -> Check:
+    force, hold = r("payload.cable_force"), holding_stiffness(r)
+    return Check(
+        "shift of the stage by its cables",
+        at_most(force / hold, r("requirements.repeatability"), "m"),
+        source="change of the cables' force over the travel, against rocking, sway and contact of the tip",
+        formula="F/K <= repeatability",
+        substituted=f"{show(force, 'N')}/{show(hold, 'N/m')} = {show(force / hold, 'm')}",
+        proposal="a softer cable, or hold the position in closed loop",
+        requirement="Section 2.3.2: repeatability (Table 1 has none)",
     )
 
 

@@ -5,7 +5,15 @@ from __future__ import annotations
 from functools import partial
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, ratio, show
-from designcalc.errors.sensors import abbe_error, cosine_error, count_size, filtered_noise, lag_error, velocity_noise
+from designcalc.errors.sensors import (
+    abbe_error,
+    air_index_error,
+    cosine_error,
+    count_size,
+    filtered_noise,
+    lag_error,
+    velocity_noise,
+)
 from designcalc.machine.inputs import DesignInputs
 from stagecad.parameters.design import Design
 
@@ -30,6 +38,8 @@ def checks(design: Design) -> list[CheckFunction]:
         contactless,
         abbe,
         cosine,
+        partial(air_index, path="stage.travel", label="travel"),
+        partial(air_index, path="sensors.interferometer.dead_path", label="dead path"),
     ]
 
 
@@ -225,6 +235,23 @@ def cosine(r: DesignInputs) -> Check:
         requirement="Table 2: sensor resolution",
         note=f"the finest resolution, {show(r('requirements.resolution'), 'm')}, needs "
         f"{show(angle * ratio(r('requirements.resolution'), error) ** 0.5, 'rad')}",
+    )
+
+
+def air_index(r: DesignInputs, path: str, label: str) -> Check:
+    """An interferometer measures in wavelengths, and the wavelength in air follows temperature and pressure."""
+    length, warmer, pressure = r(path), r("environment.temperature_change"), r("environment.pressure_change")
+    error = float(air_index_error(length, warmer, pressure))
+    limit = r("requirements.repeatability")
+    return Check(
+        f"refractive index of the air over the interferometer's {label}",
+        at_most(error, limit, "m"),
+        source="slopes of Edlen's equation (Birch, Downs 1994)",
+        formula="L (0.93 ppm/K dT + 0.0027 ppm/Pa dp) <= repeatability",
+        substituted=f"L = {show(length, 'm')}, {warmer:.3g} K and {show(pressure, 'Pa')}: {show(error, 'm')}",
+        proposal=f"correct the index by a weather station, or hold the air to {ratio(limit, error):.2g} of these "
+        "changes",
+        requirement="Section 2.3.2: repeatability (Table 1 has none)",
     )
 
 

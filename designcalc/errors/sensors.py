@@ -74,6 +74,24 @@ def cosine_error(travel: ArrayLike, misalignment: ArrayLike) -> Array:
     return 2 * length * np.sin(turn / 2) ** 2
 
 
+def air_index_error(path: ArrayLike, temperature_change: ArrayLike, pressure_change: ArrayLike) -> Array:
+    """Largest error of a length in air by the change of its refractive index, m.
+
+    ``L (0.93e-6/K |dT| + 2.7e-9/Pa |dp|)``: the slopes of Edlen's equation at 20 degC and 101 kPa; of humidity, 8.5e-9
+    per per cent, a tenth of that and left out.
+
+    Args:
+        path: L, m, >= 0.
+        temperature_change: dT of the air, K.
+        pressure_change: dp of the air, Pa.
+
+    Source: Birch, Downs, Metrologia 31 (1994) 315.
+    """
+    length, dt, dp = (np.asarray(v, float) for v in (path, temperature_change, pressure_change))
+    _require(np.all(length >= 0), "path", "must be 0 m or more")
+    return length * (0.93e-6 * np.abs(dt) + 2.7e-9 * np.abs(dp))
+
+
 def _require(condition: object, name: str, rule: str) -> None:
     if not condition:
         raise InputError(f"sensors: {name}: {rule}")

@@ -67,6 +67,12 @@ def tip_resonance(r: DesignInputs) -> float:
     return min(tip_resonances(r))
 
 
+def tip_noise(r: DesignInputs) -> float:
+    """Motion of the tip along the travel by the noise of two amplifiers, m rms."""
+    gain = r("piezo.stroke") / r("piezo.highest_voltage")
+    return float(np.sqrt(2)) * r("amplifier.noise") * gain * r("actuator.tip_height") / r("actuator.piezo_spacing")
+
+
 def sway(r: DesignInputs) -> float:
     """Stiffness of the tip across its stacks, which bend within the play of their bores, N/m."""
     one = sway_stiffness(r("piezo.length"), r("piezo.element_area"), r.material("piezo", "youngs_modulus"))

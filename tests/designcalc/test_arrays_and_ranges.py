@@ -54,6 +54,7 @@ CALLS = [
     (sensors.filtered_noise, (25e-9, 5e3, 24.0)),
     (sensors.velocity_noise, (6e-6, 1e3)),
     (sensors.lag_error, (0.2, 500.0)),
+    (sensors.air_index_error, (0.2, 1.0, 100.0)),
     (sensors.abbe_error, (0.02, 1e-5)),
     (sensors.cosine_error, (0.2, 1e-4)),
     (lambda load: film.film_contact(load, 2.0, 2e-6, 1e9, 60e9), (10.0,)),

@@ -173,6 +173,15 @@ def test_a_first_order_sensor_lags_a_ramp_by_its_time_constant():
         sensors.lag_error(speed, 0.0)
 
 
+def test_index_of_air_follows_edlens_equation():
+    """n - 1 at 20 degC and 101.325 kPa is 2.714e-4, as the density of the air: 186 nm/K over 200 mm."""
+    n, kelvin, pascal = 2.714e-4, 293.15, 101325.0
+    warmer = 0.2 * n * (1 - kelvin / (kelvin + 1))
+    assert float(sensors.air_index_error(0.2, 1.0, 0.0)) == pytest.approx(warmer, rel=0.01)
+    assert float(sensors.air_index_error(0.2, 1.0, 0.0)) == pytest.approx(186e-9, rel=1e-3)
+    assert float(sensors.air_index_error(0.2, 0.0, 100.0)) == pytest.approx(0.2 * n * 100 / pascal, rel=0.01)
+
+
 def test_floor_motion_is_that_of_an_oscillator_under_noise_in_third_octaves():
     """Response integrated numerically; 5.0 nm at 327 Hz, 4.5 times that of one component of 25 um/s at 30 Hz."""
     velocity = 25e-6

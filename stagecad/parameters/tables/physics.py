@@ -34,6 +34,7 @@ class Amplifier:
     slew_rate: float = number("highest, without a load", "V/s")
     bandwidth: float = number("", "Hz")
     bits: int = count("of the converter over the whole voltage", high=32)
+    noise: float = number("of the voltage across a stack, rms", "V", closed=True)
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class Drive:
     friction: float = number("coefficient between the tip's coating and the drive surface", high=5)
     sea_coating_thickness: float = number("of the friction coating on the drive surface", "m")
     roughness: float = number("Ra of the drive surface", "m")
+    tip_wear_rate: float = number("specific wear of the tip's coating", "m^2/N", closed=True)
     impact_loss: float = number("alpha of a coefficient of restitution 1 - alpha v", "s/m", closed=True)
 
 
@@ -107,6 +109,7 @@ class Payload:
 
     mass: float = number("", "kg", closed=True)
     height: float = mm("of its centre of mass above the payload face", zero=True)
+    cable_force: float = number("change over the travel of the force of its cables", "N", closed=True)
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,7 @@ class Interferometer:
     highest_speed: float = number("", "m/s")
     misalignment: float = number("of its beam to the travel", "rad", closed=True)
     range: float = number("to either side", "m")
+    dead_path: float = number("of the beam before the travel begins", "m", closed=True)
 
 
 @dataclass(frozen=True)
@@ -186,6 +190,7 @@ class Environment:
 
     temperature: float = number("", "degC", low=-273.15)
     temperature_change: float = number("that the machine must bear", "K", closed=True)
+    pressure_change: float = number("of the air, between two uses of a position", "Pa", closed=True)
     storage_change: float = number("that its joints must bear in store and transport", "K", closed=True)
     floor_velocity: float = number(
         "of the floor's vibration, rms in each third octave of 8 to 80 Hz", "m/s", closed=True

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from designcalc.checks import run_checks
+from designcalc.checks.actuator import SLIP_SHARE
 from designcalc.drive.friction_drive import resonance
 from designcalc.machine import tip_dynamics as tip
 from designcalc.machine.inputs import DesignInputs
@@ -60,6 +61,18 @@ def test_the_stacks_sway_in_series_with_rocking_and_contact():
     # One component of 25 um/s at 30 Hz moves the stage by 39 nm against the tip.
     still = 25e-6 / (2 * np.pi * 30) * (30 / first) ** 2 / (1 - (30 / first) ** 2)
     assert still == pytest.approx(39e-9, rel=0.05)
+
+
+def test_slip_and_noise_of_the_tip():
+    """A sinusoidal tip against a stage at 2 X f, summed over its contact; and two noisy amplifiers drawn at random."""
+    X, f = 10.45e-6, 5e3
+    t = np.linspace(0, 0.5 / f, 20001)
+    slip = np.abs(np.pi * X * f * np.sin(2 * np.pi * f * t) - 2 * X * f)
+    # Twice the mean force for half of the period, over the travel 2 X of the period.
+    assert 2 * np.mean(slip) * 0.5 / f / (2 * X) == pytest.approx(SLIP_SHARE, rel=1e-3)
+    volts = np.random.default_rng(3).normal(0.0, 1e-3, (2, 100_000))
+    moved = 20 / 46 * (volts[1] - volts[0]) * 17e-6 / 150
+    assert tip.tip_noise(inputs()) == pytest.approx(np.std(moved), rel=0.02)
 
 
 def test_peak_force_covers_the_simulated_one_and_is_near_it():
