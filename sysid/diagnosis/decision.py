@@ -153,7 +153,7 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
         if pair is not None and compared.certain(pair) and (named is None or _clear_pair(compared, pair, named)):
             model = pair
     if model is None:
-        return _nothing_named(compared, curve, report)
+        return _insufficient(compared, None, curve, report)
     beaten = curve is not None and compared.clearly_better(curve, model, CURVE_STEADINESS)
     if compared.share(model) >= SUFFICIENT_SHARE and not beaten:
         if len(model.added) == 2:
@@ -164,11 +164,12 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
         elif named is not None:
             chosen, ties = equivalent(reference, models.ranked, named)
             return _missing(compared, chosen, ties, "explains the residual", report)
-    if named is not None and not _beaten_by_own_curve(compared, models, named):
+    above = compared.noise.adequate_loss > NOISE_FACTOR**2
+    if named is not None and above and not _beaten_by_own_curve(compared, models, named):
         beside = next(iter(models.curves_beside(named)), None)
         if beside is not None and _needed_beside(compared, named, beside, curve):
             return _missing(compared, named, (), "is certainly present; more is missing", report)
-    return _unexplained(compared, model, curve, beaten, report)
+    return _insufficient(compared, model, curve, report)
 
 
 def _plausible(candidates: Sequence[Candidate]) -> Candidate | None:
@@ -239,11 +240,15 @@ def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate)
     return chosen, tuple(c.public_name for c in rivals)[:2]
 
 
-def _nothing_named(compared: _Comparison, curve: Candidate | None, report: _Report) -> Decision:
-    quiet = curve is None or not compared.notable(curve)
-    if compared.noise.adequate_loss <= NOISE_FACTOR**2 and quiet:
+def _insufficient(compared: _Comparison, model: Candidate | None, curve: Candidate | None, report: _Report) -> Decision:
+    """The decision where no named model is sufficient: adequate as far as the level of the noise is known."""
+    notable = curve is not None and compared.notable(curve)
+    if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not notable:
         return Decision("adequate", None, (), 0.0, "no effect and no coordinate explains the residual", *report)
-    return _unexplained(compared, None, curve, curve is not None and compared.notable(curve), report)
+    better = curve is not None and (
+        notable if model is None else compared.clearly_better(curve, model, CURVE_STEADINESS)
+    )
+    return _unexplained(compared, model, curve, better, report)
 
 
 def _unexplained(

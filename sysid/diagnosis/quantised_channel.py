@@ -19,13 +19,16 @@ EVEN = (KEPT / TRIM_FACTOR) ** 2
 MOST_RISE = 1.02
 """Largest ratio of the held-out errors with quantisation and without."""
 
+CLEAR_FALL = 0.5
+"""Ratio of the held-out errors, in their unit, up to which they fall clearly."""
+
 
 def quantised_channel(reference: Reference) -> Decision | None:
     """The decision that a channel is quantised, where the user stated less noise than its least significant bit makes.
 
-    None if there is no such channel (an estimated noise includes the quantisation), if nothing exceeds the noise, if
-    the noise of quantisation is only a small part of what exceeds it, or if the held-out error rises; a larger
-    deviation in the unit of which the error is expressed explains nothing.
+    None if there is no such channel (an estimated noise includes the quantisation), if nothing exceeds the noise, or if
+    the held-out error rises. A larger deviation in the unit of which the error is expressed explains nothing: the noise
+    of quantisation has to be a part of what exceeds the noise, or the error itself has to fall clearly, to the noise.
     """
     problem, base = reference.problem, reference.base
     coarse = [c for c, n in problem.noise.items() if n.quantisation_step is not None and n.without_quantisation is None]
@@ -50,7 +53,10 @@ def quantised_channel(reference: Reference) -> Decision | None:
     )
     share = min(1.0, EVEN * _added_variance(problem, other) / max(before**2 - 1.0, 1e-9))
     risen = any(candidate.after_validate[c].rms > MOST_RISE * m.rms for c, m in validated.items())
-    if before <= NOISE_FACTOR or share < CLEAR_MARGIN or risen:
+    # With too small a noise the filter of a force balance is too narrow, and events are placed wrongly.
+    fallen = all(candidate.after_validate[c].rms <= CLEAR_FALL * m.rms for c, m in validated.items())
+    resolved = fallen and worst_over_noise(candidate.after_fit, candidate.after_validate) <= NOISE_FACTOR
+    if before <= NOISE_FACTOR or risen or not (resolved or share >= CLEAR_MARGIN):
         return None
     words = "the measured values lie on a grid coarser than the noise"
     return Decision("missing-effect", candidate, (), 1.0 - share, words, detected_by=words)
