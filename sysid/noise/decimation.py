@@ -67,16 +67,11 @@ def noise_of_means(noise: Mapping[str, Noise], k: int) -> dict[str, Noise]:
     """Noise of each channel after the mean over k rows."""
     out = {}
     for channel, one in noise.items():
-        c, white, lines = one.spectrum
+        c, white = one.spectrum
         spread = k * (1.0 - c**2) - 2.0 * c * (1.0 - c**k)
-        parts = [white / k, (1.0 - white - sum(share for _, share in lines)) * spread / (k * (1.0 - c)) ** 2]
-        folded = [(abs((k * angle + np.pi) % (2.0 * np.pi) - np.pi), share * _line(angle, k)) for angle, share in lines]
-        total = sum(parts) + sum(share for _, share in folded)
-        factor = float(np.sqrt(total))
-        correlation = c * (1.0 - c**k) ** 2 / spread
-        spectrum = NoiseSpectrum(
-            correlation, parts[0] / total, tuple((angle, share / total) for angle, share in folded)
-        )
+        parts = [white / k, (1.0 - white) * spread / (k * (1.0 - c)) ** 2]
+        factor = float(np.sqrt(sum(parts)))
+        spectrum = NoiseSpectrum(c * (1.0 - c**k) ** 2 / spread, parts[0] / sum(parts))
         inner = None if one.without_quantisation is None else factor * one.without_quantisation
         # A mean of quantised values is no longer on their grid.
         out[channel] = replace(
@@ -87,8 +82,3 @@ def noise_of_means(noise: Mapping[str, Noise], k: int) -> dict[str, Noise]:
             without_quantisation=inner,
         )
     return out
-
-
-def _line(angle: float, k: int) -> float:
-    """Part of the power of a line at an angle per row (rad) in the mean over k rows."""
-    return float((np.sin(0.5 * k * angle) / (k * np.sin(0.5 * angle))) ** 2)

@@ -81,9 +81,7 @@ class Noise:
     @property
     def autocorrelation(self) -> float:
         """At a lag of one sample."""
-        correlation, white, lines = self.spectrum
-        coloured = 1.0 - white - sum(share for _, share in lines)
-        return coloured * correlation + sum(share * float(np.cos(angle)) for angle, share in lines)
+        return (1.0 - self.spectrum.white) * self.spectrum.correlation
 
     def to_json(self) -> dict[str, Any]:
         """JSON output: a quantity with `from`, and the autocorrelation at a lag of one sample if it is not zero."""

@@ -21,22 +21,20 @@ CUT_SMOOTHING = 6.0
 
 
 class NoiseSpectrum(NamedTuple):
-    """Spectrum of noise of unit variance: white noise, a first-order autoregression, and lines.
+    """Spectrum of noise of unit variance: white noise and a first-order autoregression.
 
     Args:
         correlation: of neighbouring samples of the autoregressive part.
         white: part of the variance that is white.
-        lines: angle per sample (rad) and part of the variance of each.
     """
 
     correlation: float = 0.0
     white: float = 1.0
-    lines: tuple[tuple[float, float], ...] = ()
 
     def power(self, angle: np.ndarray) -> np.ndarray:
-        """Power density (k,) without the lines, 1 for white noise; `angle` per sample, rad."""
-        c, broad = self.correlation, 1.0 - sum(share for _, share in self.lines)
-        return self.white + (broad - self.white) * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(angle) + c**2)
+        """Power density (k,), 1 for white noise; `angle` per sample, rad."""
+        c = self.correlation
+        return self.white + (1.0 - self.white) * (1.0 - c**2) / (1.0 - 2.0 * c * np.cos(angle) + c**2)
 
 
 WHITE = NoiseSpectrum()
@@ -149,5 +147,4 @@ class GaussianFilter:
         weights = np.full(power.size, 2.0)
         weights[[0, -1]] = 1.0
         angle = np.linspace(0.0, np.pi, power.size)
-        broad = float(np.sum(power * spectrum.power(angle) * weights)) / length
-        return float(np.sqrt(broad + sum(share * np.interp(line, angle, power) for line, share in spectrum.lines)))
+        return float(np.sqrt(np.sum(power * spectrum.power(angle) * weights) / length))
