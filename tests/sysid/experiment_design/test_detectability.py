@@ -46,7 +46,8 @@ def test_diagnosis_finds_effects_above_that_size_and_none_below(tmp_path: Path, 
     assert smallest is not None
     found = diagnose(bare(tmp_path / "with", times * smallest * VELOCITY))
     assert found.verdict == verdict
-    assert found.effect == ("viscous" if verdict == "missing-effect" else None)
+    # At this size a quadratic drag may be equivalent.
+    assert ("viscous" in (found.effect, *found.indistinguishable)) == (verdict == "missing-effect")
 
 
 def test_size_of_an_effect_without_amplitude_is_searched(tmp_path: Path) -> None:
