@@ -41,13 +41,13 @@ class Known:
 MACHINES = {
     "emps": Known(("direction_asymmetry",), ("stribeck", "flexible_mode")),
     "reciprocating_tribometer": Known(("presliding", "constant_bias"), ("cable_spring", "run_in", "sensor_drift")),
-    "pneumatic_seal": Known(("load_dependent_friction", "direction_asymmetry"), ("presliding",)),
+    "pneumatic_seal": Known(("load_dependent_friction", "direction_asymmetry", "presliding")),
     "dfki_gravity": Known(("gravity_torque",), ("constant_bias",)),
     "franka_joint7": Known(("constant_bias", "presliding"), ("cable_spring", "gravity_torque")),
     "piezo_1hz": Known(("piezo_hysteresis",)),
     "hsm150_two_motor": Known(("constant_bias",), ("stribeck",)),
     "laas_cogging_static_quarter": Known(("magnetic_cogging",), ("constant_bias",)),
-    "brfd_backlash": Known(("presliding",), ("backlash", "direction_asymmetry")),
+    "brfd_backlash": Known(("presliding", "backlash", "direction_asymmetry")),
     "oartec_coast_forcedrive": Known(("quadratic_drag",)),
 }
 

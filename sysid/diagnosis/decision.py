@@ -3,13 +3,13 @@
 All models are compared by their held-out losses (`sysid/diagnosis/held_out.py`). With L0 the loss of the stated model
 and L that of another one, the excess is L0 - 1 and the share of the other model (L0 - L) / (L0 - min(1, L)).
 
-1. The best named model is the effect of lowest loss, or a pair of effects that is clearly better.
+1. The best named model is the effect of lowest loss with plausible values, or a pair of effects that is clearly better.
 2. If its gain is certain (over its standard error, over the scatter of the blocks, and large enough), and its share is
    sufficient, and no free curve of a coordinate is clearly better, the effect is missing.
-3. If it is not sufficient alone, but a sufficient model with a free curve beside it is clearly worse without it, the
-   effect is missing too; more is missing.
-4. If no named model is needed and no free curve explains a notable part, the model is adequate, as far as the level of
-   the noise is known.
+3. If it is not sufficient alone, the loss is beyond what a wrong level of the noise explains, and a sufficient model of
+   the effect and a free curve is clearly worse without the effect, the effect is missing too; more is missing.
+4. If no named model is sufficient and no free curve explains a notable part, the model is adequate, as far as the level
+   of the noise is known.
 5. Otherwise the misfit is unexplained.
 
 The constants are in `sysid/diagnosis/constants.py`.

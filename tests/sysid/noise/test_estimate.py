@@ -242,8 +242,8 @@ def test_practice_records_whose_noise_is_given():
                     ratios.append(noise.without_quantisation / given)
     assert len(ratios) > 30
     assert np.quantile(ratios, 0.1) > 0.9 and np.quantile(ratios, 0.9) < 1.1
-    # One record changes so fast that only a lower bound is found.
-    assert sorted(ratios)[1] > 0.75 and max(ratios) < 1.3
+    # A signal that changes within a few samples is not distinguishable from noise of a short correlation time.
+    assert min(ratios) > 0.75 and max(ratios) < 1.3
 
 
 def test_the_colour_of_noise_that_comes_and_goes_is_found():
