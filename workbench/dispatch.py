@@ -30,6 +30,7 @@ COMMANDS = {
     "add": "Add effects to an experiment's model, fit, and write the next rung of its ladder.",
     "ladder": "The error after each effect added so far.",
     "suggest": "The next measurement that would best separate the competing effects.",
+    "new": "Write a template to start from.",
     "demo": "Compare, diagnose and add on packaged records with hidden effects, start to end.",
 }
 
