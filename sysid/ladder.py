@@ -3,7 +3,7 @@ restored."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -61,7 +61,11 @@ class Addition:
 
 
 def add_effects(
-    source: str | Path, effects: Sequence[str], design: DesignValues | None = None, drop: Sequence[str] = ()
+    source: str | Path,
+    effects: Sequence[str],
+    design: DesignValues | None = None,
+    drop: Sequence[str] = (),
+    accept: Callable[[Problem, FittedModel], object] = lambda problem, fitted: None,
 ) -> Addition:
     """Add effects to the model of an experiment, fit it, and write the next revision and `experiment.toml`.
 
@@ -75,6 +79,7 @@ def add_effects(
         effects: names of the effects to add.
         design: values of the design for known quantities stated as `"design"`.
         drop: names of effects that are removed first, in the same revision.
+        accept: called with the extended model before anything is written; nothing is where it raises.
 
     Raises:
         InputError: an effect that is unknown, already present (to drop: absent), or not observable on this rig; a fault
@@ -107,6 +112,7 @@ def add_effects(
     }
     hashes = {record.name: record.sha256 for record in problem.records}
     known = {u.key: u.prior for u in fitted.model.unknowns if u.prior is not None}
+    accept(extended, fitted)
     revision = append_revision(experiment, names, starts, document, base_document, hashes, known=known)
     weights = residual_weights(fitted.model, extended.validate_records)
     residual = weighted_residual(fitted.model, extended.validate_records, weights)

@@ -1,11 +1,19 @@
-"""Atomic writing of files: under a temporary name in the same folder, then renamed."""
+"""Atomic writing of files: under a temporary name in the same folder, flushed to the disk, then renamed.
+
+A link is followed, so that it stays a link and the file it names is replaced. A file keeps its permissions. After a
+power cut the file has either its old or its new content, since the new content is on the disk before the name is, and
+the name before the function returns.
+"""
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
+import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -14,21 +22,70 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path in the folder of `path`; rename it to `path` if the block succeeds, else remove it.
 
     The temporary name keeps the suffix of `path`, since many writers choose their format by it.
+
+    Raises:
+        OSError: with the name of `path`: the folder or the file is not writable, or the disk is full.
     """
-    target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
-    os.close(handle)
-    temporary = Path(name)
+    target = Path(os.path.realpath(path))
+    temporary: Path | None = None
     try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        mode = _mode(target)
+        handle, name = tempfile.mkstemp(prefix=f".{target.stem}-", suffix=target.suffix, dir=target.parent)
+        os.close(handle)
+        temporary = Path(name)
         yield temporary
-        # mkstemp makes files private to the user; an output file follows the umask like any other.
+        _flush(temporary)
+        temporary.chmod(mode)
+        temporary.replace(target)
+        _flush_folder(target.parent)
+    except OSError as error:
+        # Errors of a write name no file, others the temporary one.
+        if error.errno is not None and error.filename in (None, str(temporary), getattr(temporary, "name", None)):
+            raise OSError(error.errno, error.strerror, str(path)) from None
+        raise
+    finally:
+        if temporary is not None:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+
+
+def _mode(target: Path) -> int:
+    """Permissions of the present file, else those of a new one.
+
+    Raises:
+        PermissionError: the present file may not be written to, although its folder may.
+        IsADirectoryError: a folder has this name.
+    """
+    try:
+        found = target.stat()
+    except FileNotFoundError:
         mask = os.umask(0)
         os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
-        temporary.replace(target)
+        return 0o666 & ~mask
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(target))
+    if not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(target))
+    return stat.S_IMODE(found.st_mode)
+
+
+def _flush(path: Path) -> None:
+    with path.open("rb+") as stream:
+        os.fsync(stream.fileno())
+
+
+def _flush_folder(folder: Path) -> None:
+    """Flush the entries of a folder, where the system can."""
+    if sys.platform == "win32":
+        return
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        # Some network file systems refuse to flush a folder; the rename has been made.
+        with suppress(OSError):
+            os.fsync(handle)
     finally:
-        temporary.unlink(missing_ok=True)
+        os.close(handle)
 
 
 def atomic_write_bytes(path: str | Path, data: bytes) -> None:

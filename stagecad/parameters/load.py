@@ -160,10 +160,15 @@ def write_values(path: str | Path, changes: Mapping[str, tuple[str | float | boo
     Raises:
         InputError: the file or a value is invalid; then the file is left unchanged.
     """
+    atomic_write_text(path, check_values(path, changes))
+
+
+def check_values(path: str | Path, changes: Mapping[str, tuple[str | float | bool, str]]) -> str:
+    """The text that `write_values` would write, checked as a whole; arguments and errors as there."""
     read_parameter_file(path)
     with Path(path).open(encoding="utf-8-sig", newline="") as stream:
         text = stream.read()
-    atomic_write_text(path, changed_text(text, str(path), changes))
+    return changed_text(text, str(path), changes)
 
 
 def changed_text(text: str, name: str, changes: Mapping[str, tuple[str | float | bool, str]]) -> str:

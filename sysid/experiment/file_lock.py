@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import re
+import stat
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
 
 from stagecad.parameters.errors import InputError
 
 _held: dict[Path, int] = {}
 POLL_SECONDS = 0.05
+LONGEST = 16
+"""Bytes of a lock file that are read: a process number, padded."""
 
 
 @contextmanager
@@ -21,12 +25,14 @@ def file_lock(path: Path, timeout: float, busy: str) -> Iterator[None]:
     """Hold the lock on `path`; reentrant within a process.
 
     Args:
-        path: lock file, created if it does not exist, and not deleted.
+        path: lock file, beside what it protects. It is created, and removed again on release; one that another
+            program left there is never truncated, and never written to unless it holds a process number.
         timeout: s to wait for another process.
         busy: name of the locked object in the message.
 
     Raises:
-        InputError: another process still holds the lock after `timeout`, or the file cannot be created.
+        InputError: another process still holds the lock after `timeout`, the file cannot be created, or its name is
+            that of a link or of anything else than a plain file.
     """
     key = path.absolute()
     if _held.get(key, 0):
@@ -36,55 +42,103 @@ def file_lock(path: Path, timeout: float, busy: str) -> Iterator[None]:
         finally:
             _held[key] -= 1
         return
+    handle = _locked(path, time.monotonic() + timeout, busy)
+    try:
+        _held[key] = 1
+        _write_holder(handle)
+        yield
+    finally:
+        _held.pop(key, None)
+        # Removed while it is held: whoever waits for it notices that its file has lost its name.
+        with suppress(OSError):
+            path.unlink()
+        _release(handle)
+        os.close(handle)
+
+
+def _locked(path: Path, end: float, busy: str) -> int:
+    while True:
+        handle = _open(path)
+        try:
+            while not _try(handle):
+                if time.monotonic() >= end:
+                    raise InputError(
+                        f"{busy}: another run is at work on it (process {_holder(handle)}); try again when it is done"
+                    )
+                time.sleep(POLL_SECONDS)
+            if _has_name(handle, path):
+                return handle
+        except BaseException:
+            os.close(handle)
+            raise
+        os.close(handle)
+
+
+def _open(path: Path) -> int:
+    flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle = path.open("a+")
+        handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
     except OSError as error:
+        if error.errno == errno.ELOOP:
+            raise InputError(f"{path}: is a link; a lock file is wanted, so remove it") from None
         raise InputError(f"{path}: cannot be written: {error.strerror}") from None
-    with handle:
-        end = time.monotonic() + timeout
-        while not _try(handle):
-            if time.monotonic() >= end:
-                handle.seek(0)
-                holder = handle.read(40).strip() or "unknown"
-                raise InputError(f"{busy}: another run is at work on it (process {holder}); try again when it is done")
-            time.sleep(POLL_SECONDS)
-        _held[key] = 1
-        try:
-            handle.truncate(0)
-            handle.write(str(os.getpid()))
-            handle.flush()
-            yield
-        finally:
-            _held.pop(key, None)
-            _release(handle)
+    if not stat.S_ISREG(os.fstat(handle).st_mode):
+        os.close(handle)
+        raise InputError(f"{path}: is no plain file; a lock file is wanted, so remove it")
+    return handle
+
+
+def _has_name(handle: int, path: Path) -> bool:
+    """Whether the open file still has its name; the holder before may have removed it."""
+    try:
+        return os.path.samestat(os.fstat(handle), path.lstat())
+    except FileNotFoundError:
+        return False
+
+
+def _text(handle: int) -> bytes:
+    os.lseek(handle, 0, os.SEEK_SET)
+    return os.read(handle, LONGEST)
+
+
+def _holder(handle: int) -> str:
+    found = re.fullmatch(rb"(\d+)\s*", _text(handle))
+    return found[1].decode() if found else "unknown"
+
+
+def _write_holder(handle: int) -> None:
+    """Write this process's number, unless the file has other content or another name (a hard link)."""
+    if os.fstat(handle).st_nlink == 1 and re.fullmatch(rb"\d*\s*", _text(handle)):
+        os.lseek(handle, 0, os.SEEK_SET)
+        os.write(handle, str(os.getpid()).ljust(LONGEST).encode())
 
 
 if sys.platform == "win32":
     import msvcrt
 
-    def _try(handle: IO[str]) -> bool:
+    def _try(handle: int) -> bool:
         try:
             # A byte beyond the text is locked, so that the process number in the file remains readable.
-            handle.seek(1 << 20)
-            msvcrt.locking(handle.fileno(), msvcrt.LK_NBLCK, 1)
+            os.lseek(handle, 1 << 20, os.SEEK_SET)
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
         except OSError:
             return False
         return True
 
-    def _release(handle: IO[str]) -> None:
-        handle.seek(1 << 20)
-        msvcrt.locking(handle.fileno(), msvcrt.LK_UNLCK, 1)
+    def _release(handle: int) -> None:
+        os.lseek(handle, 1 << 20, os.SEEK_SET)
+        msvcrt.locking(handle, msvcrt.LK_UNLCK, 1)
 
 else:
     import fcntl
 
-    def _try(handle: IO[str]) -> bool:
+    def _try(handle: int) -> bool:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
             return False
         return True
 
-    def _release(handle: IO[str]) -> None:
+    def _release(handle: int) -> None:
         fcntl.flock(handle, fcntl.LOCK_UN)

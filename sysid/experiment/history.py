@@ -5,8 +5,8 @@ rung 000 is the model before any effect was added. No rung is deleted: an undone
 
 A change is made in this order: write a note of the intended change (`ladder/pending.json`), write the rung, write
 `experiment.toml`, delete the note. Each file is written atomically. If a run is interrupted, the note remains: when
-`experiment.toml` contains the new model, the change is kept; otherwise the rung is moved to `ladder/undone/`. Reading
-functions apply the same rule without writing.
+`experiment.toml` contains the model of the rung before, the rung is moved to `ladder/undone/`; when it contains the new
+model, or was edited by hand since, the rung is kept. Reading functions apply the same rule without writing.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -71,8 +71,14 @@ def history_lock(experiment: Placed, timeout: float = LOCK_SECONDS) -> Iterator[
     Raises:
         InputError: another run holds it for longer than `timeout` seconds.
     """
-    with file_lock(experiment.folder / "ladder" / ".lock", timeout, str(experiment.path)):
-        yield
+    folder = experiment.folder / "ladder"
+    try:
+        with file_lock(folder / ".lock", timeout, str(experiment.path)):
+            yield
+    finally:
+        # Where nothing was written, no empty folder is left.
+        with suppress(OSError):
+            folder.rmdir()
 
 
 def read_history(experiment: Placed) -> list[Revision]:
@@ -82,10 +88,7 @@ def read_history(experiment: Placed) -> list[Revision]:
         InputError: a rung that cannot be read, or one missing between others.
     """
     rungs = _read_rungs(experiment.folder / "ladder")
-    pending = _pending(experiment.folder)
-    if pending is None or not rungs or rungs[-1].number != pending["rung"]:
-        return rungs
-    return rungs if _is_current(experiment, rungs[-1]) else rungs[:-1]
+    return rungs[:-1] if _was_reverted(experiment, rungs) else rungs
 
 
 def edited_by_hand(experiment: Placed, rungs: Sequence[Revision]) -> bool:
@@ -270,20 +273,24 @@ def _pending(folder: Path) -> dict[str, Any] | None:
         return None
 
 
-def _is_current(experiment: Placed, rung: Revision) -> bool:
-    """Whether `experiment.toml` contains the model of `rung`, which an interrupted run was to write or undo."""
-    return model_hash(model_of(_current_text(experiment))) == model_hash(rung.model)
+def _was_reverted(experiment: Placed, rungs: Sequence[Revision]) -> bool:
+    """Whether an interrupted run left the last rung without its model in `experiment.toml`.
+
+    A third model was written by hand since: then the rung is kept, since it cannot be known whether it was completed.
+    """
+    pending = _pending(experiment.folder)
+    if pending is None or len(rungs) < 2 or rungs[-1].number != pending["rung"]:
+        return False
+    current = model_hash(model_of(_current_text(experiment)))
+    return current != model_hash(rungs[-1].model) and current == model_hash(rungs[-2].model)
 
 
 def _recover(experiment: Placed) -> None:
     """Complete or revert an interrupted change."""
-    folder = experiment.folder
-    pending = _pending(folder)
-    if pending is not None:
-        rungs = _read_rungs(folder / "ladder")
-        if rungs and rungs[-1].number == pending["rung"] and not _is_current(experiment, rungs[-1]):
-            _set_aside(rungs[-1].path)
-    _pending_path(folder).unlink(missing_ok=True)
+    rungs = _read_rungs(experiment.folder / "ladder")
+    if _was_reverted(experiment, rungs):
+        _set_aside(rungs[-1].path)
+    _pending_path(experiment.folder).unlink(missing_ok=True)
 
 
 def _set_aside(path: Path) -> Path:

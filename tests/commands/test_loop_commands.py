@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from workbench import cli
-from workbench.commands.demo import fresh_copy
+from workbench.commands.demo import free_folder, fresh_copy
 
 PACKAGED = Path(cli.__file__).parent / "demo_records"
 
@@ -56,6 +56,27 @@ def test_the_demo_begins_anew_each_time(demo: tuple[Path, dict], tmp_path: Path)
     assert not (folder / "ladder").exists()
     assert (folder / "mine.txt").is_file()
     assert (folder / "experiment.toml").read_bytes() == (PACKAGED / "experiment.toml").read_bytes()
+
+
+@pytest.mark.parametrize("changed", ["experiment.toml", "fit.csv", "ladder/001.json", "my_effect.py"])
+def test_a_folder_of_the_demo_in_which_somebody_worked_is_left_alone(tmp_path: Path, changed: str) -> None:
+    folder = fresh_copy(free_folder(tmp_path / "demo"))
+    (folder / "report.html").write_text("can be made again")
+    assert free_folder(tmp_path / "demo") == folder
+    (folder / changed).parent.mkdir(exist_ok=True)
+    (folder / changed).write_text("my own work")
+    other = fresh_copy(free_folder(tmp_path / "demo"))
+    assert other == tmp_path / "demo_2"
+    assert (folder / changed).read_text() == "my own work"
+    assert free_folder(tmp_path / "demo") == other
+
+
+def test_a_folder_or_link_that_the_demo_did_not_make_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "demo").mkdir()
+    assert free_folder(tmp_path / "demo") == tmp_path / "demo_2"
+    (tmp_path / "demo").rmdir()
+    (tmp_path / "demo").symlink_to(fresh_copy(tmp_path / "rig"))
+    assert free_folder(tmp_path / "demo") == tmp_path / "demo_2"
 
 
 def test_the_packaged_records_are_the_generators(tmp_path: Path) -> None:

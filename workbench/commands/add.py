@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
@@ -65,13 +66,17 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
     from workbench.console.identification import print_revision
     from workbench.identification.design_values import design_values
 
-    if keys:
-        from workbench.identification.write_back import parameter_file
+    def accept(problem: Problem, fitted: FittedModel) -> None:
+        # Before the rung is written: values that cannot be written back stop the command with nothing done.
+        if keys:
+            values_to_write(run, problem, fitted, keys, f"measured: {problem.experiment.folder.resolve().name}")
 
-        # Before the rung is written: a file that cannot take the values stops the command with nothing done.
+    if keys:
+        from workbench.identification.write_back import parameter_file, values_to_write
+
         parameter_file(run)
     with run.busy(f"fitting the model {_change(effects, drop)}"):
-        step = add_effects(experiment, effects, design_values(run), drop)
+        step = add_effects(experiment, effects, design_values(run), drop, accept)
     document = {
         "schema": 1,
         "rung": step.revision.number,
@@ -87,7 +92,10 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
     }
     print_revision(run, step, document)
     if keys:
-        document.update(_written(run, step.problem, step.base.fitted, keys, step.revision.number))
+        try:
+            document.update(_written(run, step.problem, step.base.fitted, keys, step.revision.number))
+        except (InputError, OSError) as error:
+            raise InputError(f"{error}; rung {step.revision.number:03d} was added all the same") from None
     run.emit(document)
 
 

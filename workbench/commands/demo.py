@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
+from collections.abc import Iterator
 from importlib.resources import as_file, files
 from pathlib import Path
 from time import perf_counter
@@ -10,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stagecad.parameters.atomic import atomic_write_bytes
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
@@ -18,6 +21,8 @@ if TYPE_CHECKING:
 
 MOST_ROUNDS = 5
 """Effects added at most; the packaged records need fewer."""
+STATE = ".demo.json"
+"""File in a folder of the demonstration: the hash of each file of the experiment as the demonstration left it."""
 
 
 @click.command("demo")
@@ -26,10 +31,13 @@ def command(run: Run) -> None:
     """Run compare, diagnose and add on packaged records of a slide, until the residual is at the noise level.
 
     The records are copied to OUT/demo. Every step is the command of that name, which can be repeated by hand.
+    A folder OUT/demo that was changed since, or that is somebody's own, is left alone: then it is OUT/demo_2.
     """
     began = perf_counter()
-    folder = fresh_copy(run.out / "demo")
+    folder = fresh_copy(free_folder(run.out / "demo"))
     echo = run.echo
+    if folder.name != "demo":
+        echo(f"{run.out / 'demo'} is not as the demonstration left it, and is not touched.")
     echo(f"A slide on its bearing way was driven back and forth and its friction force measured. Records: {folder}")
     echo("The model contains Coulomb and viscous friction. Is an effect missing?\n")
     document: dict[str, Any] = {"schema": 1, "experiment": str(folder), "compare": _compare(run, folder), "rounds": []}
@@ -52,15 +60,45 @@ def command(run: Run) -> None:
     run.emit(document)
 
 
+def free_folder(folder: Path) -> Path:
+    """`folder`, or the first of FOLDER_2, FOLDER_3, ... that does not exist or is as a demonstration left it."""
+    number, found = 1, folder
+    while (found.exists() or found.is_symlink()) and not _as_left(found):
+        number += 1
+        found = folder.with_name(f"{folder.name}_{number}")
+    return found
+
+
 def fresh_copy(folder: Path) -> Path:
-    """The packaged experiment in `folder` in its initial state; other files there are kept."""
+    """The packaged experiment in its initial state in `folder`, which is new or one that `free_folder` has found."""
     for left_over in ("ladder", "sections"):
-        shutil.rmtree(folder / left_over, ignore_errors=True)
+        if (folder / left_over).is_dir():
+            shutil.rmtree(folder / left_over)
     with as_file(files("workbench") / "demo_records") as packaged:
         for path in sorted(packaged.iterdir()):
             if path.suffix in (".toml", ".csv"):
                 atomic_write_bytes(folder / path.name, path.read_bytes())
+    remember(folder)
     return folder
+
+
+def remember(folder: Path) -> None:
+    """Write down the state of the experiment in `folder`, by which the next demonstration knows its own work."""
+    atomic_write_text(folder / STATE, json.dumps(dict(_hashes(folder)), indent=1) + "\n")
+
+
+def _as_left(folder: Path) -> bool:
+    try:
+        return not folder.is_symlink() and json.loads((folder / STATE).read_text("utf-8")) == dict(_hashes(folder))
+    except (OSError, ValueError):
+        return False
+
+
+def _hashes(folder: Path) -> Iterator[tuple[str, str]]:
+    """Name and hash of each file of the experiment; reports and figures can be made again and do not count."""
+    beside = [path for path in folder.iterdir() if path.suffix in (".toml", ".csv", ".parquet", ".mat", ".py")]
+    for path in sorted(path for path in (*beside, *(folder / "ladder").rglob("*")) if path.is_file()):
+        yield path.relative_to(folder).as_posix(), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _compare(run: Run, folder: Path) -> dict[str, Any]:
@@ -106,6 +144,7 @@ def _add(run: Run, folder: Path, effect: str) -> dict[str, Any]:
     run.echo(f"$ stagecad add {folder} {effect}")
     with run.busy(f"fitting the model with {effect}"):
         step = add_effects(folder, [effect])
+    remember(folder)
     parameters = dict(step.revision.document["parameters"])
     run.console.print(rich_table(parameter_table(parameters, f"Rung {step.revision.number:03d}, fitted again")))
     run.echo("")

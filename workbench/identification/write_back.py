@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import getpass
-import hashlib
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
@@ -106,17 +103,26 @@ def write_back(run: Run, problem: Problem, fitted: FittedModel, wanted: Sequence
     from stagecad.parameters.load import write_values
 
     path = parameter_file(run)
-    with file_lock(_lock_of(path), LOCK_SECONDS, str(path)):
-        measured = _measured(run, problem, fitted)
-        written = [_value(run, item, measured, parameter_terms(run, problem), origin) for item in wanted]
+    target = path.resolve()
+    with file_lock(target.with_name(f".{target.name}.lock"), LOCK_SECONDS, str(path)):
+        written = values_to_write(run, problem, fitted, wanted, origin)
         write_values(path, {one.key: (one.text, one.origin) for one in written})
     return written
 
 
-def _lock_of(path: Path) -> Path:
-    """Lock file of a parameter file, out of the user's folder: whoever writes to it reads it first."""
-    name = hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:16]
-    return Path(tempfile.gettempdir()) / f"stagecad-{getpass.getuser()}" / f"{name}.lock"
+def values_to_write(
+    run: Run, problem: Problem, fitted: FittedModel, wanted: Sequence[str], origin: str
+) -> list[Written]:
+    """The values that `write_back` would write, checked together with the rest of the file; nothing is written.
+
+    Arguments and errors as `write_back`.
+    """
+    from stagecad.parameters.load import check_values
+
+    measured = _measured(run, problem, fitted)
+    written = [_value(run, item, measured, parameter_terms(run, problem), origin) for item in wanted]
+    check_values(parameter_file(run), {one.key: (one.text, one.origin) for one in written})
+    return written
 
 
 @dataclass(frozen=True)

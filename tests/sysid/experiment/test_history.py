@@ -226,6 +226,29 @@ def test_an_undo_stopped_after_the_experiment_was_written_counts_as_done(tmp_pat
     assert len(list((tmp_path / "ladder" / "undone").iterdir())) == 1
 
 
+def test_an_add_stopped_before_its_note_was_removed_keeps_its_rung_although_the_model_is_edited_then(tmp_path):
+    experiment = _rig(tmp_path)
+    _add(experiment, "stribeck")
+    (tmp_path / "ladder" / "pending.json").write_text('{"operation": "add", "rung": 1}')
+    experiment.path.write_text(experiment.path.read_text().replace('"stribeck"', '"quadratic_drag"'))
+    now = load_experiment(tmp_path)
+    assert [rung.number for rung in read_history(now)] == [0, 1]
+    with pytest.raises(InputError, match="edited by hand since rung 001"):
+        undo(now)
+    assert (tmp_path / "ladder" / "001.json").is_file() and not (tmp_path / "ladder" / "undone").exists()
+    _add(load_experiment(tmp_path), "constant_bias")
+    added = [rung.effects[2:] for rung in read_history(load_experiment(tmp_path))]
+    assert added == [(), ("stribeck",), ("quadratic_drag",), ("quadratic_drag", "constant_bias")]
+
+
+def test_a_change_refused_leaves_no_folder(tmp_path):
+    experiment = _rig(tmp_path)
+    experiment.path.write_text(TEXT + "# a thought\n")
+    with pytest.raises(InputError):
+        _add(experiment, "stribeck")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["experiment.toml", "fit.csv"]
+
+
 def test_another_process_waits_and_is_told(tmp_path):
     experiment = _rig(tmp_path)
     code = (

@@ -145,6 +145,36 @@ def test_a_value_at_its_bound_is_not_written(
     assert Path("stage.toml").read_text() == STAGE
 
 
+def test_a_value_that_is_not_written_stops_the_addition_before_its_rung(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    settings = '[model.parameters]\n"viscous.coefficient" = {low = "9 N*s/m", start = "9.5 N*s/m"}\n'
+    rig = write_rig(tmp_path / "slide", ["coulomb", "viscous"], settings)
+    Path("stage.toml").write_text(STAGE)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert run(["add", str(rig), "stribeck", "--write-back", "friction.viscous"]) == 2
+    assert "nothing is written" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
+def test_links_to_the_parameter_file_and_to_the_experiment_stay_links(rig: Path) -> None:
+    (rig.parent / "store").mkdir()
+    for path in (Path("stage.toml"), rig / "experiment.toml"):
+        real = rig.parent / "store" / path.name
+        real.write_text(STAGE if path.name == "stage.toml" else path.read_text())
+        real.chmod(0o600)
+        path.unlink(missing_ok=True)
+        path.symlink_to(real)
+    assert run(["add", str(rig), "constant_bias", "--write-back", "friction.coulomb"]) == 0
+    for path, changed in ((Path("stage.toml"), "measured: slide"), (rig / "experiment.toml", "constant_bias")):
+        assert path.is_symlink()
+        assert changed in path.resolve().read_text()
+        assert path.stat().st_mode & 0o777 == 0o600
+    # Locks are removed, here and beside the file that the link names.
+    assert not list(rig.parent.rglob(".*"))
+
+
 def fitted_viscous(rig: Path, capsys: pytest.CaptureFixture[str]) -> dict[str, Any] | None:
     capsys.readouterr()
     assert run(["compare", str(rig), "--no-figures", "--json"]) == 0
