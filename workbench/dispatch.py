@@ -14,7 +14,7 @@ from importlib import import_module
 import click
 
 from stagecad import __version__
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.errors import InputError, ViolationsError, nearest
 
 COMMANDS = {
     "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
@@ -92,6 +92,10 @@ def run_line(arguments: Sequence[str]) -> int:
         return end.exit_code
     except click.ClickException as error:
         sys.stderr.write(f"stagecad: {_one_line(error.format_message())}\n")
+        return 2
+    except ViolationsError as error:
+        for line in error.lines:
+            sys.stderr.write(f"stagecad: {_one_line(line)}\n")
         return 2
     except InputError as error:
         sys.stderr.write(f"stagecad: {_one_line(str(error))}\n")

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import InputError, ViolationsError
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -150,11 +150,15 @@ def common_options(function: Callable[..., Any]) -> Callable[..., Any]:
         params: Path | None, overrides: tuple[str, ...], out: Path, json_target: str | None, **rest: Any
     ) -> Any:
         run = Run(params, overrides, out, json_target)
-        if params is not None or overrides:
-            # A mistake in them is reported by every command, also by one that reads little of the design.
-            _ = run.design
-        if json_target not in (None, "-"):
-            _need_writable(Path(json_target))
-        return function(run, **rest)
+        try:
+            if params is not None or overrides:
+                # A mistake in them is reported by every command, also by one that reads little of the design.
+                _ = run.design
+            if json_target not in (None, "-"):
+                _need_writable(Path(json_target))
+            return function(run, **rest)
+        except ViolationsError as error:
+            run.emit({"violations": error.documents})
+            raise
 
     return wrapper

@@ -7,19 +7,23 @@ fails a design check.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.errors import ViolationsError
+from stagecad.parameters.tables.machine import schema
 
 if TYPE_CHECKING:
     from stagecad.parameters.design import Design
 
 ROUNDING = 1e-6
 """Tolerance of comparisons for rounding errors, mm."""
+
+_KEY = re.compile(r"[a-z][a-z0-9_]*(?:\.[a-z0-9_]+)+")
 
 _MODULES = ("sliding", "height", "holes", "teeth", "values")
 
@@ -33,6 +37,17 @@ class Violation:
 
     rule: str
     message: str
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The parameters that the message names, in its order."""
+        known = schema()
+        return tuple(dict.fromkeys(word for word in _KEY.findall(self.message) if word in known))
+
+    @property
+    def part(self) -> str:
+        """Table of the first of them: the part or subsystem concerned."""
+        return self.keys[0].split(".")[0] if self.keys else "machine"
 
 
 def rule(check: Check) -> Check:
@@ -54,16 +69,26 @@ def violations(design: Design) -> list[Violation]:
     return [Violation(name, message) for name, check in all_rules().items() for message in check(design)]
 
 
+def by_part(found: Sequence[Violation]) -> list[Violation]:
+    """Violations grouped by part, the parts in the order of their first violation."""
+    parts = list(dict.fromkeys(one.part for one in found))
+    return sorted(found, key=lambda one: parts.index(one.part))
+
+
 def require(design: Design) -> None:
     """Check that a design can be built.
 
     Raises:
-        InputError: with the first violation, and the number of others.
+        ViolationsError: all violations, grouped by part; its text is the line of the first.
     """
-    found = violations(design)
+    found = by_part(violations(design))
     if found:
         more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        raise InputError(f"{design.file}: {found[0].message}{more}")
+        first = f"{design.file}: {found[0].message}{more}"
+        documents = [
+            {"rule": one.rule, "part": one.part, "message": one.message, "keys": list(one.keys)} for one in found
+        ]
+        raise ViolationsError([first, *(f"{design.file}: {one.message}" for one in found[1:])], documents)
 
 
 def given(design: Design, *keys: str) -> str:
