@@ -94,7 +94,7 @@ def run_line(arguments: Sequence[str]) -> int:
         sys.stderr.write(f"stagecad: {_one_line(error.format_message())}\n")
         return 2
     except ViolationsError as error:
-        for line in error.lines:
+        for line in error.explained():
             sys.stderr.write(f"stagecad: {_one_line(line)}\n")
         return 2
     except InputError as error:

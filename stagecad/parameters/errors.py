@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
+from functools import cached_property
 from typing import Any
 
 
@@ -12,20 +13,36 @@ class InputError(ValueError):
 
 
 class ViolationsError(InputError):
-    """Several faults of one input. `str` is the line of the first, sufficient by itself.
+    """Several violated rules of one design. `str` is the line of the first, sufficient by itself.
 
     Args:
-        lines: one line for each fault, the first with the number of the others.
-        documents: the same as JSON documents.
+        lines: one line for each violation, the first with the number of the others.
+        explain: computes the violations as JSON documents; those with a change that satisfies the rule have it under
+            `satisfied_by`. It takes up to a second, and runs only when the error is shown.
+
+    In another process it is a plain InputError.
     """
 
-    def __init__(self, lines: Sequence[str], documents: Sequence[dict[str, Any]]) -> None:
+    def __init__(self, lines: Sequence[str], explain: Callable[[], list[dict[str, Any]]]) -> None:
         super().__init__(lines[0])
         self.lines = tuple(lines)
-        self.documents = tuple(documents)
+        self._explain = explain
+
+    @cached_property
+    def documents(self) -> list[dict[str, Any]]:
+        """The violations as JSON documents, in the order of the lines."""
+        return self._explain()
+
+    def explained(self) -> list[str]:
+        """The lines, each with a change that satisfies the rule where one was found."""
+        found = []
+        for line, document in zip(self.lines, self.documents, strict=True):
+            best = next((one for one in document["satisfied_by"] if not one["new_violations"]), None)
+            found.append(f"{line}; {best['key']} = {best['value']} satisfies it" if best else line)
+        return found
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.lines, self.documents)
+        return InputError, (str(self),)
 
 
 def nearest(name: str, allowed: Iterable[str]) -> str:

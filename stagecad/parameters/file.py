@@ -6,7 +6,7 @@ import math
 import re
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -187,6 +187,7 @@ class Entry:
         origin: source of the value.
         meaning: one line for people.
         std: standard deviation in `unit`, where the file gives one.
+        formula: as written, where the value comes from a formula of the file.
     """
 
     key: str
@@ -197,6 +198,15 @@ class Entry:
     origin: str
     meaning: str
     std: float | None = None
+    formula: str = ""
+
+
+def read_formula(key: str, entry: FileEntry, formula: str, value: float, declaration: Declaration) -> Entry:
+    """The entry of a design from the value of a formula, in the unit of the attribute."""
+    text = f"{value:.10g} {declaration.unit}".strip()
+    bare = entry.tolerance is None and entry.origin is None and declaration.unit == "mm"
+    plain = FileEntry(text, f"{entry.place} = '{formula}'", "X.X" if bare else entry.tolerance, entry.origin)
+    return replace(read_entry(key, plain, declaration, ()), formula=formula)
 
 
 def read_entry(key: str, entry: FileEntry, declaration: Declaration, materials: Sequence[str]) -> Entry:

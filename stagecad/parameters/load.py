@@ -3,31 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.derived import COMPUTED
-from stagecad.parameters.design import Design, Materials
-from stagecad.parameters.errors import InputError
+from stagecad.parameters.design import Design
+from stagecad.parameters.errors import InputError, ViolationsError
 from stagecad.parameters.file import (
     Entry,
     FileEntry,
     ParameterFile,
-    attribute_value,
-    bounds_text,
-    in_bounds,
     parse_parameter_text,
-    read_entry,
     read_parameter_file,
     require_origin,
 )
-from stagecad.parameters.rules.registry import require
-from stagecad.parameters.schema import Declaration, declarations
-from stagecad.parameters.tables.machine import MATERIALS, Tables, nearest_key, schema
-from stagecad.parameters.tables.physics import Material
-from stagecad.parameters.units import to_si
+from stagecad.parameters.rules.registry import by_part, violations
+from stagecad.parameters.rules.remedies import violation_documents
+from stagecad.parameters.schema import Declaration
+from stagecad.parameters.tables.machine import MATERIALS, nearest_key, schema
+from stagecad.parameters.variations import Source, Variations
 
 
 def load_design(path: str | Path | None = None, overrides: Sequence[str] = (), *, rules: bool = True) -> Design:
@@ -49,34 +45,52 @@ def design_from_text(text: str, name: str, overrides: Sequence[str] = (), *, rul
     return _design(parse_parameter_text(text, name), overrides, rules)
 
 
+def load_variations(path: str | Path | None = None, overrides: Sequence[str] = ()) -> Variations:
+    """As `load_design` without rules: the design, and quick changes of its values."""
+    return Variations(_source(read_parameter_file(path), overrides))
+
+
+def variations_from_text(text: str, name: str, overrides: Sequence[str] = ()) -> Variations:
+    """As `load_variations`, from the text of a parameter file."""
+    return Variations(_source(parse_parameter_text(text, name), overrides))
+
+
 def _design(file: ParameterFile, overrides: Sequence[str], rules: bool) -> Design:
+    variations = Variations(_source(file, overrides))
+    if rules:
+        require(variations)
+    return variations.design
+
+
+def require(variations: Variations) -> None:
+    """Check that a design can be built.
+
+    Raises:
+        ViolationsError: all violations, grouped by part; its text is the line of the first.
+    """
+    design = variations.design
+    found = by_part(violations(design))
+    if found:
+        more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
+        lines = [f"{design.file}: {one.message}" for one in found]
+        raise ViolationsError(
+            [lines[0] + more, *lines[1:]], lambda: violation_documents(design, found, variations.with_number)
+        )
+
+
+def _source(file: ParameterFile, overrides: Sequence[str]) -> Source:
     given = dict(file.entries)
     if file.extends is not None:
         given = {**read_parameter_file().entries, **given}
-    materials = sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")})
-    keys = schema(tuple(materials))
+    materials = tuple(sorted({key.split(".")[1] for key in given if key.startswith(f"{MATERIALS}.")}))
+    keys = schema(materials)
     for key in given:
         if key not in keys:
             raise InputError(f"{file.name}: no parameter '{key}'{nearest_key(key, keys)}")
     for text in overrides:
         key, entry = _override(text, keys, given)
         given[key] = entry
-    entries: dict[str, Entry] = {}
-    for key, declaration in keys.items():
-        if key in given:
-            entries[key] = read_entry(key, given[key], declaration, materials)
-        elif not declaration.computed:
-            raise InputError(
-                f"{file.name}: {key} is missing ({declaration.meaning or 'see the packaged design'}); add it, "
-                'or begin the file with extends = "thesis" to take missing values from the packaged design'
-            )
-    for key in COMPUTED:
-        if key not in entries:
-            entries[key] = _computed(key, entries, file.name)
-    design = _typed(entries, tuple(keys), materials, file.name)
-    if rules:
-        require(design)
-    return design
+    return Source(given, keys, materials, file.name)
 
 
 def _override(text: str, keys: Mapping[str, Declaration], given: Mapping[str, FileEntry]) -> tuple[str, FileEntry]:
@@ -89,42 +103,6 @@ def _override(text: str, keys: Mapping[str, Declaration], given: Mapping[str, Fi
         raise InputError(f"--set: no parameter '{key}'{nearest_key(key, keys)}")
     source = given.get(key) or COMPUTED.get(key)
     return key, FileEntry(value, f"--set {key}", source.tolerance if source else None, "assumed: given by --set")
-
-
-class _PartialDesign:
-    """Tables that are not complete yet: attributes by dotted key."""
-
-    def __init__(self, entries: Mapping[str, Entry], prefix: str = "") -> None:
-        self._entries, self._prefix = entries, prefix
-
-    def __getattr__(self, name: str) -> Any:
-        key = f"{self._prefix}{name}"
-        return self._entries[key].value if key in self._entries else _PartialDesign(self._entries, f"{key}.")
-
-
-def _computed(key: str, entries: Mapping[str, Entry], file: str) -> Entry:
-    """Entry of a key that the file leaves out, from the formula of the key."""
-    formula, declaration = COMPUTED[key], schema()[key]
-    value = formula.value(_PartialDesign(entries))
-    unit = declaration.unit
-    value = int(value) if declaration.kind == "count" else attribute_value(to_si(value, unit), unit)
-    text = f"{value:.10g} {unit}".strip()
-    if not in_bounds(value, declaration):
-        raise InputError(f"{file}: {key} becomes {text}, from {formula.text}; it {bounds_text(declaration)}")
-    return Entry(key, text, value, unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning)
-
-
-def _typed(entries: Mapping[str, Entry], keys: Sequence[str], materials: Sequence[str], file: str) -> Design:
-    def table(kind: type, prefix: str) -> Any:
-        if declared := declarations(kind):
-            return kind(**{name: entries[f"{prefix}.{name}"].value for name in declared})
-        hints = get_type_hints(kind)
-        return kind(**{item.name: table(hints[item.name], f"{prefix}.{item.name}") for item in fields(kind)})
-
-    hints = get_type_hints(Tables)
-    tables = {item.name: table(hints[item.name], item.name) for item in fields(Tables)}
-    named = tuple((name, table(Material, f"{MATERIALS}.{name}")) for name in materials)
-    return Design(**tables, materials=Materials(named), entries=tuple(entries[key] for key in keys), file=file)
 
 
 @dataclass(frozen=True)
@@ -140,8 +118,8 @@ def diff(design_a: Design, design_b: Design) -> tuple[Difference, ...]:
     """Keys whose value, tolerance or origin differ, in the order of the first design."""
 
     def without_text(entry: Entry | None) -> Entry | None:
-        # The same length written as 1 in and as 25.4 mm is no difference.
-        return replace(entry, text="") if entry else None
+        # The same length written as 1 in, as 25.4 mm or as a formula is no difference.
+        return replace(entry, text="", formula="") if entry else None
 
     a_by_key, b_by_key = ({entry.key: entry for entry in design.entries} for design in (design_a, design_b))
     keys = [*a_by_key, *(key for key in b_by_key if key not in a_by_key)]

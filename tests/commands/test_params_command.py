@@ -69,7 +69,7 @@ def test_what_differs(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Non
         (["--diff", "none.toml"], "none.toml: no such parameter file"),
         (["--params", "none.toml"], "none.toml: no such parameter file"),
         (["--set", "stage.length=3 kg"], "wrong dimension"),
-        (["--set", "stage.length=205 mm"], "must be at least 220 mm"),
+        (["--set", "stage.length=0 mm"], "must be positive"),
     ],
 )
 def test_a_mistake_is_one_line_and_exit_2(capsys: pytest.CaptureFixture[str], arguments: list[str], words: str) -> None:

@@ -84,7 +84,7 @@ def _write(run: Run, target: Path) -> None:
         key = override.partition("=")[0].strip()
         entry = run.design.entry(key)
         plain = not entry.unit and not isinstance(entry.value, str)
-        changes[key] = (entry.value if plain else entry.text, entry.origin)
+        changes[key] = (entry.formula or (entry.value if plain else entry.text), entry.origin)
     atomic_write_text(target, changed_text(text, str(target), changes) if changes else text)
     run.note(f"written: {target}")
 
@@ -106,6 +106,7 @@ def _document(entry: Entry) -> dict[str, Any]:
     return {
         **_si(entry),
         "text": entry.text,
+        "formula": entry.formula or None,
         "tolerance": entry.tolerance,
         "origin": entry.origin,
         "meaning": entry.meaning,
@@ -121,6 +122,10 @@ def _difference_document(difference: Difference) -> dict[str, Any]:
     }
 
 
+def _text(entry: Entry) -> str:
+    return f"{entry.text} {entry.formula}".strip()
+
+
 def _show(run: Run, entries: list[Entry]) -> None:
     from rich.table import Table
     from rich.text import Text
@@ -134,7 +139,7 @@ def _show(run: Run, entries: list[Entry]) -> None:
         if before and group != before:
             table.add_row("", "", "", "", "")
         before = group
-        cells = (entry.key, entry.text, entry.tolerance or "", entry.meaning, entry.origin)
+        cells = (entry.key, _text(entry), entry.tolerance or "", entry.meaning, entry.origin)
         table.add_row(*(Text(cell) for cell in cells))
     run.console.print(table)
 
@@ -159,7 +164,7 @@ def _cell(entry: Entry | None) -> str:
     if entry is None:
         return "absent"
     tolerance = f" ({entry.tolerance})" if entry.tolerance else ""
-    return f"{entry.text}{tolerance}; {entry.origin}"
+    return f"{_text(entry)}{tolerance}; {entry.origin}"
 
 
 def _what(difference: Difference) -> str:

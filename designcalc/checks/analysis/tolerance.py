@@ -92,7 +92,7 @@ def _influence(item: Influence) -> dict[str, Any]:
 
 def tolerance_study(
     design: Design,
-    load: Callable[[str], Design],
+    load: Callable[..., Design],
     masses: BodyMasses | None,
     samples: int = 10_000,
     seed: int = 1,
@@ -108,7 +108,7 @@ def tolerance_study(
 
     Args:
         design: the design.
-        load: design with one more override `KEY=VALUE`, without the rules across values.
+        load: design with more overrides `KEY=VALUE`, without the rules across values.
         masses: of the solids of the nominal design, or None.
         samples: number of machines.
         seed: of the random numbers.
@@ -164,7 +164,7 @@ def tolerance_study(
 
 def _ends(
     design: Design,
-    load: Callable[[str], Design],
+    load: Callable[..., Design],
     masses: BodyMasses | None,
     readers: Mapping[str, set[str]],
     nominal: Mapping[str, float],
@@ -172,10 +172,12 @@ def _ends(
 ) -> list[Array]:
     """Margins with one dimension at either end of its tolerance, those of checks that do not read it as they were."""
     ends = []
+    # The deviation of one part changes no other part, as its nominal value would by a formula.
+    kept = [f"{entry.key}={entry.text}" for entry in design.entries if entry.formula and entry.key != key]
     for sign in (-1, 1):
         # geometry is kept in mm, and so is its tolerance; an angle's class is read as millimetres, and left out
         value = float(design.value(key)) + sign * design.plus_minus(key)
-        changed = load(f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
+        changed = load(*kept, f"{key}={value:.12g} {design.entry(key).unit}".rstrip())
         checks = run_checks(changed, scaled_masses(changed, design, masses), tuple(sorted(readers[key])))
         found = {check.name: check.margin for check in checks}
         values = [(found.get(name), base) for name, base in nominal.items()]

@@ -14,7 +14,6 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stagecad.parameters.errors import ViolationsError
 from stagecad.parameters.tables.machine import schema
 
 if TYPE_CHECKING:
@@ -73,22 +72,6 @@ def by_part(found: Sequence[Violation]) -> list[Violation]:
     """Violations grouped by part, the parts in the order of their first violation."""
     parts = list(dict.fromkeys(one.part for one in found))
     return sorted(found, key=lambda one: parts.index(one.part))
-
-
-def require(design: Design) -> None:
-    """Check that a design can be built.
-
-    Raises:
-        ViolationsError: all violations, grouped by part; its text is the line of the first.
-    """
-    found = by_part(violations(design))
-    if found:
-        more = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        first = f"{design.file}: {found[0].message}{more}"
-        documents = [
-            {"rule": one.rule, "part": one.part, "message": one.message, "keys": list(one.keys)} for one in found
-        ]
-        raise ViolationsError([first, *(f"{design.file}: {one.message}" for one in found[1:])], documents)
 
 
 def given(design: Design, *keys: str) -> str:

@@ -1,0 +1,294 @@
+"""Formulas of a parameter file: `"=holder.diameter + 0.05 mm"`, read and evaluated with units.
+
+A formula contains numbers with their units, keys of other parameters, ``+ - * / ^``, brackets, and the functions of
+`FUNCTIONS`. It is parsed into a syntax tree, of which only these elements are accepted; no Python code is run.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.units import (
+    DIMENSIONLESS,
+    SYMBOLS,
+    Dimension,
+    nearest_symbol,
+    parse_quantity,
+    si_unit,
+    unit_dimension,
+)
+
+SIGN = "="
+"""Begins a formula in the parameter file."""
+
+_LONGEST = 1000
+_ANGLE = unit_dimension("rad")
+_KEY = re.compile(r"[A-Za-z_]\w*(?:\s*\.\s*[A-Za-z_]\w*)+")
+_SYMBOL = r"(?:[A-Za-z]+|%)(?:\^-?\d+)?"
+_NUMBER = re.compile(r"(?<![\w.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
+_UNIT = re.compile(rf"\s*({_SYMBOL}(?:[*/]{_SYMBOL})*)")
+
+
+@dataclass(frozen=True)
+class Value:
+    """A number in SI with its dimension."""
+
+    si: float
+    dimension: Dimension
+
+
+def _same(values: tuple[Value, ...], what: str) -> Dimension:
+    dimension = values[0].dimension
+    for other in values[1:]:
+        if other.dimension != dimension:
+            raise InputError(f"{what} of {_unit_text(dimension)} and {_unit_text(other.dimension)}")
+    return dimension
+
+
+def _unit_text(dimension: Dimension) -> str:
+    return f"a quantity in {si_unit(dimension)}" if dimension != DIMENSIONLESS else "a number without unit"
+
+
+def _power(base: Value, exponent: Value) -> Value:
+    if exponent.dimension != DIMENSIONLESS:
+        raise InputError(f"the exponent is {_unit_text(exponent.dimension)}")
+    if base.dimension == DIMENSIONLESS:
+        power = Fraction(1)
+    else:
+        power = Fraction(exponent.si).limit_denominator(12)
+        if abs(float(power) - exponent.si) > 1e-12:
+            raise InputError(f"{_unit_text(base.dimension)} to the power {exponent.si:g}")
+    number = base.si**exponent.si
+    if isinstance(number, complex):
+        raise InputError("a negative number to a broken power")
+    return Value(number, tuple(part * power for part in base.dimension))
+
+
+def _trigonometric(function: Callable[[float], float]) -> Callable[..., Value]:
+    def apply(angle: Value) -> Value:
+        if angle.dimension not in (_ANGLE, DIMENSIONLESS):
+            raise InputError(f"an angle is needed, not {_unit_text(angle.dimension)}")
+        return Value(function(angle.si), DIMENSIONLESS)
+
+    return apply
+
+
+def _inverse(function: Callable[[float], float]) -> Callable[..., Value]:
+    def apply(number: Value) -> Value:
+        if number.dimension != DIMENSIONLESS:
+            raise InputError(f"a number without unit is needed, not {_unit_text(number.dimension)}")
+        return Value(function(number.si), _ANGLE)
+
+    return apply
+
+
+def _rounding(function: Callable[[float], float]) -> Callable[..., Value]:
+    def apply(number: Value, step: Value | None = None) -> Value:
+        if step is None:
+            step = Value(1.0, DIMENSIONLESS)
+        dimension = _same((number, step), "rounding")
+        # The small number keeps rounding errors of the quotient from costing a whole step.
+        return Value(function(round(number.si / step.si, 9)) * step.si, dimension)
+
+    return apply
+
+
+FUNCTIONS: dict[str, tuple[int, int, Callable[..., Value]]] = {
+    "min": (1, 20, lambda *v: Value(min(x.si for x in v), _same(v, "min"))),
+    "max": (1, 20, lambda *v: Value(max(x.si for x in v), _same(v, "max"))),
+    "abs": (1, 1, lambda x: Value(abs(x.si), x.dimension)),
+    "sqrt": (1, 1, lambda x: _power(x, Value(0.5, DIMENSIONLESS))),
+    "floor": (1, 2, _rounding(math.floor)),
+    "ceil": (1, 2, _rounding(math.ceil)),
+    "round": (1, 2, _rounding(round)),
+    "sin": (1, 1, _trigonometric(math.sin)),
+    "cos": (1, 1, _trigonometric(math.cos)),
+    "tan": (1, 1, _trigonometric(math.tan)),
+    "asin": (1, 1, _inverse(math.asin)),
+    "acos": (1, 1, _inverse(math.acos)),
+    "atan": (1, 1, _inverse(math.atan)),
+}
+"""Functions by name: least and greatest number of arguments, and the function. `floor(x, 0.5 mm)` rounds to a step."""
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A parsed formula.
+
+    Args:
+        text: without the leading `=`.
+        keys: parameters that it reads, in the order of their appearance.
+    """
+
+    text: str
+    keys: tuple[str, ...]
+    _tree: ast.expr
+    _constants: Mapping[str, Value]
+
+    def __hash__(self) -> int:
+        return hash(self.text)
+
+    def value(self, parameter: Callable[[str], Value], unit: str, place: str) -> float:
+        """The formula's value in SI.
+
+        Args:
+            parameter: value of another parameter by its key.
+            unit: of the result; empty for a dimensionless one.
+            place: file and key, for messages.
+
+        Raises:
+            InputError: units that do not match, or no finite value.
+        """
+        try:
+            found = self._evaluate(self._tree, parameter)
+        except FormulaError as error:
+            raise InputError(f"{place} = '{SIGN}{self.text}': {error}") from None
+        except (OverflowError, ZeroDivisionError, ValueError, TypeError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError(f"{place} = '{SIGN}{self.text}': has no value ({error})") from None
+        if found.dimension != unit_dimension(unit):
+            wanted = f"'{unit}' or a multiple of it" if unit else "a number without unit"
+            raise InputError(f"{place} = '{SIGN}{self.text}': is {_unit_text(found.dimension)}; wanted {wanted}")
+        if not math.isfinite(found.si):
+            raise InputError(f"{place} = '{SIGN}{self.text}': has no finite value")
+        return found.si
+
+    def _evaluate(self, node: ast.expr, parameter: Callable[[str], Value]) -> Value:
+        if isinstance(node, ast.Name):
+            return self._constants[node.id] if node.id in self._constants else parameter(self.keys[int(node.id[1:])])
+        if isinstance(node, ast.UnaryOp):
+            operand = self._evaluate(node.operand, parameter)
+            return operand if isinstance(node.op, ast.UAdd) else Value(-operand.si, operand.dimension)
+        if isinstance(node, ast.Call):
+            assert isinstance(node.func, ast.Name)
+            return _named(FUNCTIONS[node.func.id][2], *(self._evaluate(item, parameter) for item in node.args))
+        assert isinstance(node, ast.BinOp)
+        return _named(
+            _OPERATORS[type(node.op)], self._evaluate(node.left, parameter), self._evaluate(node.right, parameter)
+        )
+
+
+class FormulaError(InputError):
+    """What is wrong with a formula, without its place."""
+
+
+def _named(function: Callable[..., Value], *values: Value) -> Value:
+    try:
+        return function(*values)
+    except InputError as error:
+        raise FormulaError(str(error)) from None
+
+
+_OPERATORS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
+    ast.Add: lambda a, b: Value(a.si + b.si, _same((a, b), "a sum")),
+    ast.Sub: lambda a, b: Value(a.si - b.si, _same((a, b), "a difference")),
+    ast.Mult: lambda a, b: Value(a.si * b.si, tuple(x + y for x, y in zip(a.dimension, b.dimension))),
+    ast.Div: lambda a, b: Value(a.si / b.si, tuple(x - y for x, y in zip(a.dimension, b.dimension))),
+    ast.Pow: _power,
+}
+
+
+def is_formula(value: object) -> bool:
+    """Whether a value of a parameter file is a formula."""
+    return isinstance(value, str) and value.lstrip().startswith(SIGN)
+
+
+@cache
+def parse_formula(written: str) -> Formula:
+    """Read a formula with its leading `=`.
+
+    Raises:
+        FormulaError: what is wrong, without file and key.
+    """
+    text = " ".join(written.strip().removeprefix(SIGN).split())
+    if not text or len(text) > _LONGEST or not text.isprintable():
+        raise FormulaError("is no formula; write one like '=holder.diameter + 0.05 mm'")
+    keys: list[str] = []
+    constants: dict[str, Value] = {}
+    source, position = "", 0
+    while position < len(text):
+        if match := _KEY.match(text, position):
+            key = re.sub(r"\s", "", match[0])
+            if key not in keys:
+                keys.append(key)
+            source += f" k{keys.index(key)} "
+            position = match.end()
+        elif match := _NUMBER.match(text, position):
+            position = match.end()
+            unit = _unit_at(text, position)
+            name = f"q{len(constants)}"
+            constants[name] = _constant(match[0], unit.strip())
+            source += f" {name} "
+            position += len(unit)
+        elif match := re.compile(r"[A-Za-z_]\w*").match(text, position):
+            if match[0] not in FUNCTIONS:
+                raise FormulaError(
+                    f"'{match[0]}' is neither a parameter TABLE.NAME nor a function{nearest(match[0], FUNCTIONS)}"
+                )
+            source, position = source + match[0], match.end()
+        else:
+            source, position = source + ("**" if text[position] == "^" else text[position]), position + 1
+    try:
+        tree = ast.parse(source.strip(), mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        raise FormulaError("is no formula; write numbers with units, keys, + - * / ^ and brackets") from None
+    try:
+        _accept(tree)
+    except RecursionError:
+        raise FormulaError("is nested too deeply") from None
+    return Formula(text, tuple(keys), tree, constants)
+
+
+def _unit_at(text: str, position: int) -> str:
+    """The unit that begins at a place, with the space before it; as many factors as are unit symbols."""
+    match = _UNIT.match(text, position)
+    if match is None:
+        return ""
+    found, end = "", position
+    for factor in re.finditer(rf"\s*[*/]?({_SYMBOL})", match[0]):
+        symbol = re.match(r"[A-Za-z]+|%", factor[1])
+        after = text[position + factor.end() : position + factor.end() + 1]
+        if symbol is None or symbol[0] not in SYMBOLS or re.match(r"[\w.(]", after):
+            break
+        found, end = text[position : position + factor.end()], position + factor.end()
+    if not found and end == position:
+        word = match[1]
+        if not re.match(r"[\w.(]", text[match.end() : match.end() + 1]) and word.split("^")[0] not in FUNCTIONS:
+            raise FormulaError(f"unknown unit '{word}'; did you mean '{nearest_symbol(word)}'?")
+    return found
+
+
+def _constant(number: str, unit: str) -> Value:
+    if not unit:
+        return Value(float(number), DIMENSIONLESS)
+    return Value(parse_quantity(f"{number} {unit}", unit) if unit != "%" else float(number) / 100, unit_dimension(unit))
+
+
+def _accept(node: ast.expr) -> None:
+    """Refuse every element of Python that is no element of a formula."""
+    if isinstance(node, ast.Name):
+        if node.id in FUNCTIONS:
+            raise FormulaError(f"the function '{node.id}' needs its arguments in brackets")
+        return None
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.UAdd | ast.USub):
+        return _accept(node.operand)
+    if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+        _accept(node.left)
+        return _accept(node.right)
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in FUNCTIONS:
+        low, high, _ = FUNCTIONS[node.func.id]
+        if node.keywords or not low <= len(node.args) <= high:
+            wanted = f"{low}" if low == high else f"{low} to {high}"
+            raise FormulaError(f"the function '{node.func.id}' takes {wanted} arguments, not {len(node.args)}")
+        for item in node.args:
+            _accept(item)
+        return None
+    raise FormulaError("is no formula; write numbers with units, keys, + - * / ^ and brackets")

@@ -1,0 +1,134 @@
+"""The entries of a design from those of its file: formulas evaluated, and values that the file leaves out computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from stagecad.parameters.derived import COMPUTED
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.file import (
+    Entry,
+    FileEntry,
+    attribute_value,
+    bounds_text,
+    in_bounds,
+    read_entry,
+    read_formula,
+)
+from stagecad.parameters.formula import SIGN, FormulaError, Value, is_formula, parse_formula
+from stagecad.parameters.schema import Declaration
+from stagecad.parameters.tables.machine import nearest_key
+from stagecad.parameters.units import to_si, unit_dimension
+
+
+class Resolver:
+    """Computes entries by key, each after those that it reads.
+
+    Args:
+        given: entries of the file, overrides among them.
+        keys: every key with its declaration.
+        materials: names of the materials.
+        file: name of the file, for messages.
+
+    `reads` has, for each key with a formula, the keys that the formula reads; in the order of computation.
+    """
+
+    def __init__(
+        self,
+        given: Mapping[str, FileEntry],
+        keys: Mapping[str, Declaration],
+        materials: Sequence[str],
+        file: str,
+    ) -> None:
+        self._given, self._keys, self._materials, self._file = given, keys, materials, file
+        self.entries: dict[str, Entry] = {}
+        self.reads: dict[str, set[str]] = {}
+        self._open: list[str] = []
+
+    def all(self) -> dict[str, Entry]:
+        """Every entry of the design."""
+        for key in self._keys:
+            self.entry(key)
+        return self.entries
+
+    def entry(self, key: str) -> Entry:
+        """The entry of a key.
+
+        Raises:
+            InputError: an invalid value or formula, a key that is missing, formulas that refer to each other in a
+                circle.
+        """
+        if key in self.entries:
+            return self.entries[key]
+        if key in self._open:
+            circle = [*self._open[self._open.index(key) :], key]
+            raise InputError(f"{self._file}: {key}: its formula depends on itself: {' -> '.join(circle)}")
+        self._open.append(key)
+        found = self._resolved(key)
+        self._open.pop()
+        self.entries[key] = found
+        return found
+
+    def read(self, key: str) -> Entry:
+        """The entry of a key, recorded as read by the formula that is being evaluated."""
+        self.reads.setdefault(self._open[-1], set()).add(key)
+        return self.entry(key)
+
+    def _resolved(self, key: str) -> Entry:
+        declaration, given = self._keys[key], self._given.get(key)
+        if given is not None:
+            if is_formula(given.value):
+                return self._from_formula(key, given, declaration)
+            return read_entry(key, given, declaration, self._materials)
+        if not declaration.computed:
+            raise InputError(
+                f"{self._file}: {key} is missing ({declaration.meaning or 'see the packaged design'}); add it, "
+                'or begin the file with extends = "thesis" to take missing values from the packaged design'
+            )
+        return self._computed(key, declaration)
+
+    def _from_formula(self, key: str, given: FileEntry, declaration: Declaration) -> Entry:
+        if declaration.kind not in ("number", "count"):
+            raise InputError(f"{given.place} = '{given.value}': is no number, so it cannot be a formula")
+        try:
+            formula = parse_formula(given.value)
+        except FormulaError as error:
+            raise InputError(f"{given.place} = '{given.value}': {error}") from None
+
+        def parameter(other: str) -> Value:
+            if other not in self._keys:
+                raise FormulaError(f"no parameter '{other}'{nearest_key(other, self._keys)}")
+            entry = self.read(other)
+            if isinstance(entry.value, bool | str):
+                raise FormulaError(f"parameter '{other}' = '{entry.text}' is not a number")
+            return Value(to_si(float(entry.value), entry.unit), unit_dimension(entry.unit))
+
+        unit = declaration.unit
+        value = attribute_value(formula.value(parameter, unit, given.place), unit)
+        return read_formula(key, given, f"{SIGN}{formula.text}", value, declaration)
+
+    def _computed(self, key: str, declaration: Declaration) -> Entry:
+        """Entry of a key that the file leaves out, from the formula of the key."""
+        formula, unit = COMPUTED[key], declaration.unit
+        value = formula.value(_PartialDesign(self))
+        value = int(value) if declaration.kind == "count" else attribute_value(to_si(value, unit), unit)
+        text = f"{value:.10g} {unit}".strip()
+        if not in_bounds(value, declaration):
+            raise InputError(f"{self._file}: {key} becomes {text}, from {formula.text}; it {bounds_text(declaration)}")
+        return Entry(key, text, value, unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning)
+
+    def has(self, key: str) -> bool:
+        """Whether there is such a key."""
+        return key in self._keys
+
+
+class _PartialDesign:
+    """Tables that are being computed: attributes by dotted key."""
+
+    def __init__(self, resolver: Resolver, prefix: str = "") -> None:
+        self._resolver, self._prefix = resolver, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        key = f"{self._prefix}{name}"
+        return self._resolver.read(key).value if self._resolver.has(key) else _PartialDesign(self._resolver, f"{key}.")

@@ -1,0 +1,116 @@
+"""Changes of one parameter that satisfy a violated rule."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.rules.registry import Violation, all_rules, by_part, violations
+
+if TYPE_CHECKING:
+    from stagecad.parameters.design import Design
+
+_FARTHEST = 4.0
+"""A value is not searched beyond this multiple of the present one, or below its inverse."""
+_HALVINGS = 10
+
+Changed = Callable[[str, float], "Design"]
+"""The design with one value changed, in the unit of its attribute, without regard to rules."""
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """The nearest value of one parameter with which a rule is satisfied.
+
+    Args:
+        key: parameter.
+        value: with its unit.
+        new_violations: rules that the design then violates and did not before.
+        distance: logarithm of the ratio of the two values.
+    """
+
+    key: str
+    value: str
+    new_violations: tuple[str, ...]
+    distance: float
+
+
+def violation_documents(design: Design, found: Sequence[Violation], changed: Changed) -> list[dict[str, Any]]:
+    """Violations as JSON documents, in their order, each with its remedies."""
+    return [
+        {
+            "rule": one.rule,
+            "part": one.part,
+            "message": one.message,
+            "keys": list(one.keys),
+            "satisfied_by": [
+                {"key": remedy.key, "value": remedy.value, "new_violations": list(remedy.new_violations)}
+                for remedy in remedies(design, one, changed)
+            ],
+        }
+        for one in found
+    ]
+
+
+def remedies(design: Design, violation: Violation, changed: Changed) -> list[Remedy]:
+    """For each parameter that the message names, the nearest value that satisfies the rule.
+
+    Those without new violations come first, then the smallest relative change.
+    """
+    found = [remedy for key in violation.keys if (remedy := _remedy(design, violation, key, changed)) is not None]
+    return sorted(found, key=lambda one: (len(one.new_violations), one.distance))
+
+
+def _remedy(design: Design, violation: Violation, key: str, changed: Changed) -> Remedy | None:
+    entry = design.entry(key)
+    if isinstance(entry.value, bool | str) or entry.value <= 0 or entry.origin.startswith("computed:"):
+        return None
+    rule = all_rules()[violation.rule]
+    before = sum(1 for _ in rule(design))
+
+    def satisfied(value: float) -> bool:
+        try:
+            messages = [Violation(violation.rule, message) for message in rule(changed(key, value))]
+        except InputError:
+            return False
+        return len(messages) < before and all(one.keys != violation.keys for one in messages)
+
+    start = float(entry.value)
+    whole = isinstance(entry.value, int)
+    found = [value for up in (True, False) if (value := _nearest(start, up, whole, satisfied)) is not None]
+    if not found:
+        return None
+    value = min(found, key=lambda one: abs(math.log(one / start)))
+    known = {one.rule for one in violations(design)}
+    new = tuple(dict.fromkeys(one.rule for one in by_part(violations(changed(key, value))) if one.rule not in known))
+    text = f"{int(value) if whole else value:.10g} {entry.unit}".strip()
+    return Remedy(key, text, new, abs(math.log(value / start)))
+
+
+def _nearest(start: float, up: bool, whole: bool, satisfied: Callable[[float], bool]) -> float | None:
+    """The satisfying value nearest to `start` in one direction, rounded away from it; None where there is none."""
+    if whole:
+        steps = range(1, 9)
+        values = [start + step if up else start - step for step in steps]
+        return next((value for value in values if value > 0 and satisfied(value)), None)
+    inner, step = start, 0.02
+    while step < math.log(_FARTHEST):
+        outer = start * math.exp(step if up else -step)
+        if satisfied(outer):
+            break
+        inner, step = outer, 1.6 * step
+    else:
+        return None
+    for _ in range(_HALVINGS):
+        middle = math.sqrt(inner * outer)
+        inner, outer = (inner, middle) if satisfied(middle) else (middle, outer)
+    for digits in (3, 4, 6):
+        scale = 10.0 ** (math.floor(math.log10(outer)) + 1 - digits)
+        for rounding in (round, math.ceil if up else math.floor):
+            rounded = float(f"{rounding(outer / scale) * scale:.10g}")
+            if satisfied(rounded):
+                return rounded
+    return outer
