@@ -340,7 +340,7 @@ def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
     global _inside_worker
     _inside_worker = True
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    _end_with_parent(parent)
+    end_with_parent(parent)
     os.environ.update(dict.fromkeys(THREAD_VARIABLES, "1"))
     threadpool_limits(1, user_api="blas")
     # Exclude the loaded objects from garbage collection and collect rarely: it would take a fifth of the time.
@@ -355,13 +355,17 @@ def _serve(pipe: Connection, pool: _Pool, parent: int) -> None:
     os._exit(0)
 
 
-def _end_with_parent(parent: int) -> None:
-    """End this process when the parent dies, also while compiled code runs (on Linux) or with SIGKILL."""
+def end_with_parent(parent: int) -> None:
+    """End this process when the parent dies, also while compiled code runs (on Linux) or with SIGKILL.
+
+    Elsewhere than on Linux, only a process of `multiprocessing`.
+    """
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent:
             os._exit(1)
         return
     process = multiprocessing.parent_process()
-    assert process is not None
+    if process is None:
+        return
     threading.Thread(target=lambda: (wait([process.sentinel]), os._exit(1)), daemon=True).start()

@@ -101,6 +101,12 @@ class SimulatedExperiment:
             rows.append((public_key(key), value, parameter_unit(self.problem, key), origin))
         return rows
 
+    @property
+    def custom(self) -> dict[str, Path]:
+        """The user's own effects: each file by its place beside the `experiment.toml` of the simulated records."""
+        experiment = self.problem.experiment
+        return {path.relative_to(experiment.folder).as_posix(): path for path in experiment.custom}
+
     def document(self, suffix: str = "csv") -> dict[str, Any]:
         """Content of the `experiment.toml` of the simulated records, in files with this suffix; the values used are the
         starts of its fit."""
@@ -114,7 +120,7 @@ class SimulatedExperiment:
         names = [*(e.name for e in self.model.effects), *_quantisation(experiment.effects)]
         model: dict[str, Any] = {"effects": list(dict.fromkeys(names))}
         if experiment.custom:
-            model["custom"] = [str(path.resolve()) for path in experiment.custom]
+            model["custom"] = list(self.custom)
         settings = {key: self._setting(key) for key in self.model.values if not key.startswith("rig.")}
         model["parameters"] = settings
         rounded = {name.partition("@")[2] for name in _quantisation(experiment.effects)}

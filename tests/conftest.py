@@ -11,6 +11,12 @@ from stagecad.parameters.design import Design
 from stagecad.parameters.load import load_design
 
 
+@pytest.fixture(scope="session", autouse=True)
+def own_state(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """The consents given in tests are not those of the user who runs them."""
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
+
+
 @pytest.fixture(scope="session")
 def design() -> Design:
     return load_design()

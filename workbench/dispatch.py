@@ -14,7 +14,7 @@ from importlib import import_module
 import click
 
 from stagecad import __version__
-from stagecad.parameters.errors import InputError, ViolationsError, nearest
+from stagecad.parameters.errors import InputError, ViolationsError, nearest, one_line
 
 COMMANDS = {
     "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
@@ -91,14 +91,17 @@ def run_line(arguments: Sequence[str]) -> int:
     except click.exceptions.Exit as end:
         return end.exit_code
     except click.ClickException as error:
-        sys.stderr.write(f"stagecad: {_one_line(error.format_message())}\n")
+        sys.stderr.write(f"stagecad: {one_line(error.format_message())}\n")
         return 2
     except ViolationsError as error:
         for line in error.explained():
-            sys.stderr.write(f"stagecad: {_one_line(line)}\n")
+            sys.stderr.write(f"stagecad: {one_line(line)}\n")
         return 2
     except InputError as error:
-        sys.stderr.write(f"stagecad: {_one_line(str(error))}\n")
+        sys.stderr.write(f"stagecad: {error}\n")
+        return 2
+    except MemoryError:
+        sys.stderr.write("stagecad: there is not enough memory; give shorter records, or fewer of them\n")
         return 2
     except BrokenPipeError:
         # The reader (head, less) has gone; this is not an error. Prevent the interpreter's message at exit.
@@ -110,12 +113,7 @@ def run_line(arguments: Sequence[str]) -> int:
             sys.stdout = None
             sys.stderr.write("stagecad: no space is left to write to; no file is left half written\n")
             return 2
-        if error.filename is None:
-            raise
-        sys.stderr.write(f"stagecad: {error.filename}: {error.strerror or error}\n")
+        place = "" if error.filename is None else f"{error.filename}: "
+        sys.stderr.write(f"stagecad: {one_line(f'{place}{error.strerror or error}')}\n")
         return 2
     return status if isinstance(status, int) else 0
-
-
-def _one_line(message: str) -> str:
-    return " ".join(message.split())

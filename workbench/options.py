@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.errors import InputError, ViolationsError
+from stagecad.parameters.errors import InputError, ViolationsError, one_line
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -61,8 +61,8 @@ class Run:
         click.echo(text, err=self.json_target is not None)
 
     def note(self, text: str) -> None:
-        """Print a remark to standard error."""
-        click.echo(text, err=True)
+        """Print a remark of one line to standard error; it may quote a file."""
+        click.echo(one_line(text), err=True)
 
     def emit(self, document: object) -> None:
         """Print the JSON document, and write it to the file named by `--json FILE`; nothing without `--json`."""
@@ -119,6 +119,33 @@ def _need_writable(file: Path) -> None:
         raise InputError(f"--json {file}: {above} is a file, not a folder")
     if not os.access(file if file.exists() else above, os.W_OK):
         raise InputError(f"--json {file}: cannot be written")
+
+
+def experiment_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the argument EXPERIMENT, and `--trust`; below `common_options`, whose `Run` comes first."""
+
+    @click.argument("experiment", type=click.Path(path_type=Path))
+    @trust_option
+    @functools.wraps(function)
+    def wrapper(run: Run, experiment: Path, trust: bool, **rest: Any) -> Any:
+        if trust:
+            consent(run, experiment)
+        return function(run, experiment, **rest)
+
+    return wrapper
+
+
+trust_option = click.option(
+    "--trust", is_flag=True, help="Consent to run the Python files of EXPERIMENT ([model] custom) as they are now."
+)
+
+
+def consent(run: Run, experiment: Path) -> None:
+    """Store the consent to run the Python files of an experiment, and name them."""
+    from sysid.experiment.experiment import trust_experiment
+
+    for path in trust_experiment(experiment):
+        run.note(f"trusted as it is now: {path}")
 
 
 def common_options(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -27,11 +27,16 @@ ROWS = 7
 ACTS_ON = ("friction", "axis", "drive", "piezo", "sensor", "memory", "structure")
 
 
-def load_custom(path: str | Path) -> list[Effect]:
+Accept = Callable[[Path, bytes], None]
+"""Called with a file and its content before the content is run; it raises to prevent that."""
+
+
+def load_custom(path: str | Path, accept: Accept = lambda path, data: None) -> list[Effect]:
     """The effects that a user's Python file declares at module level.
 
     Args:
         path: the file.
+        accept: called before its content is run.
 
     Returns:
         Its effects, in the order of the file, with every law evaluated at its default for one instant and for a record.
@@ -42,7 +47,7 @@ def load_custom(path: str | Path) -> list[Effect]:
             that raises, or whose value has the wrong shape or is not finite.
     """
     path = Path(path)
-    module = _run(path)
+    module = _run(path, accept)
     effects: list[Effect] = []
     for value in vars(module).values():
         if isinstance(value, Effect) and not any(value is effect for effect in effects):
@@ -59,36 +64,39 @@ def load_custom(path: str | Path) -> list[Effect]:
     return checked
 
 
-def load_all_custom(paths: Sequence[str | Path]) -> list[Effect]:
-    """The effects of several files together.
+def load_all_custom(paths: Sequence[str | Path], accept: Accept = lambda path, data: None) -> list[Effect]:
+    """The effects of several files together; `accept` is called before the content of each is run.
 
     Raises:
         InputError: as `load_custom`, and when two files declare the same name.
     """
     effects: dict[str, tuple[Path, Effect]] = {}
     for path in map(Path, paths):
-        for effect in load_custom(path):
+        for effect in load_custom(path, accept):
             if effect.name in effects:
                 raise InputError(f"{path}: effect '{effect.name}' is already declared in {effects[effect.name][0]}")
             effects[effect.name] = (path, effect)
     return [effect for _, effect in effects.values()]
 
 
-def _run(path: Path) -> ModuleType:
+def _run(path: Path, accept: Accept) -> ModuleType:
     try:
-        text = path.read_text(encoding="utf-8")
+        data = path.read_bytes()
     except FileNotFoundError:
         folder = path.parent if path.parent.is_dir() else None
         near = nearest(path.name, [p.name for p in folder.glob("*.py")]) if folder and list(folder.glob("*.py")) else ""
         raise InputError(f"{path}: no such file{near}") from None
-    except (OSError, UnicodeDecodeError) as error:
+    except OSError as error:
         raise InputError(f"{path}: cannot be read: {error}") from None
+    accept(path, data)
     module = ModuleType(path.stem)
     module.__file__ = str(path)
     try:
-        exec(compile(text, str(path), "exec"), vars(module))
+        # The bytes themselves: what was accepted is what runs.
+        exec(compile(data, str(path), "exec"), vars(module))
     except SyntaxError as error:
-        raise InputError(f"{path}, line {error.lineno}: not valid Python: {error.msg}") from None
+        line = f", line {error.lineno}" if error.lineno else ""
+        raise InputError(f"{path}{line}: not valid Python: {error.msg}") from None
     except (Exception, SystemExit) as error:
         raise InputError(f"{path}{_line(path, error)}: {_message(error)}") from None
     return module

@@ -2,8 +2,7 @@
 
 numba itself checks only the time stamp of the file that defines a function, so an edit of a law in another file would
 leave old machine code in use. Here the folder's name is a hash of every source file that the function depends on.
-The cache is in `STAGECAD_CACHE`, else the user's cache folder, else a temporary one: never in the package, which may be
-read-only.
+The cache is in a private folder (`stagecad.parameters.private`), never in the package, which may be read-only.
 """
 
 from __future__ import annotations
@@ -14,40 +13,21 @@ import hashlib
 import os
 import shutil
 import sys
-import tempfile
 import time
 import types
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, overload
 
+from stagecad.parameters.private import cache_root, make_private
+
 KEPT_DAYS = 60
-
-
-def _usable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        return os.access(folder, os.W_OK | os.X_OK)
-    except OSError:
-        return False
 
 
 @functools.cache
 def cache_folder() -> Path:
-    """The writable folder for compiled kernels."""
-    candidates = []
-    if os.environ.get("STAGECAD_CACHE"):
-        candidates.append(Path(os.environ["STAGECAD_CACHE"]))
-    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
-        candidates.append(Path(os.environ["LOCALAPPDATA"]) / "stagecad" / "cache")
-    elif os.environ.get("XDG_CACHE_HOME"):
-        candidates.append(Path(os.environ["XDG_CACHE_HOME"]) / "stagecad")
-    with contextlib.suppress(RuntimeError):  # raised where there is no home folder
-        candidates.append(Path.home() / ".cache" / "stagecad")
-    for folder in candidates:
-        if _usable(folder / "kernels"):
-            return folder / "kernels"
-    return Path(tempfile.mkdtemp(prefix="stagecad-kernels-"))
+    """The folder for compiled kernels; only this user can change it, since what is in it runs."""
+    return make_private(cache_root() / "kernels")
 
 
 @functools.cache

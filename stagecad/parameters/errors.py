@@ -7,9 +7,23 @@ from difflib import get_close_matches
 from functools import cached_property
 from typing import Any
 
+LONGEST = 1200
+"""Largest length of a message."""
+
+
+def one_line(message: str) -> str:
+    """`message` on one line of bounded length, with characters that a terminal would obey or hide as escapes."""
+    text = " ".join(line.strip() for line in message.expandtabs(1).splitlines())
+    if not text.isprintable():
+        text = "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} ... {text[-LONGEST // 3 :]}"
+
 
 class InputError(ValueError):
     """Invalid input: the message is one line with place, value and what is allowed."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
 
 
 class ViolationsError(InputError):
@@ -56,7 +70,8 @@ def nearest(name: str, allowed: Iterable[str]) -> str:
         ``"; did you mean 'x'?"`` or ``"; allowed: a, b, c"``.
     """
     names = sorted(allowed)
-    close = get_close_matches(name, names, n=1, cutoff=0.6)
+    # Comparison with a very long text takes seconds, and finds nothing.
+    close = get_close_matches(name, names, n=1, cutoff=0.6) if len(name) <= 200 else []
     if close:
         return f"; did you mean '{close[0]}'?"
     return f"; allowed: {', '.join(names)}"

@@ -14,6 +14,7 @@ from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.schema import TOLERANCE_CLASSES, Declaration
+from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import from_si, parse_uncertain, quoted
 
 PACKAGED = "thesis"
@@ -91,11 +92,9 @@ def _packaged() -> ParameterFile:
 def parse_parameter_text(text: str, name: str) -> ParameterFile:
     """As `read_parameter_file`, from text; `name` is the file's name in messages."""
     try:
-        document = tomllib.loads(text)
+        document = load_toml(text, name)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{name}: {_toml_error(text, str(error))}") from None
-    except RecursionError:
-        raise InputError(f"{name}: has tables nested too deeply") from None
     extends = document.pop("extends", None)
     if extends not in (None, PACKAGED):
         raise InputError(f"{name}: extends = {extends!r}: only '{PACKAGED}', the packaged design, can be extended")
@@ -146,7 +145,7 @@ def _scalar(value: Any, place: str) -> str | float | bool:
 
 def require_origin(origin: Any, place: str) -> None:
     """Raise an InputError unless `origin` has one of the accepted forms."""
-    if not isinstance(origin, str) or not _ORIGIN.fullmatch(origin):
+    if not isinstance(origin, str) or not _ORIGIN.fullmatch(origin) or not origin.isprintable():
         raise InputError(f"{place}: origin = {_value_text(origin)}; write one of: {ORIGINS}")
 
 

@@ -30,6 +30,7 @@ from sysid.estimation.fit import FittedModel
 from sysid.estimation.least_squares import least_squares
 from sysid.estimation.misfit import ResidualWeights, weighted_residual
 from sysid.estimation.systematic_errors import systematic_errors
+from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
 from sysid.experiment.unknowns import Prior, Unknown
@@ -82,8 +83,7 @@ def _prepared(refit: Refit) -> _Prepared:
             files.append(Path(folder) / name)
             files[-1].write_text(text, "utf-8")
         custom = load_all_custom(files)
-        experiment = replace(refit.experiment, custom=tuple(files))
-        records = build_problem(experiment, refit.records, refit.names).fit_records
+    records = build_problem(refit.experiment, refit.records, refit.names, custom).fit_records
     model = Model(tuple(find(name, custom) for name in refit.names), refit.values, refit.unknowns).at({})
     # A single step, to obtain the Jacobian at the best values.
     result = least_squares(partial(_residual, refit, model, records), model.unknowns, iterations=1)
@@ -114,8 +114,15 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
         values=dict(fitted.model.values),
         unknowns=fitted.model.unknowns,
         weights=fitted.weights,
-        custom=tuple((path.name, path.read_text("utf-8")) for path in problem.experiment.custom),
+        custom=tuple((path.name, _source(path)) for path in problem.experiment.custom),
     )
+
+
+def _source(path: Path) -> str:
+    """Text of a user's effect, which another process runs without asking."""
+    data = path.read_bytes()
+    require_consent(path, data)
+    return data.decode("utf-8")
 
 
 def refitted(refit: Refit, seed: Sequence[int]) -> tuple[float, ...] | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
+from sysid.experiment.consent import custom_files, give_consent
 from sysid.experiment.known import DesignValues, Known, known_axes, read_known
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
@@ -92,6 +93,22 @@ def find_experiment(path: str | Path) -> Place:
     return Place(file.parent, file)
 
 
+def trust_experiment(path: str | Path) -> tuple[Path, ...]:
+    """Store the consent to run the Python files of an experiment with their present content; returns the files.
+
+    Args:
+        path: the folder, or its `experiment.toml`.
+
+    Raises:
+        InputError: a fault in the file, or a Python file that cannot be read or is outside the folder.
+    """
+    place = find_experiment(path)
+    model = read_toml(place.path, shown_path(str(place.path)))[2].table("model")
+    files = custom_files(model, place.folder)
+    give_consent(files)
+    return files
+
+
 def load_experiment(path: str | Path, design: DesignValues | None = None) -> Experiment:
     """Read an experiment.
 
@@ -127,7 +144,7 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
     if "effects" not in model.data:
         raise InputError(f'{model.where()}: \'effects\' is missing; write effects = ["coulomb", "viscous"], or []')
     effects = model.texts("effects")
-    custom = tuple(file.parent / item for item in model.texts("custom"))
+    custom = custom_files(model, file.parent)
     found = check_effects(effects, custom, kind, measured, model)
     parameters = read_settings(model.table("parameters"), found, kind, rotary, design)
     return Experiment(

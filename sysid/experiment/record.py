@@ -11,7 +11,7 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.experiment import Experiment, RecordSpec
-from sysid.experiment.readers.base import RecordFile, shown_path
+from sysid.experiment.readers.base import MOST_ROWS, RecordFile, shown_path
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.rigs import RigKind
 
@@ -128,6 +128,8 @@ def _check_rows(rows: int, name: str) -> None:
     if rows < MINIMUM_ROWS:
         word = "row" if rows == 1 else "rows"
         raise InputError(f"{name}: has {rows} {word} of numbers; at least {MINIMUM_ROWS} are wanted")
+    if rows > MOST_ROWS:
+        raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read, so keep every n-th one")
 
 
 def _check_time(time: np.ndarray, opened: RecordFile, name: str, label: str) -> None:

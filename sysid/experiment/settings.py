@@ -14,6 +14,7 @@ from sim.library.effect import Effect, Parameter, rotary_unit
 from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_quantity, parse_uncertain
 from sysid.experiment.channels import same_dimension
+from sysid.experiment.consent import require_consent
 from sysid.experiment.known import DesignValues, design_value
 from sysid.experiment.rigs import CHANNELS, RigKind
 from sysid.experiment.toml_table import TomlTable, kind_of, shown
@@ -56,9 +57,9 @@ def check_effects(
 
     Raises:
         InputError: an unknown effect, a repeated one, two friction state models at one place, a sensor channel
-            that is not recorded, a fault in a user's file.
+            that is not recorded, a fault in a user's file, or no consent to run it.
     """
-    own = load_all_custom(custom)
+    own = load_all_custom(custom, require_consent)
     found: dict[str, Effect] = {}
     for name in names:
         if name in found:

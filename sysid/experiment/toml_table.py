@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.toml import load_toml
 from stagecad.parameters.units import parse_quantity
 
 _KINDS = {
@@ -71,6 +72,7 @@ class TomlTable:
         value = self.data[key]
         if not isinstance(value, str):
             raise InputError(f"{self.where(key)}: {shown(value)} is {kind_of(value)}, a text is wanted")
+        _check_printable(value, self.where(key))
         return value
 
     def choice(self, key: str, allowed: tuple[str, ...], default: str | None = None) -> str:
@@ -95,6 +97,7 @@ class TomlTable:
         for item in value:
             if not isinstance(item, str):
                 raise InputError(f"{self.where(key)}: {shown(item)} is {kind_of(item)}, a text is wanted")
+            _check_printable(item, self.where(key))
         return tuple(value)
 
     def table(self, key: str) -> TomlTable:
@@ -109,6 +112,12 @@ class TomlTable:
         if not isinstance(value, list):
             raise InputError(f"{self.where(key)}: {kind_of(value)}, a list of tables is wanted: write [[{key}]]")
         return [TomlTable(self.file, f"{key} {number}", item) for number, item in enumerate(value, start=1)]
+
+
+def _check_printable(text: str, where: str) -> None:
+    """Refuse a text with line breaks or control characters: names and paths are printed to terminals."""
+    if not text.isprintable():
+        raise InputError(f"{where}: {shown(text)} contains characters that cannot be printed")
 
 
 def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
@@ -128,8 +137,8 @@ def read_toml(path: Path, shown_name: str) -> tuple[bytes, str, TomlTable]:
     except UnicodeDecodeError as error:
         raise InputError(f"{shown_name}: byte {error.start} is not UTF-8; save the file as UTF-8") from None
     try:
-        return data, text, TomlTable(shown_name, "", tomllib.loads(text))
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        return data, text, TomlTable(shown_name, "", load_toml(text, shown_name))
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{shown_name}: not valid TOML: {error}") from None
 
 

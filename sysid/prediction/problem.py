@@ -11,6 +11,7 @@ from sim.effects.catalogue import find
 from sim.effects.custom import load_all_custom
 from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError
+from sysid.experiment.consent import require_consent
 from sysid.experiment.experiment import DesignValues, Experiment, load_experiment
 from sysid.experiment.record import Record, load_records
 from sysid.experiment.unknowns import Prior, Unknown
@@ -85,11 +86,17 @@ def load_problem(path: str | Path, design: DesignValues | None = None) -> Proble
     return build_problem(experiment, load_records(experiment))
 
 
-def build_problem(experiment: Experiment, records: Sequence[Record], effects: Sequence[str] | None = None) -> Problem:
-    """The problem of an experiment already read; `effects` replace those of the model where given."""
+def build_problem(
+    experiment: Experiment,
+    records: Sequence[Record],
+    effects: Sequence[str] | None = None,
+    custom: Sequence[Effect] | None = None,
+) -> Problem:
+    """The problem of an experiment already read; `effects` replace those of the model where given, and `custom` the
+    user's own ones, which are loaded otherwise."""
     _need_tip(experiment)
     names = tuple(experiment.effects if effects is None else effects)
-    custom = tuple(load_all_custom(experiment.custom))
+    custom = tuple(load_all_custom(experiment.custom, require_consent) if custom is None else custom)
     noise, notes = noise_by_channel(experiment, records)
     quantised = [n for n in names if n.partition("@")[0] == "sensor_quantisation"]
     if quantised:

@@ -13,7 +13,7 @@ import pytest
 from stagecad.parameters.load import load_design
 from sysid.compare import compare
 from sysid.diagnose import Diagnosis, diagnose
-from sysid.experiment.experiment import load_experiment
+from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.ladder import add_effects
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,6 +51,7 @@ def test_own_effect_is_under_twenty_lines() -> None:
 def test_own_effect_is_found_and_takes_the_error_down_to_the_noise(tmp_path: Path) -> None:
     rig = tmp_path / "rig"
     shutil.copytree(EXAMPLES / "own_effect", rig)
+    trust_experiment(rig)
     found = diagnose(rig)
     assert (found.verdict, found.effect) == ("missing-effect", "bellows")
     step = add_effects(rig, ["bellows"])

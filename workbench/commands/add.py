@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.options import Run, common_options, experiment_options
 
 if TYPE_CHECKING:
     from sysid.estimation.fit import FittedModel
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 
 @click.command("add")
-@click.argument("experiment", type=click.Path(path_type=Path))
-@click.argument("effects", nargs=-1, metavar="[EFFECT...]")
 @click.option("--undo", "undo_last", is_flag=True, help="Go back to the rung before; the undone one is kept.")
 @click.option(
     "--write-back",
@@ -34,6 +32,8 @@ if TYPE_CHECKING:
     help="Take an effect out of the model on the same rung; may be repeated, with or without an EFFECT to add.",
 )
 @common_options
+@experiment_options
+@click.argument("effects", nargs=-1, metavar="[EFFECT...]")
 def command(
     run: Run, experiment: Path, effects: tuple[str, ...], undo_last: bool, keys: tuple[str, ...], drop: tuple[str, ...]
 ) -> None:

@@ -7,11 +7,10 @@ from pathlib import Path
 import click
 
 from stagecad.parameters.errors import InputError
-from workbench.options import Run, common_options
+from workbench.options import Run, common_options, experiment_options
 
 
 @click.command("compare")
-@click.argument("experiment", type=click.Path(path_type=Path))
 @click.option("--figures/--no-figures", default=True, help="Draw the figures and the HTML report into OUT.")
 @click.option(
     "--bootstrap",
@@ -23,6 +22,7 @@ from workbench.options import Run, common_options
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True, help="Of the random numbers.")
 @click.option("--scheduler", default=None, metavar="ADDRESS", help="Send the refits of --bootstrap to a cluster.")
 @common_options
+@experiment_options
 def command(run: Run, experiment: Path, figures: bool, bootstrap: int | None, seed: int, scheduler: str | None) -> None:
     """Fit the model of EXPERIMENT (a folder or its experiment.toml) as it stands; show on what its residual depends."""
     if scheduler is not None and bootstrap is None:

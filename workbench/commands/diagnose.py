@@ -6,14 +6,14 @@ from pathlib import Path
 
 import click
 
-from workbench.options import Run, common_options
+from workbench.options import Run, common_options, experiment_options
 
 
 @click.command("diagnose")
-@click.argument("experiment", type=click.Path(path_type=Path))
 @click.option("--all-effects", is_flag=True, help="Try every other effect of the library besides the public names.")
 @click.option("--figures/--no-figures", default=True, help="Draw the figures and the HTML report into OUT.")
 @common_options
+@experiment_options
 def command(run: Run, experiment: Path, all_effects: bool, figures: bool) -> None:
     """Find which physical effect is missing from the model of EXPERIMENT (a folder or its experiment.toml)."""
     from sysid.diagnose import diagnose

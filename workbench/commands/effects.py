@@ -38,7 +38,8 @@ def command(run: Run, name: str | None, custom_files: tuple[Path, ...], target: 
 
         name = write_own_effect(target)
         run.note(
-            f'written: {target}; to have it tried, put custom = ["{target.name}"] under [model] in experiment.toml'
+            f'written: {target}; to have it tried, put custom = ["{target.name}"] under [model] in experiment.toml '
+            "and give --trust after each change"
         )
         custom_files = (*custom_files, target)
     custom = load_all_custom(custom_files)

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from workbench.options import Run, common_options
+from workbench.options import Run, common_options, experiment_options
 
 
 @click.command("ladder")
-@click.argument("experiment", type=click.Path(path_type=Path))
 @click.option("--figures/--no-figures", default=True, help="Draw the figure into OUT.")
 @common_options
+@experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Show the error after each effect added so far to the model of EXPERIMENT."""
     from sysid.experiment.experiment import load_experiment

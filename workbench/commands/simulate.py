@@ -13,7 +13,7 @@ import click
 
 from sim.stage.studies import STUDY_NAMES
 from stagecad.parameters.errors import InputError, nearest
-from workbench.options import Run, common_options
+from workbench.options import Run, common_options, consent, trust_option
 from workbench.simulation.experiments import (
     EXPERIMENTS,
     EXTRA,
@@ -43,6 +43,7 @@ class Options:
     figures: bool
     motion: Path | None
     noise: bool
+    trust: bool
 
     @property
     def formats(self) -> tuple[str, ...]:
@@ -97,6 +98,7 @@ class Output:
     metavar="FILE",
     help="Simulate EXPERIMENT on the inputs in this file (CSV, Parquet, MAT) instead of its own.",
 )
+@trust_option
 @click.option("--noise/--no-noise", default=True, help="Add the noise of each channel to the records of EXPERIMENT.")
 @click.option(
     "--scheduler", default=None, metavar="ADDRESS", help="Send the many runs of stage, --sweep or --draws to a cluster."
@@ -122,8 +124,9 @@ def command(run: Run, names: tuple[str, ...], **given: Any) -> None:
     if any(_is_experiment(name) for name in names):
         _simulate_records(run, names, options)
         return
-    if options.motion is not None or not options.noise:
-        raise InputError(f"--{'motion' if options.motion else 'no-noise'}: only for an EXPERIMENT; name its folder")
+    if options.motion is not None or not options.noise or options.trust:
+        option = "motion" if options.motion else "trust" if options.trust else "no-noise"
+        raise InputError(f"--{option}: only for an EXPERIMENT; name its folder")
     selection = _selection(names, options)
     output = Output(run.out / "simulate", options.formats, options.figures)
     if options.swept is not None:
@@ -152,6 +155,8 @@ def _simulate_records(run: Run, names: tuple[str, ...], options: Options) -> Non
     for option, value in {**foreign, "draws": options.draws, "scheduler": options.scheduler}.items():
         if value:
             raise InputError(f"--{option}: not for an EXPERIMENT, whose model is in its experiment.toml")
+    if options.trust:
+        consent(run, Path(names[0]))
     seed = options.seed if options.noise else None
     document = write_simulated_records(run, Path(names[0]), options.motion, seed, options.formats)
     print_simulated_records(run, document)

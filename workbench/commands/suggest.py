@@ -6,13 +6,13 @@ from pathlib import Path
 
 import click
 
-from workbench.options import Run, common_options
+from workbench.options import Run, common_options, experiment_options
 
 
 @click.command("suggest")
-@click.argument("experiment", type=click.Path(path_type=Path))
 @click.option("--figures/--no-figures", default=True, help="Add to the HTML report in OUT.")
 @common_options
+@experiment_options
 def command(run: Run, experiment: Path, figures: bool) -> None:
     """Name the motion that would best separate the competing effects of EXPERIMENT; write it as CSV into OUT."""
     from sysid.experiment_design.t_optimal_design import suggest

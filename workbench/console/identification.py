@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from stagecad.parameters.errors import one_line
 from sysid.compare import Comparison
 from sysid.diagnose import Diagnosis
 from sysid.estimation.identifiability import public_key
@@ -92,7 +93,7 @@ def _decision_line(found: Diagnosis) -> str:
 def print_warnings(run: Run, found: Comparison | Diagnosis) -> None:
     """Print the contradictions in the records, above the verdict."""
     for line in found.warnings:
-        run.echo(click.style(f"warning: {line}", fg="yellow"))
+        run.echo(click.style(f"warning: {one_line(line)}", fg="yellow"))
 
 
 def _print_notes_and_noise(run: Run, found: Comparison | Diagnosis) -> None:

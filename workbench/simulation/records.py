@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json
 from workbench.identification.design_values import design_values
@@ -52,6 +52,9 @@ def write_simulated_records(
         files += write_table(folder / record.file, table, formats)
     import tomlkit
 
+    for name, path in simulated.custom.items():
+        atomic_write_bytes(folder / name, path.read_bytes())
+        files.append(folder / name)
     target = folder / "experiment.toml"
     added = "without noise" if seed is None else f"with noise of seed {seed}"
     inputs = "its own inputs" if motion is None else motion.name

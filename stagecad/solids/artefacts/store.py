@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.private import cache_root
 from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
 from stagecad.solids.artefacts.source_digest import source_digest, versions
 
@@ -60,12 +61,9 @@ class Artefact:
 
 
 def cache_folder() -> Path:
-    """Folder of the store: ``STAGECAD_CACHE``, else ``XDG_CACHE_HOME/stagecad``, else ``~/.cache/stagecad``."""
-    own = os.environ.get("STAGECAD_CACHE")
-    if own:
-        return Path(own)
-    shared = os.environ.get("XDG_CACHE_HOME")
-    return (Path(shared) if shared else Path.home() / ".cache") / "stagecad"
+    """Folder of the store: ``STAGECAD_CACHE``, else ``XDG_CACHE_HOME/stagecad``, else ``~/.cache/stagecad``; one that
+    other users can change is passed over."""
+    return cache_root()
 
 
 class ArtefactStore:

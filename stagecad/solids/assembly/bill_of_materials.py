@@ -76,10 +76,16 @@ def csv_text(rows: Sequence[Row]) -> str:
     writer.writerow(HEADINGS)
     for row in rows:
         masses = (f"{row.mass:.4f}", f"{row.quantity * row.mass:.4f}")
-        writer.writerow([row.item, row.part, row.description, row.part_number, row.quantity, row.material, *masses])
+        texts = [_plain(text) for text in (row.part, row.description, row.part_number, row.material)]
+        writer.writerow([row.item, *texts[:3], row.quantity, texts[3], *masses])
     total = sum(row.quantity * row.mass for row in rows)
     writer.writerow(["", "total", "", "", sum(row.quantity for row in rows), "", "", f"{total:.4f}"])
     return memory.getvalue()
+
+
+def _plain(text: str) -> str:
+    """A cell that a spreadsheet shows as it is: one beginning like a formula gets an apostrophe before it."""
+    return f"'{text}" if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
 
 
 def document(rows: Sequence[Row]) -> list[dict[str, Any]]:

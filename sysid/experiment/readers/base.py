@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
@@ -11,6 +12,12 @@ import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
 
+MOST_BYTES = 2 * 1024**3
+"""Largest record file, bytes."""
+MOST_COLUMNS = 10_000
+"""Largest number of columns of a record file."""
+MOST_ROWS = 20_000_000
+"""Largest number of rows of a record file."""
 SUFFIXES = {".csv": "CSV", ".parquet": "Parquet", ".pq": "Parquet", ".mat": "MAT"}
 
 
@@ -46,7 +53,16 @@ def _read_bytes(path: Path, name: str) -> bytes:
     if is_folder(path):
         raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is wanted")
     try:
+        found = path.stat()
+        if not stat.S_ISREG(found.st_mode):
+            raise InputError(f"{shown_path(name)}: is no plain file; a CSV, Parquet or MAT file is wanted")
+        if found.st_size > MOST_BYTES:
+            raise InputError(
+                f"{shown_path(name)}: is larger than {MOST_BYTES / 1024**3:g} GB; split it, or keep every n-th row"
+            )
         data = path.read_bytes()
+    except InputError:
+        raise
     except (FileNotFoundError, NotADirectoryError):
         folder = path.parent
         beside = [file.name for file in folder.iterdir() if file.suffix in SUFFIXES] if folder.is_dir() else []

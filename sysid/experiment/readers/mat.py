@@ -4,31 +4,32 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import RecordFile, check_finite
 
 
-class MatFile(RecordFile):
-    """A MAT file: variables and fields of structures are the columns.
+class MatColumns:
+    """The content of a MAT file: variables and fields of structures are the columns.
 
     A field `position` of a structure `data` answers to `data.position`, and to `position` where that is unique. A
     structure `units` with a text per channel gives units where the experiment does not.
     """
 
-    def __init__(self, path: Path, name: str) -> None:
-        super().__init__(path, name)
+    def __init__(self, data: bytes, name: str) -> None:
         # scipy.io takes 0.2 s to load: only a MAT file pays for it.
         from scipy.io import loadmat
 
-        if self.data[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in self.data[:128]:
+        self.name = name
+        self.units: dict[str, str] = {}
+        if data[:8] == b"\x89HDF\r\n\x1a\n" or b"MATLAB 7.3" in data[:128]:
             raise InputError(f"{name}: is a MAT file of version 7.3 (HDF5); save it with '-v7', or as CSV or Parquet")
         try:
-            held = loadmat(io.BytesIO(self.data), squeeze_me=True, struct_as_record=False)
+            held = loadmat(io.BytesIO(data), squeeze_me=True, struct_as_record=False)
+        except MemoryError:
+            raise
         except Exception:  # scipy raises a dozen kinds on damaged bytes
             raise InputError(f"{name}: is no MAT file up to version 7, or a damaged one") from None
         variables = {key: value for key, value in held.items() if not key.startswith("__")}
@@ -48,14 +49,12 @@ class MatFile(RecordFile):
         self.paths = list(found)
 
     def columns(self, indices: Sequence[int]) -> list[np.ndarray]:
-        """Columns as floats; see `RecordFile.columns`."""
+        """The columns at `indices` as floats."""
         arrays = [self.arrays[index] for index in indices]
         lengths = {array.size for array in arrays}
         if len(lengths) > 1:
             sizes = ", ".join(f"'{self.labels[index]}' {self.arrays[index].size}" for index in indices)
             raise InputError(f"{self.name}: variables differ in length: {sizes}")
-        for index, array in zip(indices, arrays):
-            check_finite(array, self.name, self.labels[index])
         return arrays
 
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import SUFFIXES, RecordFile, is_folder, shown_path
+from sysid.experiment.readers.base import MOST_COLUMNS, SUFFIXES, RecordFile, is_folder, shown_path
 from sysid.experiment.readers.csv import CsvFile
-from sysid.experiment.readers.mat import MatFile
-from sysid.experiment.readers.parquet import ParquetFile
-
-READERS: dict[str, type[RecordFile]] = {"CSV": CsvFile, "Parquet": ParquetFile, "MAT": MatFile}
+from sysid.experiment.readers.isolated import IsolatedFile
 
 
 def open_record_file(path: Path, name: str) -> RecordFile:
@@ -22,4 +19,8 @@ def open_record_file(path: Path, name: str) -> RecordFile:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES and not is_folder(path):
         raise InputError(f"{shown_path(name)}: '{suffix}' is no record format; allowed: .csv, .parquet, .mat")
-    return READERS[SUFFIXES.get(suffix, "CSV")](path, name)
+    kind = SUFFIXES.get(suffix, "CSV")
+    opened = CsvFile(path, name) if kind == "CSV" else IsolatedFile(path, name, kind)
+    if len(opened.labels) > MOST_COLUMNS:
+        raise InputError(f"{shown_path(name)}: has {len(opened.labels)} columns; at most {MOST_COLUMNS} are read")
+    return opened

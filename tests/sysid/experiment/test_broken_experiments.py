@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.experiment import load_experiment
+from sysid.experiment.experiment import load_experiment, trust_experiment
 from sysid.experiment.record import load_records
 
 CASES = tomllib.loads((Path(__file__).parent / "broken" / "cases.toml").read_text(encoding="utf-8"))
@@ -63,6 +63,8 @@ def test_the_good_files_are_good(tmp_path):
 def test_line(tmp_path, name):
     case = CASES[name]
     _write(tmp_path, case)
+    if "custom" in case:
+        trust_experiment(tmp_path)
     with pytest.raises(InputError) as caught:
         load_records(load_experiment(tmp_path))
     assert str(caught.value) == case["line"].replace("{dir}", str(tmp_path))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.experiment import load_experiment
+from sysid.experiment.experiment import load_experiment, trust_experiment
 
 SHARED = Path(__file__).parents[4] / "shared"
 
@@ -101,6 +101,9 @@ def test_a_users_own_effect_is_a_name_like_any_other(tmp_path):
         '    parameters=[Parameter("strength", "N/m^3", 1.0, 0.0, 1e9, "stiffening", "assumed")])\n'
     )
     folder = _experiment(tmp_path, 'kind = "spring-pull"', SPRING, 'effects = ["cubic_spring"]\ncustom = ["mine.py"]')
+    with pytest.raises(InputError, match=r"mine\.py: is Python code, .* --trust"):
+        load_experiment(folder)
+    trust_experiment(folder)
     experiment = load_experiment(folder)
     assert experiment.effects == ("cubic_spring",) and experiment.custom == (tmp_path / "mine.py",)
 

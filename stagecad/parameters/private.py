@@ -1,0 +1,81 @@
+"""Folders that only this user can change: caches, whose content is run as code, and consents to run a user's code."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import shutil
+import stat
+import sys
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+CACHES = ("entries", "reads", "kernels")
+"""Folders of the cache: artefacts, what they depend on, and compiled kernels."""
+
+
+def make_private(folder: Path) -> Path:
+    """Create `folder` for this user alone, or check that it is.
+
+    Raises:
+        PermissionError: another user owns it, or it cannot be written to.
+        OSError: it cannot be created.
+    """
+    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if sys.platform != "win32":
+        found = folder.stat()
+        if found.st_uid != os.getuid() or folder.lstat().st_uid != os.getuid():
+            raise PermissionError(f"{folder} belongs to another user")
+        if stat.S_IMODE(found.st_mode) & 0o077:
+            folder.chmod(0o700)
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise PermissionError(f"{folder} cannot be written to")
+    return folder
+
+
+def _others_can_replace(folder: Path) -> bool:
+    """Whether another user may rename what is in `folder`."""
+    if sys.platform == "win32":
+        return False
+    found = folder.stat()
+    open_to_others = found.st_mode & 0o022 and not found.st_mode & stat.S_ISVTX
+    return bool(open_to_others) or found.st_uid not in (os.getuid(), 0)
+
+
+def user_folder(variable: str, default: str) -> Path | None:
+    """A folder of the user by the XDG base directory specification; None where there is no home folder.
+
+    Args:
+        variable: environment variable that names it, `XDG_CACHE_HOME`.
+        default: its place in the home folder, `.cache`.
+    """
+    if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
+        return Path(os.environ["LOCALAPPDATA"]) / "stagecad"
+    if os.environ.get(variable):
+        return Path(os.environ[variable]) / "stagecad"
+    try:
+        return Path.home() / default / "stagecad"
+    except RuntimeError:
+        return None
+
+
+def cache_root() -> Path:
+    """Folder of the caches: `STAGECAD_CACHE`, else the user's cache folder, else a temporary one for this run.
+
+    One that other users can change, or that cannot be written to, is passed over.
+    """
+    own = os.environ.get("STAGECAD_CACHE")
+    for root in (Path(own) if own else None, user_folder("XDG_CACHE_HOME", ".cache")):
+        with suppress(OSError):
+            if root is not None:
+                root.mkdir(mode=0o700, parents=True, exist_ok=True)
+                if not _others_can_replace(root):
+                    for name in CACHES:
+                        make_private(root / name)
+                    return root
+    folder = tempfile.mkdtemp(prefix="stagecad-cache-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    # Processes that this one starts use the same.
+    os.environ["STAGECAD_CACHE"] = folder
+    return Path(folder)

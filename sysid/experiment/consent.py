@@ -1,0 +1,80 @@
+"""Consent to run the Python files of an experiment, stored for the content of each file.
+
+An experiment may come from somebody else, and `[model] custom` names Python files that run with the user's rights. They
+run after the user has consented (`--trust`): the consent is stored by the sha256 of the file's bytes, in a folder of
+this user alone, so that a file that changes is asked for again, and a copy of it is not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from contextlib import suppress
+from pathlib import Path
+
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.private import make_private, user_folder
+from sysid.experiment.toml_table import TomlTable, shown
+
+_consented: set[str] = set()
+"""Hashes consented to in this process, also where no folder can store them."""
+
+
+def custom_files(model: TomlTable, folder: Path) -> tuple[Path, ...]:
+    """The Python files that `[model] custom` names.
+
+    Args:
+        model: the table.
+        folder: of the experiment.
+
+    Raises:
+        InputError: not a list of texts, or a file outside the folder, also through a link.
+    """
+    found = []
+    for item in model.texts("custom"):
+        path = folder / item
+        with suppress(OSError, ValueError):
+            if path.resolve().is_relative_to(folder.resolve()):
+                found.append(path)
+                continue
+        raise InputError(
+            f"{model.where('custom')}: {shown(item)} is outside the folder of the experiment; copy the file there"
+        )
+    return tuple(found)
+
+
+def give_consent(files: tuple[Path, ...]) -> None:
+    """Store the consent to run each of `files` with its present content.
+
+    Raises:
+        InputError: a file that cannot be read.
+    """
+    for path in files:
+        try:
+            digest = hashlib.sha256(path.read_bytes()).hexdigest()
+        except OSError as error:
+            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+        _consented.add(digest)
+        folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+        # Where it cannot be stored, the consent is for this run.
+        with suppress(OSError):
+            if folder is not None:
+                atomic_write_text(make_private(folder / "trusted") / digest, f"{path.resolve()}\n")
+
+
+def require_consent(path: Path, data: bytes) -> None:
+    """Refuse the content `data` of a Python file that the user has not consented to.
+
+    Raises:
+        InputError: with what to do.
+    """
+    digest = hashlib.sha256(data).hexdigest()
+    folder = user_folder("XDG_STATE_HOME", os.path.join(".local", "state"))
+    with suppress(OSError):
+        if digest in _consented or (folder is not None and (make_private(folder / "trusted") / digest).is_file()):
+            return
+    raise InputError(
+        f"{path}: is Python code, which this experiment runs with your rights; read it, then repeat the command with "
+        "--trust (the consent is stored for the file's present content)"
+    )

@@ -1,0 +1,61 @@
+"""Folders of caches and consents: of this user alone, or passed over."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters import private
+from stagecad.parameters.private import cache_root, make_private, user_folder
+
+
+def test_a_private_folder_is_closed_to_others(tmp_path: Path) -> None:
+    assert make_private(tmp_path / "new").stat().st_mode & 0o777 == 0o700
+    (tmp_path / "open").mkdir(mode=0o755)
+    assert make_private(tmp_path / "open").stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("planted", ["root", "kernels"])
+def test_a_cache_that_another_user_owns_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, planted: str
+) -> None:
+    shared = tmp_path / "shared"
+    (shared / "kernels").mkdir(parents=True)
+    owner = {"root": shared, "kernels": shared / "kernels"}[planted]
+    real = Path.stat
+
+    def stat(path: Path, **given: bool) -> os.stat_result:
+        found = real(path, **given)
+        return os.stat_result((*found[:4], 12345, *found[5:])) if path == owner else found
+
+    monkeypatch.setattr(Path, "stat", stat)
+    monkeypatch.setenv("STAGECAD_CACHE", str(shared))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "mine"))
+    assert cache_root() == tmp_path / "mine" / "stagecad"
+
+
+def test_a_cache_whose_folders_others_may_rename_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    monkeypatch.setenv("STAGECAD_CACHE", str(shared))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "mine"))
+    for mode, used in ((0o777, tmp_path / "mine" / "stagecad"), (0o1777, shared), (0o755, shared)):
+        shared.chmod(mode)
+        assert cache_root() == used
+
+
+def test_without_a_home_folder_a_temporary_cache_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def nobody() -> Path:
+        raise RuntimeError("no home")
+
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setenv("STAGECAD_CACHE", "")
+    monkeypatch.setattr(Path, "home", nobody)
+    monkeypatch.setattr(private.tempfile, "mkdtemp", lambda prefix: str(tmp_path))
+    assert user_folder("XDG_CACHE_HOME", ".cache") is None
+    assert cache_root() == tmp_path
+    assert os.environ["STAGECAD_CACHE"] == str(tmp_path)
