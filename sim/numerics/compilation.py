@@ -2,7 +2,7 @@
 
 numba itself checks only the time stamp of the file that defines a function, so an edit of a law in another file would
 leave old machine code in use. Here the folder's name is a hash of every source file that the function depends on.
-The cache is in a private folder (`stagecad.parameters.private`), never in the package, which may be read-only.
+The cache is in a private folder (`stagecad.private`), never in the package, which may be read-only.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any, overload
 
-from stagecad.parameters.private import cache_root, make_private
+from stagecad.private import cache_root, make_private
 
 KEPT_DAYS = 60
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from stagecad.parameters.atomic import atomic_write_text
 from stagecad.parameters.errors import InputError
-from stagecad.parameters.private import make_private, user_folder
+from stagecad.private import make_private, user_folder
 from sysid.experiment.toml_table import TomlTable, shown
 
 _consented: set[str] = set()

@@ -26,8 +26,8 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
-from stagecad.parameters.private import cache_root
 from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
+from stagecad.private import cache_root
 from stagecad.solids.artefacts.source_digest import source_digest, versions
 
 KERNEL = ("cadquery", "cadquery-ocp")

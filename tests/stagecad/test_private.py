@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from stagecad.parameters import private
-from stagecad.parameters.private import cache_root, make_private, user_folder
+from stagecad import private
+from stagecad.private import cache_root, make_private, user_folder
 
 
 def test_a_private_folder_is_closed_to_others(tmp_path: Path) -> None:
