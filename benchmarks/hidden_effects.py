@@ -43,6 +43,7 @@ from benchmarks.scoring import (  # noqa: E402
     kind_of,
     plain,
     said,
+    share_of,
     size_of,
     worst_over_noise,
 )
@@ -117,6 +118,8 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
             said=verdict,
             tied=max(len(names), 1),
             seconds=seconds,
+            best_named=share_of(document, "best_named", "effect"),
+            free_curve=share_of(document, "free_curve", "coordinate"),
             started=worst_over_noise(document.get("before", {})),
             where_right=bool(where) and where[0] in entry["where"] if "where" in entry else None,
         )
@@ -143,6 +146,11 @@ def loop(folder: Path, entry: dict[str, Any], *, follow: bool, fresh: bool) -> O
             held_out=worst_over_noise(document.get("before", {})) if out.right else None,
             stopped=(len(added) == 1) if kind == "single" and out.right else None,
         )
+
+
+def _shares(outcome: Outcome) -> str:
+    found = [one for one in (outcome.best_named, outcome.free_curve) if one]
+    return f"({', '.join(f'{name} {100 * share:.0f} %' for name, share in found)})" if found else ""
 
 
 def peers(folder: Path) -> Names:
@@ -204,7 +212,7 @@ def main() -> None:
                     mark = "ok   " if o.right and not o.failed and o.both is not False else "WRONG"
                     print(
                         f"{done}/{len(tasks)} {mark} {o.case} {o.rig} {o.effect} {o.size}{' hard' if o.hard else ''}:"
-                        f" {o.said} {o.failed}",
+                        f" {o.said} {_shares(o)} {o.failed}",
                         file=sys.stderr,
                         flush=True,
                     )

@@ -31,6 +31,8 @@ class Outcome:
         held_out: error over noise on the held-out record in the end; none where nothing was added rightly.
         stopped: after a single effect was added, whether the loop stopped; none where not followed.
         seconds: time of the first diagnosis.
+        best_named: the effect that explains most of the excess, and its share; none where there is no excess.
+        free_curve: the same of the free curves, by coordinate.
         accept: every right answer.
         added: what was added, in order; empty where not followed.
     """
@@ -51,6 +53,8 @@ class Outcome:
     stopped: bool | None = None
     seconds: float = math.nan
     failed: str = ""
+    best_named: tuple[str, float] | None = None
+    free_curve: tuple[str, float] | None = None
     accept: tuple[str, ...] = ()
     added: tuple[str, ...] = ()
 
@@ -108,6 +112,12 @@ def said(document: dict[str, Any]) -> tuple[str, list[str]]:
         return document["verdict"], []
     names = list(dict.fromkeys(plain(name) for name in [document["effect"], *document.get("indistinguishable", [])]))
     return " = ".join(names), names
+
+
+def share_of(document: dict[str, Any], field: str, key: str) -> tuple[str, float] | None:
+    """Name and share of `best_named` or `free_curve` of a document."""
+    found = document.get(field)
+    return (plain(found[key]), float(found["share"])) if found else None
 
 
 def first_right(document: dict[str, Any], entry: dict[str, Any]) -> bool:

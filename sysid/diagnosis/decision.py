@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from sim.library.effect import Coordinate
 from sysid.diagnosis.candidate import Candidate
@@ -90,6 +91,13 @@ class Decision:
     detected_by: str = ""
 
 
+class _BestShares(NamedTuple):
+    """Fields of a decision that do not depend on its verdict."""
+
+    free_curve: FreeCurve | None = None
+    best_named: tuple[str, float] | None = None
+
+
 @dataclass(frozen=True)
 class _Comparison:
     """Comparison of candidates with the stated model."""
@@ -145,7 +153,7 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
     """
     compared = _Comparison(reference, noise)
     best, curve = _plausible(models.ranked), next(iter(models.curves), None)
-    report = _report(compared, best, curve)
+    shares = _best_shares(compared, best, curve)
     named = best if best is not None and compared.certain(best) else None
     model = named
     if compared.excess > 0.0 and (named is None or compared.share(named) < 1.0 - CLEAR_MARGIN):
@@ -153,23 +161,23 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
         if pair is not None and compared.certain(pair) and (named is None or _clear_pair(compared, pair, named)):
             model = pair
     if model is None:
-        return _insufficient(compared, None, curve, report)
+        return _insufficient(compared, None, curve, shares)
     beaten = curve is not None and compared.clearly_better(curve, model, CURVE_STEADINESS)
     if compared.share(model) >= SUFFICIENT_SHARE and not beaten:
         if len(model.added) == 2:
             pair = _of_pair(reference, models, model)
             if pair is not None:
                 first, partner, ties = pair
-                return _missing(compared, first, ties, f"explains its share; {partner} explains the rest", report)
+                return _missing(compared, first, ties, f"explains its share; {partner} explains the rest", shares)
         elif named is not None:
             chosen, ties = equivalent(reference, models.ranked, named)
-            return _missing(compared, chosen, ties, "explains the residual", report)
+            return _missing(compared, chosen, ties, "explains the residual", shares)
     above = compared.noise.adequate_loss > NOISE_FACTOR**2
     if named is not None and above and not _beaten_by_own_curve(compared, models, named):
         beside = next(iter(models.curves_beside(named)), None)
         if beside is not None and _needed_beside(compared, named, beside, curve):
-            return _missing(compared, named, (), "is certainly present; more is missing", report)
-    return _insufficient(compared, model, curve, report)
+            return _missing(compared, named, (), "is certainly present; more is missing", shares)
+    return _insufficient(compared, model, curve, shares)
 
 
 def _plausible(candidates: Sequence[Candidate]) -> Candidate | None:
@@ -240,19 +248,21 @@ def equivalent(reference: HeldOut, ranked: Sequence[Candidate], best: Candidate)
     return chosen, tuple(c.public_name for c in rivals)[:2]
 
 
-def _insufficient(compared: _Comparison, model: Candidate | None, curve: Candidate | None, report: _Report) -> Decision:
+def _insufficient(
+    compared: _Comparison, model: Candidate | None, curve: Candidate | None, shares: _BestShares
+) -> Decision:
     """The decision where no named model is sufficient: adequate as far as the level of the noise is known."""
     notable = curve is not None and compared.notable(curve)
     if compared.noise.adequate_loss <= NOISE_FACTOR**2 and not notable:
-        return Decision("adequate", None, (), 0.0, "no effect and no coordinate explains the residual", *report)
+        return Decision("adequate", None, (), 0.0, "no effect and no coordinate explains the residual", *shares)
     better = curve is not None and (
         notable if model is None else compared.clearly_better(curve, model, CURVE_STEADINESS)
     )
-    return _unexplained(compared, model, curve, better, report)
+    return _unexplained(compared, model, curve, better, shares)
 
 
 def _unexplained(
-    compared: _Comparison, model: Candidate | None, curve: Candidate | None, beaten: bool, report: _Report
+    compared: _Comparison, model: Candidate | None, curve: Candidate | None, beaten: bool, shares: _BestShares
 ) -> Decision:
     left = 1.0 if model is None else 1.0 - max(compared.share(model), 0.0)
     words = "no effect lowers the error significantly on the held-out records"
@@ -260,12 +270,14 @@ def _unexplained(
         words = f"{' with '.join(model.families)} explains only {100.0 * (1.0 - left):.0f} % of the misfit"
     if beaten and curve is not None:
         words += f"; a free curve of {curve.effect.coordinates[0]} explains {100.0 * compared.share(curve):.0f} %"
-    return Decision("unexplained", None, (), left, words, *report)
+    return Decision("unexplained", None, (), left, words, *shares)
 
 
-def _missing(compared: _Comparison, best: Candidate, ties: tuple[str, ...], reason: str, report: _Report) -> Decision:
+def _missing(
+    compared: _Comparison, best: Candidate, ties: tuple[str, ...], reason: str, shares: _BestShares
+) -> Decision:
     left = min(1.0, max(0.0, 1.0 - compared.share(best)))
-    return Decision("missing-effect", best, ties, left, reason, *report)
+    return Decision("missing-effect", best, ties, left, reason, *shares)
 
 
 def _free_curve(curve: Candidate, share: float) -> FreeCurve:
@@ -273,13 +285,10 @@ def _free_curve(curve: Candidate, share: float) -> FreeCurve:
     return FreeCurve(curve.effect.coordinates[0], share, quantity)
 
 
-_Report = tuple[FreeCurve | None, tuple[str, float] | None]
-
-
-def _report(compared: _Comparison, best: Candidate | None, curve: Candidate | None) -> _Report:
+def _best_shares(compared: _Comparison, best: Candidate | None, curve: Candidate | None) -> _BestShares:
     if compared.excess <= 0.0:
-        return None, None
-    return (
+        return _BestShares()
+    return _BestShares(
         None if curve is None else _free_curve(curve, max(compared.share(curve), 0.0)),
         None if best is None else (best.public_name, max(compared.share(best), 0.0)),
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +19,18 @@ def _force_position(axis: Axis, p: Any) -> Any:
     return p.amplitude * np.cos(axis.position)
 
 
-EFFECT = Effect(
+def _offset_force(axis: Axis, p: Any) -> Any:
+    return p.amplitude * np.sin(axis.position + p.phase)
+
+
+def _offset_force_position(axis: Axis, p: Any) -> Any:
+    return p.amplitude * np.cos(axis.position + p.phase)
+
+
+_VERTICAL = Effect(
     name="gravity_torque",
     meaning="torque of an unbalanced weight, proportional to the sine of the angle (rotary axis)",
-    equation="F = amplitude * sin(x)",
+    equation="force = amplitude * sin(x)",
     shows="the residual follows the sine of the angle, the same in both directions",
     source="statics: m g r sin(angle)",
     acts_on="axis",
@@ -30,3 +40,18 @@ EFFECT = Effect(
     force=_force,
     slopes={"force.position": _force_position},
 )
+
+_OFFSET = replace(
+    _VERTICAL,
+    name="gravity_torque:offset",
+    meaning="torque of an unbalanced weight on a rotary axis whose zero angle is not the vertical",
+    equation="force = amplitude * sin(x + phase)",
+    parameters=(
+        replace(_VERTICAL.parameters[0], low=0.0, source="assumed: a tenth of the thesis's Coulomb force"),
+        Parameter("phase", "rad", 0.0, -math.pi, math.pi, "angle from the vertical at x = 0", "assumed: zero", "phase"),
+    ),
+    force=_offset_force,
+    slopes={"force.position": _offset_force_position},
+)
+
+EFFECT = replace(_VERTICAL, variants=(_OFFSET,))

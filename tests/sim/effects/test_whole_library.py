@@ -19,7 +19,10 @@ PIEZO = [law for law in EVERY if law.acts_on == "piezo"]
 SIGNALS = [law for law in EVERY if law.signal is not None]
 INSTANT = [law for law in EVERY if any(kernels.instantaneous_terms(law)) and kernels.unsupported(law) is None]
 FORCES = [law for law in INSTANT if law.force is not None]
-CONSERVATIVE = {"constant_bias", "cable_spring", "magnetic_cogging", "magnetic_cogging:overtone", "gravity_torque"}
+CONSERVATIVE = {
+    *("constant_bias", "cable_spring", "magnetic_cogging", "magnetic_cogging:overtone"),
+    *("gravity_torque", "gravity_torque:offset"),
+}
 """Forces with a potential: what they take on the way out they give back on the way home."""
 GIVES_HEAT_BACK = {"lugre", "presliding:lugre"}
 """Its constant damping of the bristle can do work on the motion above 4 g/a1 (docs/causal_friction_model.md)."""
