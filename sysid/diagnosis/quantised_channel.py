@@ -26,9 +26,10 @@ CLEAR_FALL = 0.5
 def quantised_channel(reference: Reference) -> Decision | None:
     """The decision that a channel is quantised, where the user stated less noise than its least significant bit makes.
 
-    None if there is no such channel (an estimated noise includes the quantisation), if nothing exceeds the noise, or if
-    the held-out error rises. A larger deviation in the unit of which the error is expressed explains nothing: the noise
-    of quantisation has to be a part of what exceeds the noise, or the error itself has to fall clearly, to the noise.
+    None if there is no such channel (an estimated noise includes the quantisation), or if the held-out error rises. A
+    larger deviation in the unit of which the error is expressed explains nothing: the noise of quantisation has to be a
+    part of what exceeds the noise, or the error itself has to fall clearly, to the noise. Where nothing exceeds the
+    stated noise although its values would not stay on the grid, the signal rests on few levels, which hide the noise.
     """
     problem, base = reference.problem, reference.base
     coarse = [c for c, n in problem.noise.items() if n.quantisation_step is not None and n.without_quantisation is None]
@@ -51,12 +52,15 @@ def quantised_channel(reference: Reference) -> Decision | None:
         fit_gain=0.0,
         law=added[-1],
     )
-    share = min(1.0, EVEN * _added_variance(problem, other) / max(before**2 - 1.0, 1e-9))
+    added_variance = _added_variance(problem, other)
+    hidden = before <= NOISE_FACTOR and added_variance >= NOISE_FACTOR**2
+    share = min(1.0, EVEN * added_variance / max(before**2 - 1.0, 1e-9))
     risen = any(candidate.after_validate[c].rms > MOST_RISE * m.rms for c, m in validated.items())
     # With too small a noise the filter of a force balance is too narrow, and events are placed wrongly.
     fallen = all(candidate.after_validate[c].rms <= CLEAR_FALL * m.rms for c, m in validated.items())
     resolved = fallen and worst_over_noise(candidate.after_fit, candidate.after_validate) <= NOISE_FACTOR
-    if before <= NOISE_FACTOR or risen or not (resolved or share >= CLEAR_MARGIN):
+    explained = before > NOISE_FACTOR and (resolved or share >= CLEAR_MARGIN)
+    if risen or not (hidden or explained):
         return None
     words = "the measured values lie on a grid coarser than the noise"
     return Decision("missing-effect", candidate, (), 1.0 - share, words, detected_by=words)

@@ -25,9 +25,10 @@ from stagecad.parameters.errors import InputError
 from stagecad.parameters.units import as_json
 from sysid.experiment.experiment import Experiment
 from sysid.experiment.record import Record
+from sysid.experiment.rigs import RIGS
 from sysid.noise.autocorrelation import Autoregression, Series, fit_noise, without_outliers
 from sysid.noise.motion_regression import motion_residual
-from sysid.noise.quantisation import find_quantisation_step
+from sysid.noise.quantisation import LEAST_LEVELS, LEAST_NOISY_LEVELS, find_quantisation_step
 from sysid.noise.repeats import cycle_scatter
 from sysid.signals.gaussian_filter import WHITE, NoiseSpectrum
 
@@ -89,13 +90,16 @@ class Noise:
         return {**out, "autocorrelation": round(self.autocorrelation, 4)} if self.autocorrelation else out
 
 
-def estimate_noise(records: Sequence[Record], channel: str, given: float | None = None) -> Noise:
+def estimate_noise(
+    records: Sequence[Record], channel: str, given: float | None = None, least_levels: int = LEAST_LEVELS
+) -> Noise:
     """Standard deviation of the noise on `channel`.
 
     Args:
         records: of one experiment; those without the channel are ignored.
         channel: measured channel.
         given: standard deviation given by the user, SI.
+        least_levels: least number of occupied levels of a quantised channel.
 
     Returns:
         The noise. With `given`, only its autocorrelation and quantisation are estimated from the records.
@@ -107,7 +111,7 @@ def estimate_noise(records: Sequence[Record], channel: str, given: float | None 
     if not holding:
         raise InputError(f"no record holds '{channel}'")
     unit = holding[0].units[channel]
-    steps = [find_quantisation_step([record.channels[channel]]) or 0.0 for record in holding]
+    steps = [find_quantisation_step([record.channels[channel]], least_levels) or 0.0 for record in holding]
     # Records may differ in quantisation (two sensors, or processed data).
     rounding = float(np.sqrt(np.average(np.square(steps), weights=[record.size for record in holding]) / 12.0))
     fitted = _fitted(holding, channel, steps)
@@ -256,7 +260,8 @@ def noise_by_channel(experiment: Experiment, records: Sequence[Record]) -> tuple
         imposed = channel == "position" and experiment.rig.kind == "velocity-drive" and given is None
         if imposed and any("velocity" in r.channels for r in records):
             continue
-        found = estimate_noise(records, channel, given)
+        sensor = given is not None and channel not in RIGS[experiment.rig.kind].input_channels
+        found = estimate_noise(records, channel, given, LEAST_NOISY_LEVELS if sensor else LEAST_LEVELS)
         noise[channel] = found
         if found.note:
             notes.append(f"noise of {channel}: {found.note}")

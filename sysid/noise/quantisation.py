@@ -13,10 +13,13 @@ PULSES = 0.99
 """Share of rows one step from the last from which the rows are taken as logged at pulses."""
 
 LEAST_LEVELS = 8
-"""Least number of occupied levels of a quantised measurement; a command may have two."""
+"""Least number of occupied levels of a quantised channel, since a signal without noise may have few values itself."""
+
+LEAST_NOISY_LEVELS = 2
+"""The same of a sensor whose stated noise would change its values from row to row."""
 
 
-def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
+def find_quantisation_step(arrays: Sequence[np.ndarray], least_levels: int = LEAST_LEVELS) -> float | None:
     """Quantisation step of the values of a channel.
 
     The step is estimated from the smallest changes between neighbours, then refined over increasing ranges of values,
@@ -24,6 +27,7 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
 
     Args:
         arrays: the channel in each record, shape (n,), gaps as NaN.
+        least_levels: least number of occupied levels.
 
     Returns:
         The step in the channel's unit; None where the values are not quantised, on too few levels, or every row is one
@@ -34,7 +38,7 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
         return None
     every = np.abs(np.concatenate([np.diff(array) for array in arrays]))
     changes = every[every > 1e-9 * np.max(np.abs(values), initial=0.0)]
-    if changes.size < 10:
+    if changes.size < 5:
         return None
     # The smallest change that occurs repeatedly is one step.
     small = np.sort(changes)
@@ -56,5 +60,5 @@ def find_quantisation_step(arrays: Sequence[np.ndarray]) -> float | None:
         if abs(np.mean(np.exp(2j * np.pi * inside / step))) < SHARPNESS:
             return None
         if reach >= widest:
-            return step if np.unique(np.round(offset / step)).size >= LEAST_LEVELS else None
+            return step if np.unique(np.round(offset / step)).size >= least_levels else None
         reach *= 4.0

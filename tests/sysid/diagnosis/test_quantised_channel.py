@@ -51,6 +51,19 @@ def test_grid_coarser_than_the_noise_is_named_and_explains_the_misfit(tmp_path: 
     assert quantised_channel(_reference(tmp_path)) is None
 
 
+def test_grid_on_which_the_force_has_two_values_hides_the_noise(tmp_path: Path) -> None:
+    slide(tmp_path, 1.5 * SIGN, '"coulomb", "viscous"', held_out=True)
+    for name in ("fit.csv", "validate.csv"):
+        file = tmp_path / name
+        header = file.read_text(encoding="utf-8").splitlines()[0]
+        table = np.loadtxt(file, delimiter=",", skiprows=1)
+        table[:, 3] = np.where(table[:, 3] > 0.0, 1.5, -1.5)
+        np.savetxt(file, table, "%.9g", ",", header=header, comments="")
+    found = quantised_channel(_reference(tmp_path))
+    assert found is not None
+    assert found.verdict == "missing-effect"
+
+
 @pytest.mark.parametrize("step", [0.0, NOISE])
 def test_fine_grid_is_not_named(tmp_path: Path, step: float) -> None:
     assert quantised_channel(_reference(_rounded(tmp_path, step))) is None

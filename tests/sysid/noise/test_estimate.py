@@ -6,11 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.record import Record
-from sysid.noise.estimate import Noise, estimate_noise, noise_warnings, with_quantisation
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.record import Record, load_records
+from sysid.noise.estimate import Noise, estimate_noise, noise_by_channel, noise_warnings, with_quantisation
 from sysid.noise.quantisation import find_quantisation_step
 
 SHARED = Path(__file__).parents[4] / "shared"
@@ -144,6 +146,22 @@ def test_a_grid_is_found_and_does_not_hide_the_noise(step):
     assert "grid" in noise.note
 
 
+def test_a_sensor_on_two_levels_is_quantised_where_its_noise_is_stated(tmp_path):
+    time = np.arange(2000) * STEP
+    velocity = np.where(np.sin(8.0 * np.pi * time) > 0.0, 0.01, -0.01)
+    table = pd.DataFrame({"time [s]": time, "velocity [m/s]": velocity, "friction_force [N]": 6.0 * np.sign(velocity)})
+    table.to_csv(tmp_path / "fit.csv", index=False)
+    text = 'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
+    text += '[[record]]\nfile = "fit.csv"\nrole = "fit"\n'
+    steps = []
+    for noise in ("", '[noise]\nfriction_force = "0.01 N"\n'):
+        (tmp_path / "experiment.toml").write_text(text + noise)
+        experiment = load_experiment(tmp_path)
+        found, _ = noise_by_channel(experiment, load_records(experiment))
+        steps.append(found["friction_force"].quantisation_step)
+    assert steps == [None, pytest.approx(12.0)]
+
+
 def test_stated_noise_and_rounding():
     step = 0.05
     values = step * np.round((CLEAN + 0.03 * np.random.default_rng(10).standard_normal(N)) / step)
@@ -206,8 +224,6 @@ def test_a_channel_that_nobody_recorded():
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the records of the real rigs are not at hand")
 def test_real_rigs():
-    from sysid.experiment.experiment import load_experiment
-    from sysid.experiment.record import load_records
 
     emps = load_records(load_experiment(SHARED / "data" / "emps"))
     # The differences of neighbours give 0.13 N; at constant speed the force scatters by 0.77 N within 0.1 s, with an
@@ -223,8 +239,6 @@ def test_real_rigs():
 
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the practice records are not at hand")
 def test_practice_records_whose_noise_is_given():
-    from sysid.experiment.experiment import load_experiment
-    from sysid.experiment.record import load_records
     from sysid.experiment.rigs import RIGS
 
     ratios = []

@@ -64,7 +64,7 @@ SIGN_CHANGES = {
     *(("direction_asymmetry", "coulomb"), ("direction_asymmetry", "viscous"), ("constant_bias", "force")),
     *(("cable_spring", "rest_position"), ("sensor_nonlinearity", "second_order"), ("sensor_drift", "amplitude")),
     *(("position_dependent_friction", "gradient"), ("position_dependent_friction", "second_sine")),
-    *(("magnetic_cogging", "phase"), ("magnetic_cogging", "second_cosine")),
+    *(("magnetic_cogging", "phase"), ("magnetic_cogging", "second_cosine"), ("gravity_torque", "phase")),
 }
 """Parameters of effects with a preferred direction that change sign when the axis is mirrored: a force A sin(k x + p)
 becomes A sin(k x - p); a friction level 1 + A sin(k x + p) becomes 1 + A sin(k x + pi - p)."""
@@ -165,7 +165,8 @@ def _shifted_model(model: Model, distance: float) -> Model | None:
         return model
     values = dict(model.values)
     if f"{effect.name}.phase" in values:
-        values[f"{effect.name}.phase"] -= 2.0 * np.pi * distance / values[f"{effect.name}.pitch"]
+        period = values.get(f"{effect.name}.pitch", 2.0 * np.pi)
+        values[f"{effect.name}.phase"] -= 2.0 * np.pi * distance / period
     elif f"{effect.name}.rest_position" in values:
         values[f"{effect.name}.rest_position"] += distance
     else:
