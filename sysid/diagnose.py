@@ -166,8 +166,9 @@ def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     fit = _contributions(base.fitted, added, problem.fit_records, base.fitted.weights)
     parts = [(search.reference.held_out.residual, held), (base.fitted.fit.residual, fit)]
     losses = [huber_square(r / np.sqrt(1.0 + FORM_ERROR_ADEQUATE**2 * c)) for r, c in parts if r.size]
+    form = FORM_ERROR_ADEQUATE**2 * float(np.mean(held)) if held.size else 0.0
     return NoiseLevel(
-        loss=1.0 if given else min(1.0, max(richest, NOISE_FACTOR**-2)),
+        loss=(1.0 if given else min(1.0, max(richest, NOISE_FACTOR**-2))) + form,
         form_error=FORM_ERROR**2 * float(np.mean(held)) if held.size else 0.0,
         adequate_loss=max((float(np.mean(loss)) for loss in losses), default=1.0),
     )

@@ -15,7 +15,7 @@ LEAST_STEADINESS = 1.0
 LEAST_GAIN = 0.03
 """Least gain, over the loss of the model without the effect."""
 
-SUFFICIENT_SHARE = 0.55
+SUFFICIENT_SHARE = 0.5
 """Share of the excess from which a model is a sufficient explanation."""
 
 CLEAR_MARGIN = 0.07

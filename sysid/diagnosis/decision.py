@@ -46,7 +46,7 @@ class NoiseLevel:
     """What is known of the noise level, and of the form error of the laws that were added.
 
     Args:
-        loss: of noise alone: 1, or less where the estimated level was too high.
+        loss: of a complete model: 1, or less where the estimated level was too high, and the form error.
         form_error: mean square of the form error, in standard deviations.
         adequate_loss: largest loss of the stated model on any records, with the form error in the variance.
     """

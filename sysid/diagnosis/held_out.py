@@ -24,6 +24,10 @@ from sysid.prediction.model import Model, PreparedRecord
 LINEAR_ROLES = ("amplitude", "level")
 """Roles of the parameters in which a force is linear."""
 
+OFFSET_KEYS = "rig.offset_"
+"""Keys of the offsets of measured channels, which are estimated on the held-out records alone: the zero of a sensor and
+the state of a piezo at the start of a record differ between records."""
+
 FLIPS = 2000
 """Random signs of the blocks in the p value of a gain."""
 
@@ -93,6 +97,8 @@ def held_out(fitted: FittedModel, records: Sequence[PreparedRecord], weights: Re
     own = fitted.fit.jacobian[:, places]
     fit_scale = max(robust_scale(fitted.fit.residual), 1.0)
     information = (own.T @ (fitted.fit.weights[:, None] * own) + np.diag(fitted.fit.precision[places])) / fit_scale**2
+    new = np.array([u.key.startswith(OFFSET_KEYS) for u in free])
+    information[new | new[:, None]] = 0.0
     scale = max(robust_scale(base), 1.0)
     weighted = huber_weights(base, scale)[:, None] * columns / scale**2
     normal, right = columns.T @ weighted + information, weighted.T @ base
