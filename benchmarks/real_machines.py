@@ -4,7 +4,8 @@
 
 FOLDER holds one experiment per machine. The known answer of each machine is in the README of its folder; it is stated
 here in names of effects. `known` are the effects that must be named, in any order (`a|b`: either describes what is
-known), `also` those that are documented or equivalent and may be named; any other name is false. The loop adds what is named until it names nothing.
+known), `also` those that are documented or equivalent and may be named; any other name is false. The loop adds what is
+named until it names nothing.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def follow(folder: Path) -> Followed:
             rounds.append(f"failed: {type(error).__name__}: {error}")
     wanted = [name.split("|") for name in known.known]
     found = all(any(same(k, other) for k in group for names in named for other in names[:2]) for group in wanted)
-    allowed = [*sum(wanted, []), *known.also]
+    allowed = [*(k for group in wanted for k in group), *known.also]
     true = all(any(same(name, k) for k in allowed) for names in named for name in names[:1])
     return Followed(folder.name, tuple(rounds), found and true, time.perf_counter() - began)
 
