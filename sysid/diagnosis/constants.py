@@ -27,8 +27,8 @@ CURVE_STEADINESS = 2.0
 NOTABLE_SHARE = 0.2
 """Part of the loss that a free curve must not explain where a model is judged adequate."""
 
-FORM_ERROR = 0.02
-"""Relative error of the form of a law that was added: a further effect must gain more than its square."""
+FORM_ERROR = 0.05
+"""Relative error of the form of a law that was added: each further effect must gain more than its square."""
 
 FORM_ERROR_ADEQUATE = 0.03
 """The same in the variance of the residual, where a model is judged adequate."""

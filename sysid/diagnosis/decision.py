@@ -123,7 +123,7 @@ class _Comparison:
         return (
             gain.significance >= (2.0 if near else 1.0) * LEAST_SIGNIFICANCE
             and gain.steadiness >= LEAST_STEADINESS
-            and gain.loss >= max(LEAST_GAIN * self.reference.loss, self.noise.form_error)
+            and gain.loss >= max(LEAST_GAIN * self.reference.loss, len(candidate.added) * self.noise.form_error)
             and candidate.fit_gain > 0.0
         )
 
