@@ -14,7 +14,7 @@ from sim.library.effect import Effect
 from sysid.diagnosis.candidate import Candidate
 from sysid.diagnosis.candidate_screening import Progress
 from sysid.diagnosis.consistency import consistency_warnings
-from sysid.diagnosis.constants import FORM_ERROR, FORM_ERROR_ADEQUATE, NOISE_FACTOR
+from sysid.diagnosis.constants import FORM_ERROR, NOISE_FACTOR
 from sysid.diagnosis.decision import Decision, NoiseLevel, decide
 from sysid.diagnosis.model_search import ModelSearch
 from sysid.diagnosis.quantised_channel import quantised_channel
@@ -27,6 +27,7 @@ from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
+from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, public_name
 from sysid.prediction.problem import Problem, load_problem
 
@@ -160,16 +161,19 @@ def _added(problem: Problem) -> list[str]:
 def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     """What is known of the noise level, and of the form error of the effects added."""
     problem, base = search.problem, search.base
-    given = all(problem.noise[c].source == "given" for c in problem.fit_records[0].measured if c in problem.noise)
+    record = problem.fit_records[0]
+    # The noise of an inertia follows from that of the position by its spectrum, which is estimated in any case.
+    stated = not (isinstance(record, ForceBalanceRecord) and record.acceleration is not None)
+    given = stated and all(problem.noise[c].source == "given" for c in record.measured if c in problem.noise)
     richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
     held = _contributions(base.fitted, added, problem.validate_records, base.weights)
     fit = _contributions(base.fitted, added, problem.fit_records, base.fitted.weights)
     parts = [(search.reference.held_out.residual, held), (base.fitted.fit.residual, fit)]
-    losses = [huber_square(r / np.sqrt(1.0 + FORM_ERROR_ADEQUATE**2 * c)) for r, c in parts if r.size]
-    form = FORM_ERROR_ADEQUATE**2 * float(np.mean(held)) if held.size else 0.0
+    losses = [huber_square(r / np.sqrt(1.0 + FORM_ERROR**2 * c)) for r, c in parts if r.size]
+    form_error = FORM_ERROR**2 * float(np.mean(held)) if held.size else 0.0
     return NoiseLevel(
-        loss=(1.0 if given else min(1.0, max(richest, NOISE_FACTOR**-2))) + form,
-        form_error=FORM_ERROR**2 * float(np.mean(held)) if held.size else 0.0,
+        loss=(1.0 if given else min(1.0, max(richest, NOISE_FACTOR**-2))) + form_error,
+        form_error=form_error,
         adequate_loss=max((float(np.mean(loss)) for loss in losses), default=1.0),
     )
 

@@ -27,11 +27,9 @@ CURVE_STEADINESS = 2.0
 NOTABLE_SHARE = 0.2
 """Part of the loss that a free curve must not explain where a model is judged adequate."""
 
-FORM_ERROR = 0.05
-"""Relative error of the form of a law that was added: each further effect must gain more than its square."""
-
-FORM_ERROR_ADEQUATE = 0.03
-"""The same in the variance of the residual, where a model is judged adequate."""
+FORM_ERROR = 0.04
+"""Relative error of the form of a law: each further effect must gain more than its square, and where a model is judged
+adequate, it is part of the variance of the residual."""
 
 NOISE_FACTOR = 2.0
 """Factor by which the level of the noise may be wrong, either way, where no model gains."""

@@ -6,11 +6,9 @@ and L that of another one, the excess is L0 - 1 and the share of the other model
 1. The best named model is the effect of lowest loss with plausible values, or a pair of effects that is clearly better.
 2. If its gain is certain (over its standard error, over the scatter of the blocks, and large enough), and its share is
    sufficient, and no free curve of a coordinate is clearly better, the effect is missing.
-3. If it is not sufficient alone, the loss is beyond what a wrong level of the noise explains, and a sufficient model of
-   the effect and a free curve is clearly worse without the effect, the effect is missing too; more is missing.
-4. If no named model is sufficient and no free curve explains a notable part, the model is adequate, as far as the level
+3. If no named model is sufficient and no free curve explains a notable part, the model is adequate, as far as the level
    of the noise is known.
-5. Otherwise the misfit is unexplained.
+4. Otherwise the misfit is unexplained.
 
 The constants are in `sysid/diagnosis/constants.py`.
 """
@@ -28,7 +26,7 @@ from sysid.diagnosis.constants import (
     CURVE_STEADINESS,
     EQUIVALENT_GAIN,
     EQUIVALENT_SIGNIFICANCE,
-    FORM_ERROR_ADEQUATE,
+    FORM_ERROR,
     LEAST_GAIN,
     LEAST_SIGNIFICANCE,
     LEAST_STEADINESS,
@@ -172,11 +170,6 @@ def decide(models: ModelSearch, reference: HeldOut, noise: NoiseLevel) -> Decisi
         elif named is not None:
             chosen, ties = equivalent(reference, models.ranked, named)
             return _missing(compared, chosen, ties, "explains the residual", shares)
-    above = compared.noise.adequate_loss > NOISE_FACTOR**2
-    if named is not None and above and not _beaten_by_own_curve(compared, models, named):
-        beside = next(iter(models.curves_beside(named)), None)
-        if beside is not None and _needed_beside(compared, named, beside, curve):
-            return _missing(compared, named, (), "is certainly present; more is missing", shares)
     return _insufficient(compared, model, curve, shares)
 
 
@@ -214,28 +207,12 @@ def _equivalent(other: Candidate, best: Candidate, gained: float) -> bool:
     if other is best:
         return True
     behind = other.held_out.loss - best.held_out.loss
-    if behind <= FORM_ERROR_ADEQUATE**2 * gained:
+    if behind <= FORM_ERROR**2 * gained:
         # The relative error of the form of a law leaves its square of the gain.
         return True
     return (
         behind <= EQUIVALENT_GAIN * gained
         and other.held_out.gain_of(best.held_out).significance < EQUIVALENT_SIGNIFICANCE
-    )
-
-
-def _beaten_by_own_curve(compared: _Comparison, models: ModelSearch, named: Candidate) -> bool:
-    """Whether a free curve of a coordinate of the effect is clearly better than its law."""
-    own = [curve for curve in models.curves if curve.effect.coordinates[0] in named.effect.coordinates]
-    return any(compared.clearly_better(curve, named, CURVE_STEADINESS) for curve in own)
-
-
-def _needed_beside(compared: _Comparison, named: Candidate, beside: Candidate, curve: Candidate | None) -> bool:
-    """Whether an effect and a free curve together are sufficient, and clearly better than any free curve alone."""
-    if compared.share(beside) < SUFFICIENT_SHARE or not compared.certain(beside):
-        return False
-    return curve is None or (
-        compared.clearly_better(beside, curve, CURVE_STEADINESS)
-        and curve.held_out.gain_of(beside.held_out).significance >= LEAST_SIGNIFICANCE
     )
 
 

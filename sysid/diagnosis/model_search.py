@@ -6,7 +6,7 @@ Candidates are screened by the score test; the most promising are refitted in fu
 - one effect added, in its best variant and channel;
 - two effects added, chosen by their joint score, or the second one on top of the fit of the first;
 - one effect added together with a new search of the shape of an effect of the model, which may sit in a local minimum;
-- a free curve of one coordinate added, alone or beside an effect;
+- a free curve of one coordinate added;
 - an effect of the model removed, or replaced by another.
 """
 
@@ -176,11 +176,15 @@ class ModelSearch:
     @cached_property
     def curves(self) -> list[Candidate]:
         """The base model with one free curve, best first."""
-        return self._with_curves(self.base.fitted, ())
+        below, effects = self.base.fitted, free_curves(self.problem)
 
-    def curves_beside(self, first: Candidate) -> list[Candidate]:
-        """An effect together with one free curve, best first."""
-        return self._with_curves(first.fitted, first.added)
+        def fit(curve: Effect) -> Candidate | None:
+            model = with_curve(below.model, curve, self.problem.scales)
+            fitted = fit_model(model, self.problem.fit_records, below.weights, CURVE_STEPS, near=below)
+            return self.reference.evaluate(fitted, (curve,))
+
+        found = self._map(fit, effects, [*effects, *below.model.effects])
+        return sorted(found, key=lambda c: c.held_out.loss)
 
     def without(self, name: str) -> Candidate | None:
         """The model without every effect of a public name."""
@@ -226,18 +230,6 @@ class ModelSearch:
             start = with_bounds_of(start, given)
         fitted = fit_model(start, self.problem.fit_records, self.base.fitted.weights, near=self.base.fitted)
         return self.reference.evaluate(fitted, tuple(part.known.effect for part in pair.parts))
-
-    def _with_curves(self, below: FittedModel, added: tuple[Effect, ...]) -> list[Candidate]:
-        effects = free_curves(self.problem)
-
-        def fit(curve: Effect) -> Candidate | None:
-            model = with_curve(below.model, curve, self.problem.scales)
-            weights = self.base.fitted.weights
-            fitted = fit_model(model, self.problem.fit_records, weights, CURVE_STEPS, near=below)
-            return self.reference.evaluate(fitted, (*added, curve))
-
-        found = self._map(fit, effects, [*effects, *added, *below.model.effects])
-        return sorted(found, key=lambda c: c.held_out.loss)
 
     def _screening_without(self, below: Candidate) -> ScreeningResult:
         names = [e.name for e in self.problem.start.effects if public_name(e.name) != below.removed]

@@ -54,7 +54,6 @@ class Case:
     ranked: list[Candidate] = field(default_factory=list)
     pairs: list[Candidate] = field(default_factory=list)
     curves: list[Candidate] = field(default_factory=list)
-    beside: list[Candidate] = field(default_factory=list)
 
     def candidate(self, residual: np.ndarray, *effects: Effect, count: int = 1, fit_gain: float = 1.0) -> Candidate:
         """A candidate that leaves this residual (n,) on the held-out records."""
@@ -67,10 +66,6 @@ class Case:
         self.ranked.append(self.candidate(residual, find(name), count=count, fit_gain=fit_gain))
         self.ranked.sort(key=lambda c: c.held_out.loss)
         return self
-
-    def curves_beside(self, first: Candidate) -> list[Candidate]:
-        """Effect and free curve together."""
-        return self.beside
 
     def decide(self, noise: NoiseLevel | None = None) -> Decision:
         """The decision; by default the noise level is exact."""
@@ -112,21 +107,6 @@ def test_free_curve_that_explains_no_more_than_the_effect_does_not_matter() -> N
     case = Case(NOISE + 2.0 * ONE).effect("cable_spring", NOISE)
     case.curves = [case.candidate(NOISE, _curve("position"))]
     assert case.decide().best is case.ranked[0]
-
-
-def test_effect_beside_a_free_curve_is_missing_if_both_are_needed() -> None:
-    case = Case(NOISE + 1.5 * ONE + 2.0 * OTHER).effect("viscous", NOISE + 2.0 * OTHER)
-    assert case.decide().verdict == "unexplained"
-    case.curves = [case.candidate(NOISE + 1.5 * ONE, _curve("position"))]
-    assert case.decide().verdict == "unexplained"
-    case.beside = [case.candidate(NOISE, find("viscous"), _curve("position"))]
-    found = case.decide()
-    assert found.verdict == "missing-effect"
-    assert found.best is case.ranked[0]
-    assert found.unexplained_share == pytest.approx(4.0 / 6.25, abs=0.05)
-    # A curve that is sufficient alone needs no effect beside it.
-    case.curves = [case.candidate(NOISE, _curve("position"))]
-    assert case.decide().verdict == "unexplained"
 
 
 def test_pair_that_is_clearly_better_is_named_by_one_of_its_members() -> None:
