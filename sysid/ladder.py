@@ -30,6 +30,7 @@ from sysid.estimation.variant_selection import (
 )
 from sysid.experiment.experiment import DesignValues, Experiment
 from sysid.experiment.history import Revision, append_revision, edited_by_hand, read_history
+from sysid.experiment.in_memory import with_revision
 from sysid.prediction.model import Model, public_name
 from sysid.prediction.observable import candidate_effects, is_observable
 from sysid.prediction.problem import Problem, build_problem, load_problem
@@ -47,6 +48,7 @@ class Addition:
         after_fit, after_validate: misfit by channel of the extended model.
         changed: parameters of the model before whose values left their intervals, with value before and after, SI.
         seconds: run time.
+        experiment: with the extended model, where it is in memory; the file of another is changed.
     """
 
     revision: Revision
@@ -58,10 +60,11 @@ class Addition:
     after_validate: dict[str, ChannelMisfit]
     changed: dict[str, tuple[float, float]]
     seconds: float
+    experiment: Experiment | None = None
 
 
 def add_effects(
-    source: str | Path,
+    source: str | Path | Problem,
     effects: Sequence[str],
     design: DesignValues | None = None,
     drop: Sequence[str] = (),
@@ -69,13 +72,15 @@ def add_effects(
 ) -> Addition:
     """Add effects to the model of an experiment, fit it, and write the next revision and `experiment.toml`.
 
+    Nothing is written for an experiment in memory.
+
     An effect named without variant or channel gets the variant and the channel that fit best. The variant of its own
     name is preferred unless another fits clearly better, or fits as well and predicts the held-out records clearly
     better. Variants of effects that the experiment names without one are selected again. A friction state model
     replaces the previous one.
 
     Args:
-        source: folder of the experiment, or its `experiment.toml`.
+        source: folder of the experiment, its `experiment.toml`, or a problem already built.
         effects: names of the effects to add.
         design: values of the design for known quantities stated as `"design"`.
         drop: names of effects that are removed first, in the same revision.
@@ -86,7 +91,7 @@ def add_effects(
             in a file.
     """
     began = perf_counter()
-    problem = load_problem(source, design)
+    problem = source if isinstance(source, Problem) else load_problem(source, design)
     base = fit_stated_model(problem)
     experiment = problem.experiment
     before_fit = misfit(base.fitted.model, problem.fit_records)
@@ -113,7 +118,13 @@ def add_effects(
     hashes = {record.name: record.sha256 for record in problem.records}
     known = {u.key: u.prior for u in fitted.model.unknowns if u.prior is not None}
     accept(extended, fitted)
-    revision = append_revision(experiment, names, starts, document, base_document, hashes, known=known)
+    if experiment.revisions is None:
+        grown = None
+        revision = append_revision(experiment, names, starts, document, base_document, hashes, known=known)
+    else:
+        grown = with_revision(experiment, names, starts, document, base_document, known, design)
+        assert grown.revisions
+        revision = grown.revisions[-1]
     weights = residual_weights(fitted.model, extended.validate_records)
     residual = weighted_residual(fitted.model, extended.validate_records, weights)
     return Addition(
@@ -126,6 +137,7 @@ def add_effects(
         after_validate=after_validate,
         changed=_changed_parameters(base, problem, fitted.model),
         seconds=perf_counter() - began,
+        experiment=grown,
     )
 
 
@@ -250,6 +262,24 @@ def _revision_document(
         "noise": noise_json(problem),
         "before": both_json(problem, fit, validate),
         "parameters": parameters_json(problem, fitted),
+    }
+
+
+def addition_json(step: Addition) -> dict[str, Any]:
+    """The document of `add`; `file` is null for an experiment in memory."""
+    document = step.revision.document
+    return {
+        "schema": 1,
+        "rung": step.revision.number,
+        "file": str(step.revision.path) if step.experiment is None else None,
+        "form": step.problem.form,
+        "effects": list(step.revision.effects),
+        "added": list(document["added"]),
+        "removed": list(document["removed"]),
+        "before": both_json(step.problem, step.before_fit, step.before_validate),
+        "after": both_json(step.problem, step.after_fit, step.after_validate),
+        "parameters": dict(document["parameters"]),
+        "seconds": step.seconds,
     }
 
 

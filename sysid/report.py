@@ -1,4 +1,4 @@
-"""JSON documents of `compare`, `diagnose`, `add` and `ladder`."""
+"""JSON documents of `compare`, `diagnose`, `add`, `ladder` and `suggest`."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from sysid.estimation.identifiability import correlation_json, identifiability_r
 from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.rigs import CHANNELS
 from sysid.experiment_design.detectability import MinimumDetectableEffect, minimum_detectable_effects
+from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
 from sysid.prediction.simulation_error import SimulationErrors, SimulationMisfit, simulation_errors
@@ -281,3 +282,22 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "notes": [*problem.notes, *([comparison.simulation.note] if comparison.simulation.note else [])],
         "seconds": comparison.seconds,
     }
+
+
+def suggestion_json(found: Suggestion, files: Sequence[str | None]) -> list[dict[str, Any]]:
+    """The document of `suggest`; `files` has the file of each motion, none where it is not written."""
+    return [
+        {
+            "motion": value.motion.name,
+            "reason": value.motion.reason,
+            "seconds": value.motion.seconds,
+            "separates": [
+                {"effects": list(p.effects), "deviations": p.deviations, "these_records": p.records}
+                for p in value.pairs
+            ],
+            "deviations": value.least,
+            "deviations_squared_per_second": value.rate,
+            "file": file,
+        }
+        for value, file in zip(found.motions, files, strict=True)
+    ]

@@ -24,6 +24,7 @@ from sysid.estimation.reference_fit import fit_stated_model
 from sysid.experiment.channels import choose_columns
 from sysid.experiment.experiment import DesignValues, Experiment
 from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.record import Record, load_record, load_whole_records
 from sysid.experiment.record_spec import RecordSpec
@@ -105,7 +106,9 @@ class SimulatedExperiment:
     def custom(self) -> dict[str, Path]:
         """The user's own effects: each file by its place beside the `experiment.toml` of the simulated records."""
         experiment = self.problem.experiment
-        return {path.relative_to(experiment.folder).as_posix(): path for path in experiment.custom}
+        return {
+            path.relative_to(experiment.folder).as_posix(): path for path in experiment.custom if isinstance(path, Path)
+        }
 
     def document(self, suffix: str = "csv") -> dict[str, Any]:
         """Content of the `experiment.toml` of the simulated records, in files with this suffix; the values used are the
@@ -119,7 +122,7 @@ class SimulatedExperiment:
             known[name] = f"{given.value:.12g}{deviation} {unit}"
         names = [*(e.name for e in self.model.effects), *_quantisation(experiment.effects)]
         model: dict[str, Any] = {"effects": list(dict.fromkeys(names))}
-        if experiment.custom:
+        if self.custom:
             model["custom"] = list(self.custom)
         settings = {key: self._setting(key) for key in self.model.values if not key.startswith("rig.")}
         model["parameters"] = settings
@@ -157,9 +160,9 @@ class SimulatedExperiment:
 
 
 def simulate_experiment(
-    source: str | Path,
+    source: str | Path | Problem,
     design: DesignValues | None = None,
-    motion: str | Path | None = None,
+    motion: str | Path | MemoryTable | None = None,
     advance: Callable[[str], None] = lambda name: None,
 ) -> SimulatedExperiment:
     """Simulate the model of an experiment on the inputs of its records, or on those of another file.
@@ -168,15 +171,15 @@ def simulate_experiment(
     first.
 
     Args:
-        source: folder of the experiment, or its `experiment.toml`.
+        source: folder of the experiment, its `experiment.toml`, or a problem already built.
         design: values of the design for settings given as `"design"`.
-        motion: CSV, Parquet or MAT file with the inputs of this kind of rig.
+        motion: CSV, Parquet or MAT file, or table in memory, with the inputs of this kind of rig.
         advance: called with the name of each step once it is done.
 
     Raises:
         InputError: a fault in a file, or a model that cannot be simulated on these inputs.
     """
-    problem = load_problem(source, design)
+    problem = source if isinstance(source, Problem) else load_problem(source, design)
     experiment = problem.experiment
     given = {key for key, setting in experiment.parameters.items() if setting.start is not None}
     free = tuple(u for u in problem.start.unknowns if u.key not in given and u.prior is None)
@@ -187,7 +190,7 @@ def simulate_experiment(
         fitted = tuple(u.key for u in model.unknowns)
     advance("fit")
     own = motion is None
-    inputs = load_whole_records(experiment) if motion is None else [read_motion(experiment, Path(motion))]
+    inputs = load_whole_records(experiment) if motion is None else [read_motion(experiment, motion)]
     noise, exact = _noise(problem)
     records = []
     for record in inputs:
@@ -197,14 +200,15 @@ def simulate_experiment(
     return SimulatedExperiment(problem, model, fitted, tuple(records), noise, exact)
 
 
-def read_motion(experiment: Experiment, file: Path) -> Record:
-    """The inputs of the experiment's kind of rig from a file: a record of the fit without measured channels.
+def read_motion(experiment: Experiment, motion: str | Path | MemoryTable) -> Record:
+    """The inputs of the experiment's kind of rig: a record of the fit without measured channels.
 
     Raises:
         InputError: one line with file, row and column.
     """
     rig = experiment.rig.declaration
     rig = replace(rig, measured=(), optional_measured=())
+    file = motion if isinstance(motion, MemoryTable) else Path(motion)
     name = shown_path(str(file))
     sources, rotary, notes = choose_columns(open_record_file(file, name).labels, rig, name, {}, {}, name)
     for channel, turns in rotary.items():
@@ -212,7 +216,9 @@ def read_motion(experiment: Experiment, file: Path) -> Record:
             kinds = ("rotary", "linear") if turns else ("linear", "rotary")
             raise InputError(f"{name}: column '{channel}' has a {kinds[0]} unit; the experiment's axis is {kinds[1]}")
     return load_record(
-        RecordSpec(file.stem, str(file), file, "fit", sources, notes=tuple(notes)), rig, experiment.rig.rotary
+        RecordSpec(Path(str(file)).stem, str(file), file, "fit", sources, notes=tuple(notes)),
+        rig,
+        experiment.rig.rotary,
     )
 
 

@@ -54,25 +54,31 @@ def load_custom(path: str | Path, accept: Accept = lambda path, data: None) -> l
             effects.append(value)
     if not effects:
         raise InputError(f"{path}: declares no effect; write 'effect = Effect(...)' at the file's top level")
-    taken: dict[str, str] = dict.fromkeys(library(), "a built-in effect has that name")
+    taken: set[str] = set()
     checked = []
     for effect in effects:
         if effect.name in taken:
-            raise InputError(f"{path}: effect '{effect.name}': {taken[effect.name]}; choose another")
-        taken[effect.name] = "the file declares it twice"
-        checked.append(_checked(path, effect))
+            raise InputError(f"{path}: effect '{effect.name}': the file declares it twice; choose another")
+        taken.add(effect.name)
+        checked.append(checked_effect(path, effect))
     return checked
 
 
-def load_all_custom(paths: Sequence[str | Path], accept: Accept = lambda path, data: None) -> list[Effect]:
-    """The effects of several files together; `accept` is called before the content of each is run.
+IN_MEMORY = Path("own effects")
+"""Stands for the file of an effect that was declared in memory."""
+
+
+def load_all_custom(sources: Sequence[str | Path | Effect], accept: Accept = lambda path, data: None) -> list[Effect]:
+    """The effects of several files, and those declared in memory, together; `accept` is called before the content of
+    each file is run.
 
     Raises:
-        InputError: as `load_custom`, and when two files declare the same name.
+        InputError: as `load_custom`, and when two sources declare the same name.
     """
     effects: dict[str, tuple[Path, Effect]] = {}
-    for path in map(Path, paths):
-        for effect in load_custom(path, accept):
+    for source in sources:
+        path = IN_MEMORY if isinstance(source, Effect) else Path(source)
+        for effect in [checked_effect(path, source)] if isinstance(source, Effect) else load_custom(path, accept):
             if effect.name in effects:
                 raise InputError(f"{path}: effect '{effect.name}' is already declared in {effects[effect.name][0]}")
             effects[effect.name] = (path, effect)
@@ -112,8 +118,11 @@ def _message(error: BaseException) -> str:
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 
-def _checked(path: Path, effect: Effect) -> Effect:
+def checked_effect(path: Path, effect: Effect) -> Effect:
+    """A user's own effect, its laws evaluated once; `path` names its source. Raises as `load_custom`."""
     where = f"{path}: effect '{effect.name}'"
+    if effect.name in library():
+        raise InputError(f"{where}: a built-in effect has that name; choose another")
     if not isinstance(effect.name, str) or not valid_name(effect.name):
         raise InputError(f"{where}: the name must be lower-case letters, digits and underscores ('cubic_spring')")
     if effect.acts_on not in ACTS_ON:

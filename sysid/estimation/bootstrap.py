@@ -107,6 +107,9 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
     """
     if not fitted.model.unknowns:
         raise InputError(f"{problem.experiment.path}: the model has no value to fit, so there is nothing to bootstrap")
+    files = [source for source in problem.experiment.custom if isinstance(source, Path)]
+    if len(files) < len(problem.experiment.custom):
+        raise InputError(f"{problem.experiment.path}: an effect declared in memory cannot be sent to other processes")
     return Refit(
         experiment=replace(problem.experiment, records=(), custom=()),
         records=problem.records,
@@ -114,7 +117,7 @@ def refit_of(problem: Problem, fitted: FittedModel) -> Refit:
         values=dict(fitted.model.values),
         unknowns=fitted.model.unknowns,
         weights=fitted.weights,
-        custom=tuple((path.name, _source(path)) for path in problem.experiment.custom),
+        custom=tuple((path.name, _source(path)) for path in files),
     )
 
 

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
+from sim.library.effect import Effect
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.consent import custom_files, give_consent
 from sysid.experiment.known import DesignValues, Known, known_axes, read_known
 from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
 from sysid.experiment.rigs import CHANNELS, RigKind, find_rig
 from sysid.experiment.settings import Setting, check_effects, read_settings
 from sysid.experiment.toml_table import TomlTable, quantity, read_toml, shown
+
+if TYPE_CHECKING:
+    from sysid.experiment.history import Revision
 
 SCHEMA = 1
 
@@ -51,24 +56,26 @@ class Experiment:
         path: of `experiment.toml`.
         rig: kind, known quantities, axis.
         effects: the model's effects in order.
-        custom: files of the user's own effects.
+        custom: the user's own effects: files, and effects declared in memory.
         parameters: start, bounds, or fixed value by `effect.parameter`, SI.
         records: the records.
         noise: standard deviation by channel, SI.
         text: content of the file, with its comments.
         sha256: of the file's bytes.
+        revisions: of the model, where the experiment is not in files.
     """
 
     folder: Path
     path: Path
     rig: Rig
     effects: tuple[str, ...]
-    custom: tuple[Path, ...]
+    custom: tuple[Path | Effect, ...]
     parameters: Mapping[str, Setting]
     records: tuple[RecordSpec, ...]
     noise: Mapping[str, float]
     text: str
     sha256: str
+    revisions: tuple[Revision, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -121,8 +128,28 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
         InputError: one line with file, key, value, and the permitted input.
     """
     file = _experiment_file(Path(path))
-    name = shown_path(str(file))
-    data, text, top = read_toml(file, name)
+    data, text, top = read_toml(file, shown_path(str(file)))
+    found = read_experiment(top, file, design)
+    return replace(found, text=text, sha256=hashlib.sha256(data).hexdigest())
+
+
+def read_experiment(
+    top: TomlTable,
+    file: Path,
+    design: DesignValues | None = None,
+    in_memory: Mapping[str, MemoryTable] | None = None,
+    own: Sequence[Effect] = (),
+) -> Experiment:
+    """An experiment from the content of its file, without its text. Raises as `load_experiment`.
+
+    Args:
+        top: the content.
+        file: path of the file; paths in it are relative to its folder.
+        design: values of settings given as `"design"`.
+        in_memory: the records by the `file` of their table, where they are not in files.
+        own: the user's own effects, besides those in files.
+    """
+    name = top.file
     top.allow(("schema", "rig", "model", "record", "noise"))
     _check_schema(top)
     for key, example in (("rig", "[rig]"), ("model", "[model]"), ("record", "[[record]]")):
@@ -132,7 +159,7 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
     rig_table.allow(("kind", "known", "input_hold"))
     kind = find_rig(rig_table.text("kind"), rig_table.where("kind"))
     hold: Any = rig_table.choice("input_hold", ("zero", "linear"), "zero")
-    records, axes = read_record_specs(top, kind, file)
+    records, axes = read_record_specs(top, kind, file, in_memory)
     known_table = rig_table.table("known")
     rotary = _axis(axes + known_axes(known_table, kind), name)
     known = read_known(known_table, kind, rotary, design)
@@ -144,7 +171,7 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
     if "effects" not in model.data:
         raise InputError(f'{model.where()}: \'effects\' is missing; write effects = ["coulomb", "viscous"], or []')
     effects = model.texts("effects")
-    custom = custom_files(model, file.parent)
+    custom = (*custom_files(model, file.parent), *own)
     found = check_effects(effects, custom, kind, measured, model)
     parameters = read_settings(model.table("parameters"), found, kind, rotary, design)
     return Experiment(
@@ -156,8 +183,8 @@ def load_experiment(path: str | Path, design: DesignValues | None = None) -> Exp
         parameters=parameters,
         records=records,
         noise=noise,
-        text=text,
-        sha256=hashlib.sha256(data).hexdigest(),
+        text="",
+        sha256="",
     )
 
 

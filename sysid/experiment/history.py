@@ -87,12 +87,17 @@ def read_history(experiment: Placed) -> list[Revision]:
     Raises:
         InputError: a rung that cannot be read, or one missing between others.
     """
+    in_memory = getattr(experiment, "revisions", None)
+    if in_memory is not None:
+        return list(in_memory)
     rungs = _read_rungs(experiment.folder / "ladder")
     return rungs[:-1] if _was_reverted(experiment, rungs) else rungs
 
 
 def edited_by_hand(experiment: Placed, rungs: Sequence[Revision]) -> bool:
     """Whether `[model]` differs from the last revision."""
+    if getattr(experiment, "revisions", None) is not None:
+        return False
     return bool(rungs) and model_hash(model_of(_current_text(experiment))) != model_hash(rungs[-1].model)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -116,7 +115,7 @@ def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str
         units={channel: sources[channel].si_unit for channel in values},
         rotary=rotary,
         notes=tuple(notes),
-        sha256=hashlib.sha256(opened.data).hexdigest(),
+        sha256=opened.sha256(),
         step=step,
         uniform=bool(np.all(np.abs(steps - step) <= 0.01 * step)),
         continues=spec.continues,

@@ -10,6 +10,7 @@ from typing import Any, Literal
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.channels import Source, choose_columns
 from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
 from sysid.experiment.rigs import RigKind
 from sysid.experiment.toml_table import TomlTable, quantity, shown
@@ -22,7 +23,7 @@ class RecordSpec:
     Args:
         name: `name` in the file, else the stem of `file`; unique.
         file: as written.
-        path: of the file.
+        path: of the file, or its table in memory.
         role: `fit` or `validate`.
         sources: channel to column.
         sign: channel to 1 or -1.
@@ -35,7 +36,7 @@ class RecordSpec:
 
     name: str
     file: str
-    path: Path
+    path: Path | MemoryTable
     role: Literal["fit", "validate"]
     sources: Mapping[str, Source]
     sign: Mapping[str, int] = field(default_factory=dict)
@@ -48,7 +49,7 @@ class RecordSpec:
 
 
 def read_record_specs(
-    top: TomlTable, kind: RigKind, file: Path
+    top: TomlTable, kind: RigKind, file: Path, in_memory: Mapping[str, MemoryTable] | None = None
 ) -> tuple[tuple[RecordSpec, ...], list[tuple[str, bool]]]:
     """Every `[[record]]` with its columns, and whether the axis is rotary according to the units of its columns.
 
@@ -56,6 +57,7 @@ def read_record_specs(
         top: the experiment file as a table.
         kind: kind of rig.
         file: path of the experiment file; paths of records are relative to its folder.
+        in_memory: the records by the `file` of their table, where they are not in files.
 
     Raises:
         InputError: an error in a table, or in the header of a record's file.
@@ -69,8 +71,9 @@ def read_record_specs(
         table.allow(("file", "role", "name", "columns", "units", "sign", "from", "to", "continues", "noise"))
         written = table.text("file")
         role: Any = table.choice("role", ("fit", "validate"))
-        shown_name = shown_path(str(file.parent / written))
-        opened = open_record_file(file.parent / written, shown_name)
+        source = file.parent / written if in_memory is None else in_memory[written]
+        shown_name = shown_path(str(source))
+        opened = open_record_file(source, shown_name)
         renamed, units = _texts_by_key(table.table("columns")), _texts_by_key(table.table("units"))
         # Units inside the file are used where the experiment gives none.
         units = {key: unit for key, unit in opened.units.items() if key in (*kind.channels, *opened.labels)} | units
@@ -83,7 +86,7 @@ def read_record_specs(
             RecordSpec(
                 name=_unique_name(table, written, [record.name for record in records]),
                 file=written,
-                path=file.parent / written,
+                path=source,
                 role=role,
                 sources=sources,
                 sign=_signs(table.table("sign"), kind),

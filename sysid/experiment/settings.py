@@ -44,13 +44,13 @@ class Setting:
 
 
 def check_effects(
-    names: Sequence[str], custom: Sequence[Path], rig: RigKind, recorded: set[str], model: TomlTable
+    names: Sequence[str], custom: Sequence[Path | Effect], rig: RigKind, recorded: set[str], model: TomlTable
 ) -> dict[str, Effect]:
     """Find every effect of the model.
 
     Args:
         names: `effects` of the model.
-        custom: files of the user's own effects.
+        custom: the user's own effects, or files of them.
         rig: kind of rig.
         recorded: channels contained in at least one record.
         model: the table, for messages.

@@ -78,7 +78,11 @@ def load_problem(path: str | Path, design: DesignValues | None = None) -> Proble
     Raises:
         InputError: one line on the fault in a file.
     """
-    experiment = load_experiment(path, design)
+    return problem_of(load_experiment(path, design))
+
+
+def problem_of(experiment: Experiment) -> Problem:
+    """The problem of an experiment whose records are read now. Raises as `load_problem`."""
     if experiment.rig.kind not in FORMS:
         raise InputError(
             f"{experiment.path}: rig.kind = '{experiment.rig.kind}' cannot be compared yet; allowed: {', '.join(FORMS)}"

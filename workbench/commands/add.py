@@ -61,8 +61,7 @@ def _undo(run: Run, experiment: Path) -> None:
 
 
 def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, ...], drop: tuple[str, ...]) -> None:
-    from sysid.ladder import add_effects
-    from sysid.report import both_json
+    from sysid.ladder import add_effects, addition_json
     from workbench.console.identification import print_revision
     from workbench.identification.design_values import design_values
 
@@ -77,19 +76,7 @@ def _add(run: Run, experiment: Path, effects: tuple[str, ...], keys: tuple[str, 
         parameter_file(run)
     with run.busy(f"fitting the model {_change(effects, drop)}"):
         step = add_effects(experiment, effects, design_values(run), drop, accept)
-    document = {
-        "schema": 1,
-        "rung": step.revision.number,
-        "file": str(step.revision.path),
-        "form": step.problem.form,
-        "effects": list(step.revision.effects),
-        "added": list(step.revision.document["added"]),
-        "removed": list(step.revision.document["removed"]),
-        "before": both_json(step.problem, step.before_fit, step.before_validate),
-        "after": both_json(step.problem, step.after_fit, step.after_validate),
-        "parameters": dict(step.revision.document["parameters"]),
-        "seconds": step.seconds,
-    }
+    document = addition_json(step)
     print_revision(run, step, document)
     if keys:
         try:

@@ -51,7 +51,7 @@ def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path |
         {
             "file": design.file,
             "digest": design.digest,
-            "parameters": {entry.key: _document(entry) for entry in entries},
+            "parameters": {entry.key: entry_json(entry) for entry in entries},
         }
     )
 
@@ -102,7 +102,8 @@ def _si(entry: Entry) -> dict[str, Any]:
     return as_json(to_si(entry.value, entry.unit), unit, std)
 
 
-def _document(entry: Entry) -> dict[str, Any]:
+def entry_json(entry: Entry) -> dict[str, Any]:
+    """An entry of the parameter file as JSON, in SI."""
     return {
         **_si(entry),
         "text": entry.text,
@@ -117,8 +118,8 @@ def _difference_document(difference: Difference) -> dict[str, Any]:
     before, after = difference.before, difference.after
     return {
         "key": difference.key,
-        "before": _document(before) if before else None,
-        "after": _document(after) if after else None,
+        "before": entry_json(before) if before else None,
+        "after": entry_json(after) if after else None,
     }
 
 

@@ -48,7 +48,6 @@ def write_parts(run: Run, wanted: tuple[str, ...]) -> dict[str, Any]:
 
 def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any]:
     import json
-    from dataclasses import asdict
 
     from stagecad.solids.artefacts.outputs import write_manifest, write_stored, write_text
     from stagecad.solids.assembly.bill_of_materials import csv_text
@@ -75,18 +74,22 @@ def _write(run: Run, machine: Machine, wanted: tuple[str, ...]) -> dict[str, Any
             hashes[name] = sha256(text.encode("utf-8"))
         parts[ASSEMBLY]["files"] += [str(run.out / name) for name in texts]
     write_manifest(run.out / MANIFEST, hashes)
-    units = {"pad_area": "m^2"}
-    measures = {
-        name: {"value": value, "unit": units.get(name, "m")} for name, value in asdict(machine.measures).items()
-    }
     moving: MassProperties = machine.moving_body
     return {
         "parts": parts,
         "moving_body": moving.as_json(),
-        "measures": measures,
+        "measures": measures_json(machine),
         "changed": changed,
         "files": len(hashes),
     }
+
+
+def measures_json(machine: Machine) -> dict[str, Any]:
+    """Dimensions measured on the built parts, SI."""
+    from dataclasses import asdict
+
+    units = {"pad_area": "m^2"}
+    return {name: {"value": value, "unit": units.get(name, "m")} for name, value in asdict(machine.measures).items()}
 
 
 def _tell(run: Run, document: dict[str, Any]) -> None:

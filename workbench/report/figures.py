@@ -185,7 +185,8 @@ def report_style() -> Any:
     )
 
 
-def _residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, factor: float) -> None:
+def residual_panel(panel: Any, curve: Curve, inks: Sequence[str], span: slice, factor: float) -> None:
+    """The residual of each prediction over a part of the record, in the unit of `factor`, with the noise as a band."""
     time = curve.time[span]
     panel.axhspan(-2 * curve.noise * factor, 2 * curve.noise * factor, color=FAINT, alpha=0.8, linewidth=0)
     for (label, predicted), ink in zip(curve.predicted.items(), inks):
@@ -216,7 +217,7 @@ def draw_overlay(curve: Curve, inks: Sequence[str] = (MODEL,)) -> str:
             top.plot(*decimate(time, curve.measured[span] * factor), color=MEASURED, linewidth=2.4, label="measured")
             for (label, predicted), ink in zip(curve.predicted.items(), inks):
                 top.plot(*decimate(time, predicted[span] * factor), color=ink, linewidth=0.9, label=label)
-            _residual_panel(bottom, curve, inks, span, small)
+            residual_panel(bottom, curve, inks, span, small)
             bottom.set_xlabel("time (s)")
             for panel in (top, bottom):
                 panel.set_xlim(time[0], time[-1])

@@ -44,7 +44,7 @@ def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
         figure, axes = new_panels(rows, columns, 9.6, 0.4 + 2.5 * rows)
         flat = axes.ravel()
         for panel, m in zip(flat, maps):
-            _draw_map(panel, m, coordinate_unit(m.coordinate, rotary, tip))
+            map_panel(panel, m, coordinate_unit(m.coordinate, rotary, tip))
             p_text = "p < 0.001" if m.p_value <= 1.5 * LEAST_P else f"p = {m.p_value:.2g}"
             panel.set_title(f"{m.coordinate.replace('_', ' ')}: {100 * m.share:.0f} %, {p_text}")
         for panel in flat[len(maps) :]:
@@ -58,7 +58,8 @@ def draw_maps(maps: Sequence[ResidualMap], rotary: bool, tip: bool) -> str:
         return as_svg(figure, "maps " + " ".join(m.coordinate for m in maps))
 
 
-def _draw_map(panel: Any, m: ResidualMap, unit: str) -> None:
+def map_panel(panel: Any, m: ResidualMap, unit: str) -> None:
+    """One residual map; `unit` is the SI unit of its coordinate."""
     factor, shown = axis_scale(m.centres, unit)
     x = m.centres * factor
     if m.coordinate == "frequency":

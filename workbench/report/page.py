@@ -20,6 +20,7 @@ from sysid.diagnose import Diagnosis
 from sysid.estimation.bootstrap import Bootstrap
 from sysid.experiment_design.t_optimal_design import Suggestion, columns_of
 from sysid.prediction.problem import Problem
+from sysid.report import suggestion_json
 from workbench.options import Run, finite
 from workbench.report.figures import bootstrap_figure
 from workbench.report.html import render
@@ -73,29 +74,22 @@ def write_suggestion(run: Run, found: Suggestion, motions: Sequence[Mapping[str,
 
 def write_motions(run: Run, found: Suggestion) -> list[dict[str, Any]]:
     """Write every motion as a CSV file below `run.out`; returns the document of `suggest`."""
+    return suggestion_json(
+        found, motion_files(found, report_folder(run, found.problem.experiment.folder.name) / "suggest")
+    )
+
+
+def motion_files(found: Suggestion, folder: Path) -> list[str]:
+    """Write every motion as a CSV file into a folder; returns the files."""
     import pandas as pd
 
-    folder = report_folder(run, found.problem.experiment.folder.name) / "suggest"
-    document = []
+    files = []
     for value in found.motions:
         path = folder / (re.sub(r"\W+", "_", value.motion.name) + ".csv")
         table = pd.DataFrame(columns_of(found.problem, value.motion))
         atomic_write_text(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
-        pairs = [
-            {"effects": list(p.effects), "deviations": p.deviations, "these_records": p.records} for p in value.pairs
-        ]
-        document.append(
-            {
-                "motion": value.motion.name,
-                "reason": value.motion.reason,
-                "seconds": value.motion.seconds,
-                "separates": pairs,
-                "deviations": value.least,
-                "deviations_squared_per_second": value.rate,
-                "file": str(path),
-            }
-        )
-    return document
+        files.append(str(path))
+    return files
 
 
 def report_folder(run: Run, name: str) -> Path:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stagecad.parameters.atomic import atomic_write_bytes, atomic_write_text
 from stagecad.parameters.errors import InputError
@@ -11,6 +12,9 @@ from stagecad.parameters.units import as_json
 from workbench.identification.design_values import design_values
 from workbench.options import Run
 from workbench.simulation.tables import write_table
+
+if TYPE_CHECKING:
+    from sysid.simulate_experiment import SimulatedExperiment
 
 
 def write_simulated_records(
@@ -60,6 +64,11 @@ def write_simulated_records(
     inputs = "its own inputs" if motion is None else motion.name
     head = f"# Simulated from the model of {place.folder.resolve().name} on {inputs}, {added}.\n"
     atomic_write_text(target, head + tomlkit.dumps(simulated.document(formats[0])))
+    return simulated_json(simulated, seed, [str(file) for file in (*files, target)])
+
+
+def simulated_json(simulated: SimulatedExperiment, seed: int | None, files: Sequence[str]) -> dict[str, Any]:
+    """The document of `simulate EXPERIMENT`."""
     return {
         "schema": 1,
         "effects": [effect.name for effect in simulated.model.effects],
@@ -69,5 +78,5 @@ def write_simulated_records(
         "noise": {name: found.to_json() for name, found in simulated.noise.items()} if seed is not None else {},
         "seed": seed,
         "records": [{"name": r.name, "role": r.role, "rows": int(r.time.size)} for r in simulated.records],
-        "files": [str(file) for file in (*files, target)],
+        "files": list(files),
     }

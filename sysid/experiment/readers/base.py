@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import stat
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -39,6 +40,10 @@ class RecordFile(ABC):
         self.name = name
         self.data = _read_bytes(path, name)
         self.units: dict[str, str] = {}
+
+    def sha256(self) -> str:
+        """Hash of the file's bytes."""
+        return hashlib.sha256(self.data).hexdigest()
 
     @abstractmethod
     def columns(self, indices: Sequence[int]) -> list[np.ndarray]:

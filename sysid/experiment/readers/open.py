@@ -8,14 +8,17 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import MOST_COLUMNS, SUFFIXES, RecordFile, is_folder, shown_path
 from sysid.experiment.readers.csv import CsvFile
 from sysid.experiment.readers.isolated import IsolatedFile
+from sysid.experiment.readers.memory import MemoryFile, MemoryTable
 
 
-def open_record_file(path: Path, name: str) -> RecordFile:
-    """Open a record file by its suffix.
+def open_record_file(path: Path | MemoryTable, name: str) -> RecordFile:
+    """Open a record file by its suffix, or a table in memory.
 
     Raises:
         InputError: as `RecordFile`.
     """
+    if isinstance(path, MemoryTable):
+        return MemoryFile(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES and not is_folder(path):
         raise InputError(f"{shown_path(name)}: '{suffix}' is no record format; allowed: .csv, .parquet, .mat")

@@ -1,0 +1,108 @@
+"""Compare, diagnose, add, ladder and suggest from Python: the same documents as the commands, and tables of them."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import stagecad
+from stagecad import Addition, Comparison, Diagnosis, Effect, Experiment, InputError, Parameter
+from workbench.dispatch import run_line
+
+from .conftest import NOISE, slide_log
+
+
+def _without_time(document):
+    return {key: value for key, value in document.items() if key != "seconds"}
+
+
+def test_a_comparison_is_the_document_of_the_command(slide, comparison: Comparison, tmp_path, capsys) -> None:
+    slide.save(tmp_path / "rig")
+    assert run_line(["compare", str(tmp_path / "rig"), "--json", "--no-figures", "--out", str(tmp_path)]) == 0
+    printed = json.loads(capsys.readouterr().out)
+    # The names of the files stand in the notes.
+    printed["notes"] = [note.replace(".parquet", "") for note in printed["notes"]]
+    assert _without_time(json.loads(json.dumps(comparison.to_json()))) == _without_time(printed)
+
+
+def test_residuals_are_measured_less_predicted_in_the_records_units(comparison: Comparison) -> None:
+    table = comparison.to_dataframe()
+    log = slide_log(1)["friction_force [N]"]
+    np.testing.assert_array_equal(table.loc["one", "friction_force"], log)
+    rest = table["friction_force"] - table["friction_force_predicted"] - table["friction_force_residual"]
+    assert np.nanmax(np.abs(rest)) < 1e-12
+    scored = comparison.residuals["friction_force"].dropna()
+    rms = comparison.errors.loc[("fit", "friction_force"), "rms"]
+    assert np.sqrt(np.mean(scored.loc["one"] ** 2)) == pytest.approx(rms, rel=1e-12)
+    assert list(comparison.predictions.columns) == ["friction_force"]
+    assert comparison.where.index[0] in ("velocity", "direction", "time", "acceleration", "frequency")
+
+
+def test_the_diagnosis_names_the_effect_and_ranks(diagnosis: Diagnosis) -> None:
+    assert (diagnosis.verdict, diagnosis.effect) == ("missing-effect", "stribeck")
+    assert diagnosis.ranking.index[0] == "stribeck"
+    assert repr(diagnosis).startswith("<Diagnosis of 'slide': missing-effect: stribeck")
+    assert set(diagnosis.errors.index.get_level_values("model")) == {"before", "with stribeck"}
+    # With the effect named, what is left is the noise of the generator.
+    assert np.nanstd(diagnosis.residuals.loc["two", "friction_force"]) < 3.0 * NOISE
+
+
+def test_adding_in_memory_leaves_the_experiment_and_grows_a_ladder(slide: Experiment, addition: Addition) -> None:
+    assert slide.stated.effects == ("coulomb", "viscous")
+    assert addition.experiment.stated.effects[:2] == ("coulomb", "viscous")
+    assert len(stagecad.ladder(slide).rungs) == 0
+    grown = stagecad.ladder(addition.experiment)
+    assert [rung["rung"] for rung in grown.rungs] == [0, 1]
+    table = grown.to_dataframe()["over_noise"]
+    held = table.xs("held out", level="records")
+    assert held.iloc[0] > 10.0 * held.iloc[1]
+    assert addition.parameters.loc["coulomb.force", "value"] == pytest.approx(4.0, rel=0.02)
+
+
+def test_adding_to_a_folder_writes_its_rung(slide: Experiment, tmp_path) -> None:
+    folder = slide.save(tmp_path / "rig")
+    found = stagecad.add(folder, "stribeck")
+    assert (tmp_path / "rig" / "ladder" / "001.json").exists()
+    assert found.experiment.in_files and len(found.experiment.stated.effects) == 3
+    assert found.to_json()["file"] == str(tmp_path / "rig" / "ladder" / "001.json")
+
+
+def test_an_effect_declared_in_memory_is_fitted() -> None:
+    hook = Effect(
+        "hook",
+        "spring from the middle of the travel",
+        equation="force = stiffness * x",
+        force=lambda axis, p: p.stiffness * axis.position,
+        parameters=(Parameter("stiffness", "N/m", 10.0, 0.0, 1e4, "of the spring", "assumed"),),
+    )
+    log = slide_log(1, extra=lambda x, v: 60.0 * x)
+    experiment = Experiment.from_dataframes(
+        {"a": log}, "velocity-drive", ["coulomb", "viscous", "stribeck", hook], noise={"friction_force": f"{NOISE} N"}
+    )
+    found = stagecad.compare(experiment)
+    assert found.parameters.loc["hook.stiffness", "value"] == pytest.approx(60.0, rel=0.02)
+    with pytest.raises(InputError, match="effect 'hook' is declared in memory"):
+        experiment.save("unwritten")
+    with pytest.raises(InputError, match="a built-in effect has that name"):
+        Experiment.from_dataframes({"a": log}, "velocity-drive", [Effect("coulomb", "another")])
+
+
+def test_nothing_to_add_is_refused(slide: Experiment) -> None:
+    with pytest.raises(InputError, match="at least one effect"):
+        stagecad.add(slide)
+    with pytest.raises(InputError, match=r"no effect 'stribek'.*did you mean 'stribeck'"):
+        stagecad.add(slide, "stribek")
+    with pytest.raises(InputError, match="an Experiment or its folder is wanted, not int"):
+        stagecad.compare(3)  # pyright: ignore[reportArgumentType]
+
+
+def test_tables_and_pages_of_every_result(comparison, diagnosis, addition) -> None:
+    results = (comparison, diagnosis, addition, stagecad.ladder(addition.experiment))
+    for result in results:
+        assert isinstance(result.to_dataframe(), pd.DataFrame) and len(result.to_dataframe())
+        assert repr(result).startswith("<") and len(repr(result)) < 200 and "\n" not in repr(result)
+        assert "<table" in result._repr_html_()
+        json.dumps(result.to_json(), allow_nan=False)

@@ -1,0 +1,108 @@
+"""A design: the parameter file of a machine, as an object."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.load import load_design as read_design
+from workbench.api.result import Result
+from workbench.options import Run
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from stagecad.parameters.design import Design as Values
+
+
+class Design(Result):
+    """Every number of a machine. It never changes: `with_values` gives a new one.
+
+    `design.values.stage.thickness` is the attribute of the parameter `stage.thickness` (mm where it is geometry, SI
+    otherwise), `design.si("stage.thickness")` the number in SI.
+    """
+
+    def __init__(self, path: Path | None, overrides: tuple[str, ...] = (), rules: bool = True) -> None:
+        self.path = path
+        self.overrides = overrides
+        self.values: Values = read_design(path, overrides, rules=rules)
+
+    def si(self, key: str) -> float:
+        """The number of a parameter in SI.
+
+        Raises:
+            InputError: no such key (the nearest is named), or no number.
+        """
+        return self.values.si(key)
+
+    def with_values(self, values: Mapping[str, str | float]) -> Design:
+        """A design with other values.
+
+        Args:
+            values: text with its unit by key (a number where it has no unit).
+
+        Raises:
+            InputError: no such key, a value out of its bounds, or a rule across values that no longer holds.
+
+        >>> load_design().with_values({"stage.thickness": "14 mm"}).si("stage.thickness")
+        0.014
+        """
+        return Design(self.path, (*self.overrides, *(f"{key}={value}" for key, value in values.items())))
+
+    def run(self, out: str | Path = "build") -> Run:
+        """The common options of the commands, for this design."""
+        # The packaged file by its path: without one the commands take stage.toml of the working folder.
+        path = self.path or Path(str(files("stagecad.parameters").joinpath("thesis.toml")))
+        run = Run(path, self.overrides, Path(out), None)
+        run.__dict__["design"] = self.values
+        return run
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The parameters: value as text, number in SI (none for a text), tolerance, meaning, origin; index `key`."""
+        import pandas as pd
+
+        rows = []
+        for entry in self.values.entries:
+            number = None if isinstance(entry.value, bool | str) else self.values.si(entry.key)
+            rows.append(
+                {
+                    "key": entry.key,
+                    "value": entry.text,
+                    "si": number,
+                    "tolerance": entry.tolerance or "",
+                    "meaning": entry.meaning,
+                    "origin": entry.origin,
+                }
+            )
+        return pd.DataFrame(rows).set_index("key")
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad params --json`."""
+        from workbench.api.result import finite_json
+        from workbench.commands.params import entry_json
+
+        parameters = {entry.key: entry_json(entry) for entry in self.values.entries}
+        return finite_json({"file": self.values.file, "digest": self.values.digest, "parameters": parameters})
+
+    def __repr__(self) -> str:
+        changed = f", {', '.join(self.overrides)}" if self.overrides else ""
+        return f"<Design '{self.values.file}': {len(self.values.entries)} parameters{changed}>"
+
+
+def load_design(path: str | Path | None = None, values: Mapping[str, str | float] | None = None) -> Design:
+    """Read a parameter file.
+
+    Args:
+        path: the file; the packaged machine of the thesis when left out.
+        values: other values by key, as of `Design.with_values`.
+
+    Raises:
+        InputError: one line with file, key, value, and what is allowed.
+
+    >>> load_design()
+    <Design 'thesis.toml': 262 parameters>
+    """
+    overrides = tuple(f"{key}={value}" for key, value in (values or {}).items())
+    return Design(None if path is None else Path(path), overrides)

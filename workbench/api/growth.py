@@ -1,0 +1,179 @@
+"""`add` and `ladder`: effects added to the model of an experiment, and the error after each."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stagecad.parameters.errors import InputError
+from sysid.estimation.fit import FittedModel
+from sysid.ladder import Addition as Found
+from sysid.ladder import add_effects, addition_json, current_ladder
+from sysid.prediction.problem import Problem
+from workbench.api.experiment import Experiment, as_experiment, design_source
+from workbench.api.fitted import FittedResult, document, error_frame, parameter_frame
+from workbench.api.result import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.figure import Figure
+
+    from workbench.api.design import Design
+
+
+class Addition(FittedResult):
+    """An experiment with effects added to its model, or removed from it.
+
+    `experiment` has the new model; its fitted values are the starts of the next fit.
+    """
+
+    def __init__(self, experiment: Experiment, found: Found) -> None:
+        self.experiment = experiment
+        self.found = found
+
+    @property
+    def problem(self) -> Problem:
+        return self.found.problem
+
+    @property
+    def fitted(self) -> FittedModel:
+        return self.found.base.fitted
+
+    @property
+    def errors(self) -> pd.DataFrame:
+        """Errors before and after; index `model`, `records`, `channel`."""
+        import pandas as pd
+
+        both = {name: error_frame(self._document[name]) for name in ("before", "after")}
+        return pd.concat(both, names=["model"])
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """The errors before and after."""
+        return self.errors
+
+    @cached_property
+    def _document(self) -> dict[str, Any]:
+        return document(addition_json(self.found))
+
+    def to_json(self) -> dict[str, Any]:
+        """The document of `stagecad add --json`."""
+        return self._document
+
+    def plot(self, record: str | None = None, channel: str | None = None) -> Figure:
+        """Measurement, prediction of the new model, and residual.
+
+        Args:
+            record: name; the one with the largest error when left out.
+            channel: name; the force, or the first one measured.
+        """
+        from workbench.api.figures import model_figure
+
+        return model_figure(self.problem, {"model": self.fitted.model}, (), "overlay", record, channel)
+
+    def __repr__(self) -> str:
+        from workbench.identification.statements import held_out_over_noise
+        from workbench.identification.tables import over_noise_text
+
+        before = over_noise_text(held_out_over_noise(self.found.before_fit, self.found.before_validate))
+        after = over_noise_text(held_out_over_noise(self.found.after_fit, self.found.after_validate))
+        signed = [f"+ {name}" for name in self._document["added"]] + [f"- {name}" for name in self._document["removed"]]
+        change = " ".join(signed) or "no change"
+        return f"<Addition to '{self.experiment.name}', {change}: {before} to {after} the noise on held-out records>"
+
+
+class Ladder(Result):
+    """The error of a model after each effect added so far."""
+
+    def __init__(self, experiment: Experiment, rungs: list[dict[str, Any]], edited: bool) -> None:
+        self.experiment = experiment
+        self.rungs = rungs
+        self.edited = edited
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """A row for each rung, set of records and channel: what was added, rms (SI), over noise, fit percent."""
+        import pandas as pd
+
+        tables = {(r["rung"], self._change(r)): error_frame(r["before"]) for r in self.rungs}
+        if not tables:
+            empty = error_frame({}).reset_index()
+            return empty.assign(rung=[], change=[]).set_index(["rung", "change", "records", "channel"])
+        return pd.concat(tables, names=["rung", "change"])
+
+    @staticmethod
+    def _change(rung: dict[str, Any]) -> str:
+        from workbench.identification.tables import revision_text
+
+        return revision_text(rung, "initial model")
+
+    @property
+    def parameters(self) -> pd.DataFrame:
+        """Values of the last rung."""
+        return parameter_frame(self.rungs[-1].get("parameters", {}) if self.rungs else {})
+
+    def to_json(self) -> list[dict[str, Any]]:
+        """The document of `stagecad ladder --json`."""
+        return document(self.rungs)
+
+    def plot(self) -> Figure:
+        """Error over noise after each effect added.
+
+        Raises:
+            InputError: nothing was added yet.
+        """
+        from workbench.api.figures import ladder_figure
+
+        if not self.rungs:
+            raise InputError(f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")
+        return ladder_figure(self.rungs)
+
+    def summary(self) -> list[tuple[str, str]]:
+        return [("note", "[model] was edited by hand since the last rung")] if self.edited else []
+
+    def __repr__(self) -> str:
+        steps = max(len(self.rungs) - 1, 0)
+        model = ", ".join(self.rungs[-1]["effects"]) if self.rungs else "nothing added yet"
+        return f"<Ladder of '{self.experiment.name}', {steps} step{'s' if steps != 1 else ''}: {model}>"
+
+
+def add(
+    experiment: Experiment | str | Path,
+    *effects: str,
+    drop: tuple[str, ...] | list[str] = (),
+    design: Design | None = None,
+) -> Addition:
+    """Add effects to the model of an experiment, and fit it.
+
+    An experiment in a folder is changed there, as by `stagecad add`; one in memory is left as it is. Either way
+    `add(...).experiment` has the new model.
+
+    Args:
+        experiment: the experiment, or its folder.
+        effects: names of the effects to add; of the user's own effects those that the model was given.
+        drop: names of effects to remove first.
+        design: where the folder's file states a value as `"design"`.
+
+    Raises:
+        InputError: an effect that is unknown, present already (to drop: absent), or not observable on this rig.
+    """
+    if not effects and not drop:
+        raise InputError("add: name at least one effect to add or to drop")
+    stated = as_experiment(experiment, design)
+    found = add_effects(stated.problem, effects, design_source(stated.design), drop)
+    if found.experiment is None:
+        return Addition(Experiment.load(stated.stated.path, stated.design), found)
+    return Addition(Experiment(found.experiment, stated.design), found)
+
+
+def ladder(experiment: Experiment | str | Path, design: Design | None = None) -> Ladder:
+    """The error after each effect added so far to the model of an experiment.
+
+    Args:
+        experiment: the experiment, or its folder.
+        design: where the folder's file states a value as `"design"`.
+
+    Raises:
+        InputError: a fault in a file.
+    """
+    found = as_experiment(experiment, design)
+    return Ladder(found, *current_ladder(found.stated))

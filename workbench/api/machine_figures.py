@@ -1,0 +1,54 @@
+"""Figures of a design: margins of its checks, and sheets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from designcalc.checks.check import Check
+from stagecad.parameters.errors import InputError
+from workbench.api.plot import WIDTH, Plot, new_plot, style
+from workbench.report.figures import AFTER, BEFORE
+
+MOST_BARS = 40
+"""Checks of a figure, worst first."""
+
+
+def margins_figure(checks: Sequence[Check]) -> Plot:
+    """Margin of each check, in percent of its limit, worst first; linear within +-100 %, logarithmic beyond.
+
+    Raises:
+        InputError: no check with a margin.
+    """
+    drawn = sorted((c for c in checks if c.margin is not None), key=lambda c: c.margin or 0.0)[:MOST_BARS]
+    if not drawn:
+        raise InputError("plot: no check has a margin to draw")
+    margins = 100.0 * np.array([check.margin for check in drawn])
+    figure, axes = new_plot(width=WIDTH, height=0.6 + 0.16 * len(drawn))
+    panel = axes[0, 0]
+    with style():
+        panel.barh(range(len(drawn)), margins, color=[AFTER if m >= 0 else BEFORE for m in margins], height=0.66)
+        panel.set_yticks(range(len(drawn)), [check.name for check in drawn])
+        panel.invert_yaxis()
+        panel.axvline(0.0, color="#5d6d7e", linewidth=0.8)
+        if np.max(np.abs(margins)) > 100.0:
+            panel.set_xscale("symlog", linthresh=100.0)
+            panel.xaxis.set_major_formatter("{x:g}")
+        panel.grid(axis="y", visible=False)
+        panel.set_xlabel("margin (% of the limit)")
+    return figure
+
+
+def sheet_figure(file: Path) -> Plot:
+    """A picture file on a page."""
+    from matplotlib.image import imread
+
+    picture = imread(file)
+    height, width = picture.shape[:2]
+    figure, axes = new_plot(width=WIDTH, height=WIDTH * height / width)
+    with style():
+        axes[0, 0].imshow(picture)
+        axes[0, 0].set_axis_off()
+    return figure

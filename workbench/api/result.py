@@ -1,0 +1,53 @@
+"""What every result of the Python interface has: a short text, a page for notebooks, a table, a JSON document."""
+
+from __future__ import annotations
+
+import html
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+MOST_ROWS = 20
+"""Rows of the table that a notebook shows."""
+
+
+class Result(ABC):
+    """A result: `print` shows one line, a notebook a table, `to_dataframe` gives the data, `to_json` the document."""
+
+    @abstractmethod
+    def to_dataframe(self) -> pd.DataFrame:
+        """The result as a table."""
+
+    @abstractmethod
+    def to_json(self) -> Any:
+        """The document that the command prints with `--json`."""
+
+    @abstractmethod
+    def __repr__(self) -> str: ...
+
+    def summary(self) -> list[tuple[str, str]]:
+        """Sentences shown above the table in a notebook, by their names."""
+        return []
+
+    def _table(self) -> pd.DataFrame:
+        """The table shown in a notebook."""
+        return self.to_dataframe()
+
+    def _repr_html_(self) -> str:
+        title = html.escape(repr(self).strip("<>"))
+        facts = "".join(
+            f"<tr><th style='text-align:left;vertical-align:top'>{html.escape(name)}</th>"
+            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
+            for name, text in self.summary()
+        )
+        table = self._table().to_html(max_rows=MOST_ROWS, border=0, float_format=lambda value: f"{value:.4g}")
+        return f"<div><b>{title}</b>{f'<table>{facts}</table>' if facts else ''}{table}</div>"
+
+
+def finite_json(document: Any) -> Any:
+    """A document as the commands print it: no numbers that JSON cannot hold, no numpy scalars."""
+    from workbench.options import finite
+
+    return finite(document)
