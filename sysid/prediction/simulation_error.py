@@ -10,7 +10,7 @@ else follows from the inputs, and horizons of the other rigs are the free run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -64,27 +64,64 @@ class SimulationErrors:
     note: str = ""
 
 
-def simulation_errors(problem: Problem, model: Model) -> SimulationErrors:
-    """Errors of simulation of a model on the records of a problem."""
-    hold, logged = averaged(problem.experiment, problem.records)
-    rig, raw = replace(problem.experiment.rig, input_hold=hold), {record.name: record for record in logged}
+Run = dict[str, tuple[np.ndarray, np.ndarray]]
+"""Logged and simulated values (n,) of each channel over one simulation."""
+
+
+class FreeRun(NamedTuple):
+    """A simulation of a record from its inputs alone: time as logged (n,), s, and logged and simulated values by
+    channel."""
+
+    time: np.ndarray
+    run: Run
+
+
+def simulation_errors(
+    problem: Problem, model: Model, horizons: Mapping[str, float] = HORIZONS, most_starts: int = MOST_STARTS
+) -> SimulationErrors:
+    """Errors of simulation of a model on the records of a problem.
+
+    Args:
+        problem: with the records.
+        model: with its values.
+        horizons: lengths, s, by name.
+        most_starts: measured states from which a set of records is simulated.
+    """
     sets = {"fit": problem.fit_records, "validate": problem.validate_records}
     free_run: Errors = {}
-    horizon: dict[str, Errors] = {name: {} for name in HORIZONS}
+    horizon: dict[str, Errors] = {name: {} for name in horizons}
     try:
         for part, records in sets.items():
-            starts = max(1, MOST_STARTS // max(len(records), 1))
-            found = [_runs(rig, raw[r.name], r, model, starts) for r in records]
+            starts = max(1, most_starts // max(len(records), 1))
+            found = [_runs(*_logged(problem, r), r, model, starts, horizons)[1:] for r in records]
             free_run[part] = _misfits([run for run, _ in found])
-            for name in HORIZONS:
+            for name in horizons:
                 horizon[name][part] = _misfits([windows for _, runs in found for windows in runs[name]])
     except InputError as failure:
         return SimulationErrors({}, {}, str(failure))
     return SimulationErrors(free_run, horizon)
 
 
-Run = dict[str, tuple[np.ndarray, np.ndarray]]
-"""Logged and simulated values (n,) of each channel over one simulation."""
+def free_runs(problem: Problem, model: Model) -> dict[str, FreeRun]:
+    """Simulations of all records from their inputs alone, by record; of a driven mass up to `MOST_ROWS` rows.
+
+    Raises:
+        InputError: an effect that cannot be integrated in time.
+    """
+    out = {}
+    for prepared in (*problem.fit_records, *problem.validate_records):
+        rig, record = _logged(problem, prepared)
+        first, run, _ = _runs(rig, record, prepared, model, 1, {})
+        rows = next(iter(run.values()))[0].size
+        out[prepared.name] = FreeRun(record.time[0] + prepared.step * np.arange(first, first + rows), run)
+    return out
+
+
+def _logged(problem: Problem, prepared: PreparedRecord) -> tuple[Rig, Record]:
+    """The rig, and the log of a prepared record, as they are simulated."""
+    hold, logged = averaged(problem.experiment, problem.records)
+    record = next(record for record in logged if record.name == prepared.name)
+    return replace(problem.experiment.rig, input_hold=hold), record
 
 
 def _misfits(runs: Sequence[Run]) -> dict[str, SimulationMisfit]:
@@ -100,28 +137,34 @@ def _misfits(runs: Sequence[Run]) -> dict[str, SimulationMisfit]:
 
 
 def _runs(
-    rig: Rig, record: Record, prepared: PreparedRecord, model: Model, starts: int
-) -> tuple[Run, dict[str, list[Run]]]:
-    """The free run of a record, and its simulations over each horizon."""
+    rig: Rig, record: Record, prepared: PreparedRecord, model: Model, starts: int, horizons: Mapping[str, float]
+) -> tuple[int, Run, dict[str, list[Run]]]:
+    """First row of the free run of a record, the run, and its simulations over each horizon."""
     if isinstance(prepared, ForceBalanceRecord) and prepared.stick_fraction is not None:
-        return _driven_mass_runs(rig, record, prepared, model, starts)
+        return _driven_mass_runs(rig, record, prepared, model, starts, horizons)
     predicted = predict(prepared, model.effects, model.values)
     whole = {c: (np.where(prepared.valid[c], y, np.nan), predicted[c]) for c, y in prepared.measured.items()}
     if not isinstance(prepared, FrictionDriveRecord):
-        return whole, {name: [whole] for name in HORIZONS}
+        return 0, whole, {name: [whole] for name in horizons}
 
     def restarted(first: int, stop: int) -> Run:
         """The simulated motion of a window, from the measured position."""
         parts = {c: (y[first:stop], x[first:stop]) for c, (y, x) in whole.items()}
         return {c: (y, x + (y[0] - x[0])) for c, (y, x) in parts.items()}
 
-    return whole, _windows(prepared.valid["position"], prepared.step, starts, restarted)
+    return 0, whole, _windows(prepared.valid["position"], prepared.step, starts, horizons, restarted)
 
 
-def _windows(valid: np.ndarray, step: float, starts: int, simulated: Callable[[int, int], Run]) -> dict[str, list[Run]]:
+def _windows(
+    valid: np.ndarray,
+    step: float,
+    starts: int,
+    horizons: Mapping[str, float],
+    simulated: Callable[[int, int], Run],
+) -> dict[str, list[Run]]:
     """Simulations over each horizon from valid rows (n,), evenly spread; none over a horizon longer than the record."""
     out: dict[str, list[Run]] = {}
-    for name, length in HORIZONS.items():
+    for name, length in horizons.items():
         rows = round(length / step) + 1
         firsts = np.flatnonzero(valid[: max(valid.size - rows, 0)]) if rows > 2 else np.empty(0, dtype=int)
         firsts = firsts[np.unique(np.linspace(0, firsts.size - 1, starts).astype(int))] if firsts.size else firsts
@@ -130,8 +173,8 @@ def _windows(valid: np.ndarray, step: float, starts: int, simulated: Callable[[i
 
 
 def _driven_mass_runs(
-    rig: Rig, record: Record, balance: ForceBalanceRecord, model: Model, starts: int
-) -> tuple[Run, dict[str, list[Run]]]:
+    rig: Rig, record: Record, balance: ForceBalanceRecord, model: Model, starts: int, horizons: Mapping[str, float]
+) -> tuple[int, Run, dict[str, list[Run]]]:
     time, logged, inputs = uniform_inputs(rig, record)
     measured = [name for name in rig.declaration.measured_channels if name in logged]
     states = _measured_states(balance, model.effects, model.values)
@@ -148,7 +191,7 @@ def _driven_mass_runs(
     valid = balance.valid[balance.force_channel]
     first = int(np.argmax(valid))
     free_run = simulated(first, min(balance.size, first + MOST_ROWS))
-    return free_run, _windows(valid, balance.step, starts, simulated)
+    return first, free_run, _windows(valid, balance.step, starts, horizons, simulated)
 
 
 def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> Callable[[int], Start]:

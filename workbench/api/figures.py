@@ -190,26 +190,9 @@ def ranking_figure(found: Diagnosis) -> Plot:
         panel.set_yticks(at, [name.replace("_", " ") for name in table.index])
         panel.invert_yaxis()
         panel.grid(axis="y", visible=False)
-        panel.annotate(
-            "without",
-            (before, 0),
-            (2, 0),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            color=BEFORE,
-            rotation=90,
-            va="bottom",
-        )
-        panel.annotate(
-            "noise",
-            (1.0, 0),
-            (2, 0),
-            xycoords=("data", "axes fraction"),
-            textcoords="offset points",
-            color="#5d6d7e",
-            rotation=90,
-            va="bottom",
-        )
+        for x, text, ink in ((before, "without", BEFORE), (1.0, "noise", "#5d6d7e")):
+            place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "ha": "center"}
+            panel.annotate(text, (x, 1.0), (0, 3), color=ink, **place)
         panel.set_xlabel("error over noise on held-out records, with the effect")
     return figure
 
@@ -218,7 +201,8 @@ def ladder_figure(rungs: Sequence[Mapping[str, Any]]) -> Plot:
     """Error over noise after each effect added; bars: held-out records, circles: records of the fit."""
     from workbench.identification.tables import revision_text
 
-    labels = ["\n".join(fill(part, 16) for part in revision_text(r, "initial model").split(", ")) for r in rungs]
+    words = [revision_text(r, "initial model").replace("_", " ").replace(":", ": ").split(", ") for r in rungs]
+    labels = ["\n".join(fill(part, 16) for part in parts) for parts in words]
     fit, held = ([_worst(rung["before"].get(part, {})) for rung in rungs] for part in ("fit", "validate"))
     bars = held if np.isfinite(held).any() else fit
     lines = max(label.count("\n") for label in labels)
@@ -232,7 +216,7 @@ def ladder_figure(rungs: Sequence[Mapping[str, Any]]) -> Plot:
             panel.annotate(f"{value:.3g}", (k, value), (0, 3), textcoords="offset points", ha="center")
         panel.plot(x, fit, "o", color="#1c2833", markersize=3.5, markerfacecolor="white", label="records of the fit")
         panel.text(len(x) - 0.45, 0.97, "noise", va="top", ha="right", color="#5d6d7e")
-        panel.set_xticks(x, [label.replace("_", " ").replace(":", ":\n") for label in labels])
+        panel.set_xticks(x, labels)
         top = max(v for v in (*fit, *held, 1.5) if np.isfinite(v))
         panel.set(ylim=(0.5, 2.2 * top), xlim=(-0.6, len(x) - 0.4), ylabel="error over noise")
         panel.grid(axis="x", visible=False)

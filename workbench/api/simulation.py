@@ -60,14 +60,18 @@ class Simulation(Result):
         return finite_json({self.name: features_of(self.results)})
 
     def plot(self, table: str | None = None) -> Figure:
-        """Every column of one table over its time; the first table when left out.
+        """Motions and forces of one table over its time; the first table when left out.
 
         Raises:
             InputError: no such table.
         """
         from workbench.api.figures import motion_figure
 
-        return motion_figure(self.tables, table)
+        shown = {
+            name: columns[[label for label in columns if not label.endswith("[J]")]]
+            for name, columns in self.tables.items()
+        }
+        return motion_figure(shown, table)
 
     def __repr__(self) -> str:
         return f"<Simulation '{self.name}': {', '.join(self.results)}>"

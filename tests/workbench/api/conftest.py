@@ -12,7 +12,7 @@ import stagecad
 NOISE = 0.02
 
 
-def slide_log(seed: int, rows: int = 1500, extra: Any = None) -> dict[str, np.ndarray]:
+def slide_log(seed: int, rows: int = 1000, extra: Any = None) -> dict[str, np.ndarray]:
     """Friction force 4 + 2 exp(-(v/vs)^2) N in the direction of motion, and 8 N*s/m: written without the library."""
     t = np.arange(rows) * 0.005
     phase = 2.0 * np.pi * 0.4 * t + 0.3 * seed
