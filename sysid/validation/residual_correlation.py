@@ -10,8 +10,8 @@ follows the residual, as under feedback. Its bound uses Bartlett's variance for 
     var r_ue = (1/n) sum_j r_ee(j) r_uu(j)
 
 (Ljung, System Identification (1999), sec. 16.6; Box, Jenkins and Reinsel, Time Series Analysis (1994), sec. 11.1.2;
-test of all lags together: Ljung and Box, Biometrika 65 (1978) 297). The residual of a driven mass is filtered; there one
-sample of each filter width is taken, as in the fit.
+test of all lags together: Ljung and Box, Biometrika 65 (1978) 297). The residual of a driven mass is filtered: there
+one sample of each filter width is taken, as in the fit.
 """
 
 from __future__ import annotations
