@@ -69,7 +69,7 @@ class Comparison(FittedResult):
             record: name; the one with the largest error when left out.
             channel: name; the force, or the first one measured.
         """
-        from workbench.api.figures import model_figure
+        from workbench.api.figures.results import model_figure
 
         return model_figure(self.problem, {"model": self.fitted.model}, self.found.maps, kind, record, channel)
 

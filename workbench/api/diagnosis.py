@@ -124,7 +124,7 @@ class Diagnosis(FittedResult):
             record: name; the one with the largest error when left out.
             channel: name; the force, or the first one measured.
         """
-        from workbench.api.figures import model_figure, ranking_figure
+        from workbench.api.figures.results import model_figure, ranking_figure
 
         if kind == "ranking":
             return ranking_figure(self)

@@ -174,7 +174,7 @@ class Experiment(Result):
 
     def plot(self) -> Figure:
         """Every channel of every record over time."""
-        from workbench.api.figures import records_figure
+        from workbench.api.figures.results import records_figure
 
         return records_figure(self)
 

@@ -67,7 +67,7 @@ class Addition(FittedResult):
             record: name; the one with the largest error when left out.
             channel: name; the force, or the first one measured.
         """
-        from workbench.api.figures import model_figure
+        from workbench.api.figures.results import model_figure
 
         return model_figure(self.problem, {"model": self.fitted.model}, (), "overlay", record, channel)
 
@@ -121,7 +121,7 @@ class Ladder(Result):
         Raises:
             InputError: nothing was added yet.
         """
-        from workbench.api.figures import ladder_figure
+        from workbench.api.figures.results import ladder_figure
 
         if not self.rungs:
             raise InputError(f"{self.experiment.name}: nothing was added yet, so there is no ladder to draw")

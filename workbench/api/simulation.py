@@ -65,7 +65,7 @@ class Simulation(Result):
         Raises:
             InputError: no such table.
         """
-        from workbench.api.figures import motion_figure
+        from workbench.api.figures.results import motion_figure
 
         shown = {
             name: columns[[label for label in columns if not label.endswith("[J]")]]
@@ -111,7 +111,7 @@ class SimulatedRecords(Result):
         Raises:
             InputError: no such record.
         """
-        from workbench.api.figures import motion_figure
+        from workbench.api.figures.results import motion_figure
 
         return motion_figure(self.records, record)
 

@@ -79,7 +79,7 @@ class Suggestion(Result):
         Raises:
             InputError: no such motion.
         """
-        from workbench.api.figures import motion_figure
+        from workbench.api.figures.results import motion_figure
 
         return motion_figure(self.motions, motion)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from designcalc.checks.check import Check
 from stagecad.parameters.errors import InputError
-from workbench.api.plot import WIDTH, Plot, new_plot, style
+from workbench.api.figures.plot import WIDTH, Plot, new_plot, style
 from workbench.report.figures import AFTER, BEFORE
 
 MOST_BARS = 40

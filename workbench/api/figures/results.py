@@ -14,7 +14,7 @@ from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 from sysid.report import channel_unit
-from workbench.api.plot import COLUMN, WIDTH, Plot, new_plot, style
+from workbench.api.figures.plot import COLUMN, WIDTH, Plot, new_plot, style
 from workbench.api.series import channel_named, record_named
 from workbench.report.figures import (
     AFTER,
