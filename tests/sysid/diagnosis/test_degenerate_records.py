@@ -47,16 +47,30 @@ def test_actuator_at_constant_voltage_is_refused(tmp_path: Path) -> None:
         load_problem(tmp_path)
 
 
-def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
+def test_force_of_two_levels_is_not_quantised_where_no_noise_is_stated(tmp_path: Path) -> None:
     speed = 0.02 * np.sin(2 * np.pi * 6.0 * TIME + 0.5)
-    rounded = np.round(1.5 * np.sign(speed))
-    problem = slide(tmp_path, rounded, '"coulomb"', held_out=True)
+    levels = 2.0 * np.sign(speed)
+    slide(tmp_path, levels, '"coulomb"', held_out=True)
     for name in ("fit.csv", "validate.csv"):
-        for column, values in ((1, np.cumsum(speed) * STEP), (2, speed), (3, rounded)):
+        for column, values in ((1, np.cumsum(speed) * STEP), (2, speed), (3, levels)):
             _edit(tmp_path / name, column, values)
-    assert problem.noise["friction_force"].quantisation_step is None
+    experiment = tmp_path / "experiment.toml"
+    experiment.write_text(experiment.read_text(encoding="utf-8").partition("[noise]")[0], encoding="utf-8")
     found = diagnose(tmp_path)
+    assert found.problem.noise["friction_force"].quantisation_step is None
     assert (found.verdict, found.effect) == ("adequate", None)
+
+
+def test_command_of_two_levels_is_no_quantised_sensor(tmp_path: Path) -> None:
+    force = np.where(np.sin(2 * np.pi * 6.0 * TIME) > 0.0, 2.0, -2.0)
+    position = np.cumsum(np.cumsum(force)) * STEP**2
+    table = np.column_stack([TIME, position - np.polyval(np.polyfit(TIME, position, 1), TIME), force])
+    np.savetxt(tmp_path / "fit.csv", table, "%.9g", ",", header="time [s],position [m],drive_force [N]", comments="")
+    (tmp_path / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "force-drive"\n[rig.known]\nmass = "1 kg"\n[model]\neffects = ["coulomb"]\n'
+        '[[record]]\nfile = "fit.csv"\nrole = "fit"\n[noise]\ndrive_force = "0.01 N"\n'
+    )
+    assert load_problem(tmp_path).noise["drive_force"].quantisation_step is None
 
 
 def test_rounding_above_the_stated_noise_is_found_and_kept(tmp_path: Path) -> None:
