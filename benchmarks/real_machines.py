@@ -45,7 +45,8 @@ MACHINES = {
     "reciprocating_tribometer": Known(("presliding", "constant_bias|cable_spring"), ("run_in", "sensor_drift")),
     "pneumatic_seal": Known(("load_dependent_friction", "direction_asymmetry", "presliding")),
     "dfki_gravity": Known(("gravity_torque",), ("constant_bias",)),
-    "franka_joint7": Known(("constant_bias", "presliding"), ("cable_spring", "gravity_torque")),
+    # An offset and a slope with position, which is what gravity leaves over a limited angle.
+    "franka_joint7": Known(("constant_bias|gravity_torque", "presliding"), ("cable_spring",)),
     "piezo_1hz": Known(("piezo_hysteresis",)),
     "hsm150_two_motor": Known(("constant_bias",), ("stribeck",)),
     "laas_cogging_static_quarter": Known(("magnetic_cogging",), ("constant_bias",)),
