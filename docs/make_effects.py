@@ -54,6 +54,7 @@ def _section(effect: Effect) -> str:
     if (PAGE.parent / "effects" / f"{effect.name}.svg").is_file():
         lines += [f"![{effect.name} in a measurement](effects/{effect.name}.svg)", ""]
     facts = [
+        ("Dissipation", effect.energy),
         ("Signature", _sentence(effect.shows) if effect.shows else ""),
         ("Residual depends on", ", ".join(effect.coordinates)),
         ("Requires", ", ".join(effect.needs)),

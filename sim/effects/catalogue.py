@@ -23,7 +23,7 @@ ORDER = (
     *("magnetic_cogging", "gravity_torque", "backlash", "flexible_mode", "drive_lag", "drive_delay"),
     *("piezo_hysteresis", "piezo_creep", "gain_mismatch", "sensor_lag", "sensor_delay", "sensor_nonlinearity"),
     *("sensor_drift", "sensor_quantisation", "dahl", "lugre", "lugre_undamped", "lugre_causal"),
-    *("lugre_causal_as_run", "maxwell_slip"),
+    *("lugre_causal_as_run", "maxwell_slip", "elasto_plastic", "rate_and_state"),
 )
 """Public effect names in the order in which they are listed."""
 

@@ -98,10 +98,10 @@ element = njit({options})(smooth_element)
 
 def kernel(z, v, direction, g, p, out, n, slopes):
     state = carray(z, (n,))
-    table = carray(p, (n, 3))
+    table = carray(p, (n, 4))
     r = carray(out, (n, 8))
     for k in range(n):
-        terms = element(state[k], v, direction, g, table[k, 0], table[k, 1], table[k, 2])
+        terms = element(state[k], v, direction, g, table[k, 0], table[k, 1], table[k, 2], table[k, 3])
         for i in range(8):
             r[k, i] = terms[i]
 """

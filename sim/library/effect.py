@@ -138,6 +138,7 @@ class Effect:
         meaning: one line.
         equation: the law as text, in the names of the parameters.
         shows: signature in a measurement, in words.
+        dissipation: whether it can return energy over a closed cycle of position, speed, load and temperature.
         source: literature.
         parameters: its numbers.
         coordinates: on which the residual depends where the effect is missing, strongest first.
@@ -166,6 +167,7 @@ class Effect:
     meaning: str
     equation: str = ""
     shows: str = ""
+    dissipation: str = ""
     source: str = ""
     parameters: tuple[Parameter, ...] = ()
     coordinates: tuple[Coordinate, ...] = ()
@@ -188,6 +190,13 @@ class Effect:
     def __post_init__(self) -> None:
         if isinstance(self.parameters, list):
             object.__setattr__(self, "parameters", tuple(self.parameters))
+
+    @property
+    def energy(self) -> str:
+        """Whether the effect can return energy over a closed cycle; empty where no force is its own."""
+        if self.dissipation or self.acts_on not in ("friction", "axis", "memory"):
+            return self.dissipation
+        return "Changes the friction level alone: whether energy is returned depends on the state model."
 
     def parameter(self, name: str) -> Parameter:
         """The parameter called `name`.

@@ -46,8 +46,8 @@ class FrictionStateModel:
         stored: energy in the spring of element k, `stored(k, z, g, p)` in J, shaped as z and g; None where no energy
             function exists.
         springs: the parallel elasto-plastic elements that the model consists of, if it does; a function of `p`.
-        table: stretch, weight and damping of each element, (elements, 3), for a model made by `parallel_elements`; a
-            function of `p`.
+        table: stretch, weight, damping and friction limit of each element, (elements, 4), for a model made by
+            `parallel_elements`; a function of `p`.
     """
 
     name: str
@@ -74,9 +74,11 @@ def parallel_elements(
     """
 
     def table(p: Any) -> np.ndarray:
-        stretches, weights = elements(p)
+        stretches, weights, force = elements(p)
         viscous = 0.0 if damping is None else damping(p)
-        return np.column_stack([stretches, weights * (damping is None), weights * viscous])
+        return np.column_stack(
+            [stretches, weights, weights * viscous, np.full(weights.size, force if damping is None else 0.0)]
+        )
 
     def terms(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, ...]:
         return smooth_element(z, v, direction, g, *table(p)[k].tolist())
@@ -86,6 +88,9 @@ def parallel_elements(
             return force_along(position, level, elements(p))
         return damping(p) * velocity * sticking_fraction(position, elements(p))
 
+    def stored(k: int, z: Any, g: Any, p: Any) -> Any:
+        return 0.5 * elements(p).stiffness[k] * z * z
+
     return FrictionStateModel(
         name,
         law=lambda *at: terms(*at)[:2],  # pyright: ignore[reportArgumentType]
@@ -93,6 +98,7 @@ def parallel_elements(
         along_record=along,
         scale=lambda p: float(np.min(elements(p).stretches)),
         elements=lambda p: elements(p).stretches.size,
+        stored=stored if damping is None else None,
         springs=elements if damping is None else None,
         table=table,
     )

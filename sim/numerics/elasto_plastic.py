@@ -1,12 +1,22 @@
-"""Parallel elasto-plastic elements: springs side by side that yield one after another.
+"""Parallel elasto-plastic elements: springs of constant stiffness side by side that slip one after another.
 
-    F = g sum_k w_k z_k/s_k,    z_k' = x' while |z_k| < s_k, and 0 while the element slips
+    F = sum_k F_k,    stick: F_k' = k_k v,    slip: F_k' = sign(v) min(C (w_k - |F_k|/g), k_k |v|)
 
-Element k yields at the stretch s_k and carries the part w_k of the friction limit g. The virgin curve is a broken line
-with a knot at each s_k; after a reversal the same curve follows at twice its size (Masing's rule). Such elements are
-called Iwan elements, generalised Maxwell-slip, or Prandtl-Ishlinskii stops.
+Element k slips where |F_k| reaches the part w_k of the friction limit g, and sticks again where the motion reverses. At
+the limit g = g_0, at which the stretches s_k are stated, it slips at the stretch s_k: k_k = w_k g_0/s_k. The virgin
+curve is then a broken line with a knot at each s_k; after a reversal the same curve follows at twice its size
+(Masing's rule). This is the generalised Maxwell-slip model; at a constant limit it is Iwan's.
 
-Source: Iwan, J. Appl. Mech. 33 (1966) 893; Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control 50 (2005) 1883.
+Its force follows a change of the limit at the rate C. Here C is so large that the force follows at once (g/C: 10 us in
+an integration, nothing along a record), except that no force rises faster than its spring is stretched, k_k |v|: a law
+without that bound charges its springs at rest, and returns more energy than it received. With it the heat
+
+    F_k (v - F_k'/k_k) >= 0
+
+in every element at every instant, for any history of the limit.
+
+Source: Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control 50 (2005) 1883, eq. 10-12; Iwan, J. Appl. Mech. 33
+(1966) 893.
 """
 
 from __future__ import annotations
@@ -19,65 +29,78 @@ from sim.numerics.compilation import SUMS_IN_ANY_ORDER, compiled, inlined
 
 
 class Elements(NamedTuple):
-    """Stretches at which the elements yield, m, and the parts of the friction limit that they carry, each (b,)."""
+    """Stretches at which the elements yield at the friction limit `force`, m, and the parts of the limit that they
+    carry, each (b,); that limit, N."""
 
     stretches: np.ndarray
     weights: np.ndarray
+    force: float = 1.0
+
+    @property
+    def stiffness(self) -> np.ndarray:
+        """Stiffness (b,) of each element, N/m."""
+        return self.force * self.weights / np.maximum(self.stretches, 1e-300)
 
 
 class Springs(NamedTuple):
-    """State of elements in a simulation: force, stiffness and largest force of each, (b,); the force is written in
-    place."""
+    """State of elements in a simulation: force, stiffness, and largest force over the friction limit of each, (b,);
+    the force is written in place."""
 
     force: np.ndarray
     stiffness: np.ndarray
     limit: np.ndarray
 
 
-def elements_along(stretches: np.ndarray, curve: np.ndarray) -> Elements:
+def elements_along(stretches: np.ndarray, curve: np.ndarray, force: float = 1.0) -> Elements:
     """Elements whose virgin curve meets a concave `curve` (b,), force over limit, at the stretches (b,), m.
 
     w_k = (m_k - m_(k+1)) s_k,    m_k: slope of the curve up to s_k
+
+    Args:
+        stretches: ascending, m, (b,).
+        curve: force over the friction limit, (b,).
+        force: the friction limit at which it holds, N.
     """
     slope = np.diff(curve, prepend=0.0) / np.diff(stretches, prepend=0.0)
-    return Elements(stretches, np.maximum((slope - np.append(slope[1:], 0.0)) * stretches, 0.0))
+    return Elements(stretches, np.maximum((slope - np.append(slope[1:], 0.0)) * stretches, 0.0), force)
 
 
 def springs_of(elements: Elements) -> Springs:
-    """Unloaded springs of the elements, at a friction limit of one."""
+    """Unloaded springs of the elements."""
     weights = np.ascontiguousarray(elements.weights, dtype=float)
-    return Springs(np.zeros(weights.size), weights / elements.stretches, weights)
+    return Springs(np.zeros(weights.size), np.ascontiguousarray(elements.stiffness, dtype=float), weights)
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER, forceinline=True, _nrt=False)
-def displace(springs: Springs, displacement: float) -> float:
-    """Move all elements; returns the sum of their forces."""
+def displace(springs: Springs, displacement: float, level: float) -> float:
+    """Move all elements at a friction limit `level`, N; returns the sum of their forces, N."""
     total = 0.0
     for k in range(springs.force.size):
-        force = springs.force[k] + springs.stiffness[k] * displacement
-        force = min(max(force, -springs.limit[k]), springs.limit[k])
+        force, most = springs.force[k] + springs.stiffness[k] * displacement, level * springs.limit[k]
+        force = min(max(force, -most), most)
         springs.force[k] = force
         total += force
     return total
 
 
 @inlined
-def mean_force(springs: Springs, loss: float, displacement: float) -> tuple[float, float]:
+def mean_force(springs: Springs, loss: float, displacement: float, level: float) -> tuple[float, float]:
     """Sum of the forces at half of a displacement, N, with a dashpot to each spring, and its tangent, N/m.
 
     Args:
         springs: state before the displacement.
         loss: dashpot over the duration of the displacement, N/m, of each spring; the limit includes its force.
         displacement: m.
+        level: friction limit, N.
     """
     total, tangent = 0.0, 0.0
     for k in range(springs.force.size):
-        rate = 0.5 * springs.stiffness[k] + loss
+        rate, most = 0.5 * springs.stiffness[k] + loss, level * springs.limit[k]
         force = springs.force[k] + rate * displacement
-        if force > springs.limit[k]:
-            total += springs.limit[k]
-        elif force < -springs.limit[k]:
-            total -= springs.limit[k]
+        if force > most:
+            total += most
+        elif force < -most:
+            total -= most
         else:
             total += force
             tangent += rate
@@ -85,19 +108,20 @@ def mean_force(springs: Springs, loss: float, displacement: float) -> tuple[floa
 
 
 @inlined
-def slips_alike(springs: Springs, loss: float, one: float, other: float) -> bool:
+def slips_alike(springs: Springs, loss: float, one: float, other: float, level: float) -> bool:
     """Whether the same elements slip, in the same direction, at the middle of two displacements, m."""
     alike = True
     for k in range(springs.force.size):
-        rate, most = 0.5 * springs.stiffness[k] + loss, springs.limit[k]
+        rate, most = 0.5 * springs.stiffness[k] + loss, level * springs.limit[k]
         before, after = springs.force[k] + rate * one, springs.force[k] + rate * other
         alike &= (before > most) == (after > most) and (before < -most) == (after < -most)
     return alike
 
 
 @compiled(fastmath=SUMS_IN_ANY_ORDER, forceinline=True, _nrt=False)
-def displace_to(springs: Springs, total: float, wanted: float) -> tuple[float, float]:
-    """Move all elements until the sum of their forces, now `total`, is `wanted`, or all slip.
+def displace_to(springs: Springs, total: float, wanted: float, level: float) -> tuple[float, float]:
+    """Move all elements at a friction limit `level` until the sum of their forces, now `total`, is `wanted`, N, or all
+    slip.
 
     The sum is piecewise linear in the displacement and is inverted exactly, from yield point to yield point.
 
@@ -109,7 +133,7 @@ def displace_to(springs: Springs, total: float, wanted: float) -> tuple[float, f
     for _ in range(springs.force.size + 1):
         tangent, reach = 0.0, np.inf
         for k in range(springs.force.size):
-            room = springs.limit[k] - side * springs.force[k]
+            room = level * springs.limit[k] - side * springs.force[k]
             if room > 0.0:
                 tangent += springs.stiffness[k]
                 reach = min(reach, room / springs.stiffness[k])
@@ -118,10 +142,10 @@ def displace_to(springs: Springs, total: float, wanted: float) -> tuple[float, f
             break
         step = min(left / tangent, reach)
         for k in range(springs.force.size):
-            force = side * springs.force[k] + springs.stiffness[k] * step
+            force, most = side * springs.force[k] + springs.stiffness[k] * step, level * springs.limit[k]
             # The element that yields now is set to its limit exactly.
-            slips = step == reach and springs.limit[k] - force < 1e-9 * springs.limit[k]
-            springs.force[k] = side * (springs.limit[k] if slips else min(force, springs.limit[k]))
+            slips = step == reach and most - force < 1e-9 * most
+            springs.force[k] = side * (most if slips else min(force, most))
         total += side * step * tangent
         moved += side * step
         if step == left / tangent:
@@ -133,17 +157,23 @@ def displace_to(springs: Springs, total: float, wanted: float) -> tuple[float, f
 def _force_along(displacements: np.ndarray, level: np.ndarray, springs: Springs) -> np.ndarray:
     force = np.empty(level.size)
     # A record that begins in motion begins in slip: the first interval is taken to have preceded it.
-    displace(springs, np.sign(displacements[0]) * 1e300)
-    force[0] = max(level[0], 0.0) * np.sum(springs.force)
+    springs.force[:] = np.sign(displacements[0]) * max(level[0], 0.0) * springs.limit
+    force[0] = np.sum(springs.force)
     for i in range(1, level.size):
-        force[i] = max(level[i], 0.0) * displace(springs, displacements[i - 1])
+        force[i] = displace(springs, displacements[i - 1], max(level[i], 0.0))
     return force
 
 
 def force_along(position: np.ndarray, level: np.ndarray, elements: Elements) -> np.ndarray:
-    """Force (n,) of elements along a record of positions (n,), m, at a friction level (n,), N."""
+    """Force (n,) of elements along a record of positions (n,), m, at a friction limit (n,), N."""
     displacements = np.diff(np.ascontiguousarray(position, dtype=float))
     return _force_along(displacements, np.ascontiguousarray(level, dtype=float), springs_of(elements))
+
+
+def stretch_along(position: np.ndarray, level: np.ndarray, elements: Elements) -> np.ndarray:
+    """Stretch (b, n) of each element along a record, m; arguments as `force_along`."""
+    each = [Elements(np.array([s]), np.ones(1), elements.force) for s in elements.stretches]
+    return np.array([force_along(position, level, one) / one.stiffness for one in each])
 
 
 @compiled
@@ -174,16 +204,27 @@ YIELD_POWER = 40.0
 """n of an element that yields smoothly: where an ideal one yields, its force is 2 % lower; with n = 8 it is 11 % lower,
 which shows in a force balance, and an integration is a fifth faster."""
 
+RELAXATION = 1e-5
+"""s, g/C of the law: time in which the force of a slipping element falls onto a limit that has fallen below it."""
+
 ElementTerms = tuple[float, float, float, float, float, float, float, float]
 
 
 def smooth_element(
-    z: float, v: float, direction: float, limit: float, stretch: float, weight: float, damping: float
+    z: float,
+    v: float,
+    direction: float,
+    limit: float,
+    stretch: float,
+    weight: float,
+    damping: float,
+    force: float,
 ) -> ElementTerms:
     """An element that yields smoothly, for implicit integration: its rate falls with a high power of the stretch.
 
-        z' = v (1 - |z/s|^n) where it is stretched in the direction of the motion, else v
-        F = g w z/s + c z'
+        F = k z + c z',    k = w g_0/s,    yields at |z| = r = s g/g_0
+        z' = v (1 - |z/r|^n) where it is stretched in the direction of the motion, else v
+        beyond r, where the limit has fallen: z' = -(z - r sign(z))/T, plus v where the motion unloads it
 
     Args:
         z: stretch, m.
@@ -191,17 +232,33 @@ def smooth_element(
         direction: of the motion, 1 or -1, kept within a step.
         limit: g, N; a negative one is zero.
         stretch, weight, damping: s, m; w; c, N s/m.
+        force: g_0, N; with zero the element yields at its stretch s, whatever the limit, and has no spring.
 
     Returns:
         Rate, force, and the derivatives rate_z, rate_v, rate_g, force_z, force_v, force_g.
     """
-    ratio, elastic = z / stretch, max(limit, 0.0) * weight
-    rate_z, rate_v = 0.0, 1.0
-    if ratio * direction > 0.0:
-        size = abs(ratio)
-        falls = size**YIELD_POWER
-        rate_z, rate_v = -YIELD_POWER * v * falls / size * direction / stretch, 1.0 - falls
-    rate = v * rate_v
-    force_g = weight * ratio if limit > 0.0 else 0.0
-    force = elastic * ratio + damping * rate
-    return rate, force, rate_z, rate_v, 0.0, elastic / stretch + damping * rate_z, damping * rate_v, force_g
+    stiffness, reach, grows = force * weight / stretch, stretch, 0.0
+    if force > 0.0:
+        reach, grows = stretch * max(limit, 0.0) / force, stretch / force if limit > 0.0 else 0.0
+    side = (1.0 if z > 0.0 else -1.0) if z != 0.0 else direction
+    rate, rate_z, rate_v, rate_g = v, 0.0, 1.0, 0.0
+    if abs(z) > reach or reach <= 0.0:
+        rate_v = 1.0 if side * direction < 0.0 else 0.0
+        rate = rate_v * v - (z - side * reach) / RELAXATION
+        rate_z, rate_g = -1.0 / RELAXATION, side * grows / RELAXATION
+    elif z * direction > 0.0:
+        size = abs(z) / reach
+        steep = size ** (YIELD_POWER - 1.0)
+        rate_v = 1.0 - steep * size
+        rate, rate_z = v * rate_v, -YIELD_POWER * v * steep * side / reach
+        rate_g = YIELD_POWER * v * steep * size * grows / reach
+    return (
+        rate,
+        stiffness * z + damping * rate,
+        rate_z,
+        rate_v,
+        rate_g,
+        stiffness + damping * rate_z,
+        damping * rate_v,
+        damping * rate_g,
+    )

@@ -197,7 +197,7 @@ def _driven_mass_runs(
 def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], values: Values) -> Callable[[int], Start]:
     """State of a driven mass at a row: filtered motion, and the friction state that gives the friction of the force
     balance, or follows from the motion where there are several elements."""
-    from sim.numerics.elasto_plastic import Elements, force_along
+    from sim.numerics.elasto_plastic import stretch_along
 
     axis, _ = friction_axis(balance, effects, values)
     assert balance.full_filter is not None and balance.raw_position is not None and balance.acceleration is not None
@@ -213,9 +213,7 @@ def _measured_states(balance: ForceBalanceRecord, effects: Sequence[Effect], val
     force = np.clip(unfiltered_force(balance, effects, values) - axis_force(balance, effects, values), -level, level)
     springs = None
     if core is not None and core.friction_state.springs is not None:
-        stretches, one = core.friction_state.springs(values_of(core, values)).stretches, np.ones(1)
-        parts = [force_along(position, np.ones(position.size), Elements(np.array([s]), one)) for s in stretches]
-        springs = stretches[:, None] * np.array(parts)
+        springs = stretch_along(position, level, core.friction_state.springs(values_of(core, values)))
 
     def at(row: int) -> Start:
         bristle = None if springs is None else springs[:, row]

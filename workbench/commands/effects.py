@@ -61,6 +61,7 @@ def _document(effect: Any) -> dict[str, Any]:
         "acts_on": effect.acts_on,
         "core": effect.friction_state is not None,
         "shows": effect.shows,
+        "dissipation": effect.energy,
         "coordinates": list(effect.coordinates),
         "needs": list(effect.needs),
         "source": effect.source,
@@ -105,7 +106,7 @@ def _tell(run: Run, effect: Any) -> None:
         lines.append(("depends on", ", ".join(effect.coordinates)))
     if effect.needs:
         lines.append(("needs", ", ".join(effect.needs)))
-    lines.append(("source", effect.source))
+    lines += [("dissipation", effect.energy), ("source", effect.source)]
     if effect.variants:
         lines.append(("variants", ", ".join(variant.name for variant in effect.variants)))
     grid = Table(box=None, show_header=False, pad_edge=False)

@@ -21,6 +21,7 @@ EFFECT = Effect(
     meaning="a cable, hose or flexure pulls the axis towards a rest position",
     equation="force = stiffness * (x - rest_position)",
     shows="Residual is linear in position, the same in both directions.",
+    dissipation="Conservative: no work over a closed cycle of position.",
     source="Hooke; cable-carrier disturbance in precision stages: Slocum 1992, Precision Machine Design, ch. 7",
     parameters=(
         Parameter("stiffness", "N/m", 10.0, 0.0, math.inf, "stiffness of the cable", "assumed: a sensor cable"),

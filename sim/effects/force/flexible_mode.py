@@ -31,6 +31,7 @@ _SMOOTH = Effect(
         "on an axis, a part r of the mass oscillates; a tip moves by u + r (y - u)"
     ),
     shows="oscillation at one frequency after every fast change",
+    dissipation="Dissipates in its own damper; passive.",
     source="Rankers, Machine Dynamics in Mechatronic Systems (1997)",
     acts_on="structure",
     coordinates=("frequency", "acceleration"),

@@ -32,6 +32,7 @@ _VERTICAL = Effect(
     meaning="torque of an unbalanced weight, proportional to the sine of the angle (rotary axis)",
     equation="force = amplitude * sin(x)",
     shows="the residual follows the sine of the angle, the same in both directions",
+    dissipation="Conservative: no work over a closed cycle of position.",
     source="statics: m g r sin(angle)",
     acts_on="axis",
     coordinates=("position",),

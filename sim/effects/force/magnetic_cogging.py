@@ -37,6 +37,7 @@ _SINE = Effect(
     meaning="teeth or magnets exert a force that is periodic in position",
     equation="force = amplitude * sin(2 pi x/pitch + phase)",
     shows="Residual is periodic in position, the same in both directions.",
+    dissipation="Conservative: no work over a closed cycle of position.",
     source="Otten, de Vries, van Amerongen et al. 1997, IEEE/ASME Trans. Mechatronics 2(3): cogging of linear motors",
     parameters=(
         Parameter("amplitude", "N", 0.1, 0.0, math.inf, "peak force", "assumed: a tenth of the thesis's Coulomb force"),

@@ -40,6 +40,7 @@ _ONE = Effect(
     meaning="viscous damping of the contact's elastic deflection before it slides (a1 of LuGre)",
     equation="F = damping * v while a bristle of +-stretch has not slipped; 0 once it slides",
     shows="the faster the reversal, the higher the force just after it",
+    dissipation="Dissipates damping v^2 while the bristles stick.",
     source="Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE Trans. Automatic Control 40 (1995) 419",
     acts_on="friction",
     coordinates=("distance_since_reversal", "velocity"),

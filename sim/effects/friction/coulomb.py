@@ -18,6 +18,7 @@ EFFECT = Effect(
     meaning="dry friction: a constant force against the direction of motion, held at rest",
     equation="level = force;  friction = level * sign(v), at rest its last value",
     shows="Force steps from minus to plus at each reversal, by twice its size.",
+    dissipation="Passive at any speed and level: the bristle's stiffness is constant.",
     source="Coulomb 1785; Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7), eq. 1",
     parameters=(
         Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in slow sliding", "thesis Table 3", "level"),

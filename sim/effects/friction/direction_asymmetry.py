@@ -26,6 +26,7 @@ EFFECT = Effect(
     meaning="Coulomb and viscous friction differ between the two directions",
     equation="level * (1 + coulomb * sign v);  F = viscous * |v|",
     shows="the two branches of force against velocity lie at different heights and have different slopes",
+    dissipation="Dissipates with viscous friction of at least |viscous|; alone, it returns energy in one direction.",
     source="Janot, Gautier, Brunot, Data Set and Reference Models of EMPS (2019): asymmetric ball-screw friction",
     acts_on="friction",
     coordinates=("direction", "velocity"),

@@ -22,6 +22,7 @@ EFFECT = Effect(
     meaning="drag proportional to the square of the speed: air, or stirred oil",
     equation="F = coefficient * v |v|",
     shows="force against velocity deviates from a straight line at high speed, in both directions",
+    dissipation="Dissipates coefficient |v|^3.",
     source="Hoerner, Fluid-Dynamic Drag (1965), ch. 1",
     acts_on="axis",
     coordinates=("velocity",),

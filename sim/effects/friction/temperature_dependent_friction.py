@@ -66,6 +66,7 @@ _LUBRICATED = replace(
     name="temperature_dependent_friction:lubricated",
     refinement=True,
     meaning="level and viscous drag fall with temperature, each at its own rate",
+    dissipation="Dissipates with viscous friction of at least `drag`, of which it is the change.",
     equation="level * exp(coefficient * dT) + drag * v * (exp(drag_coefficient * dT) - 1),  dT = T - reference",
     parameters=(
         *_EXPONENTIAL.parameters,

@@ -21,6 +21,7 @@ EFFECT = Effect(
     meaning="friction proportional to velocity, from a lubricant or the air",
     equation="force = coefficient * v",
     shows="Residual is proportional to velocity.",
+    dissipation="Dissipates coefficient v^2.",
     source="Armstrong-Helouvry, Dupont, Canudas de Wit 1994, Automatica 30(7), section 2.2; thesis (4.6)",
     parameters=(
         Parameter("coefficient", "N*s/m", 0.4, 0.0, math.inf, "drag per velocity", "thesis Table 3: alpha2 = 0.4"),

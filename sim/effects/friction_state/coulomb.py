@@ -1,13 +1,13 @@
 """The Coulomb core: the level times the direction, through a bristle so stiff that its stretch stays below the
 resolution. So the force is defined at rest: it holds its last value in a dwell.
 
-The state is the bristle's force f itself. With the stretch s at the level and a relaxation time tau that damps the
-oscillation after it, the bristle is the causal one of a0 = g/s, a1 = tau g/s:
+The state is the bristle's force f itself. With its constant stiffness k and a relaxation time T that damps the
+oscillation after it, the bristle is the causal one of a0 = k, a1 = T k:
 
-    phi = (f + tau g v/s) / (1 + tau |v|/s),   f' = (g v - |v| phi)/s = (g v - |v| f)/(s + tau |v|),   friction = phi
+    phi = g (f + T k v) / (g + T k |v|),   f' = k (g v - |v| f)/(g + T k |v|),   friction = phi
 
-|phi| never exceeds the level, and the core is passive at any speed. Past a reversal (direction * v < 0, where only the
-trial stages of a step ever are) the divisor is continued so that it stays positive.
+|phi| never exceeds the level, and the core is passive at any speed and level. Past a reversal (direction * v < 0, where
+only the trial stages of a step ever are) the divisor is continued so that it stays positive.
 """
 
 from __future__ import annotations
@@ -20,17 +20,21 @@ from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 RELAXATION = 1e-4
-"""tau, s: at the default stretch about critical damping for 1 kg under 1 N."""
+"""T, s: at the default stretch about critical damping for 1 kg under 1 N."""
+
+
+def stiffness(p: Any) -> float:
+    """k, N/m: the bristle stretches by `stretch` under `force`, or under 1 N where that is zero."""
+    return (p.force if p.force > 0.0 else 1.0) / p.stretch
 
 
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
         return 0.0, 0.0
-    s = p.stretch
-    w = RELAXATION / s
-    q = w * direction * v
+    stiff = (p.force if p.force > 0.0 else 1.0) / p.stretch
+    q = RELAXATION * stiff * direction * v / g
     below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
-    return (g * v - direction * v * z) / (s * below), (z + w * g * v) / below
+    return stiff * (v - direction * v * z / g) / below, (z + RELAXATION * stiff * v) / below
 
 
 def slopes(
@@ -38,20 +42,25 @@ def slopes(
 ) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    s = p.stretch
-    w = RELAXATION / s
-    q = w * direction * v
+    stiff = (p.force if p.force > 0.0 else 1.0) / p.stretch
+    q = RELAXATION * stiff * direction * v / g
     below = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
-    steep = 1.0 if q >= 0.0 else 1.0 + 4.0 * q**3
-    rate = (g * v - direction * v * z) / (s * below)
-    force = (z + w * g * v) / below
-    rate_v = (g - direction * z) / (s * below) - rate * steep * w * direction / below
-    force_v = (w * g - force * steep * w * direction) / below
-    return -direction * v / (s * below), rate_v, v / (s * below), 1.0 / below, force_v, w * v / below
+    steep = (1.0 if q >= 0.0 else 1.0 + 4.0 * q**3) / below
+    q_v = RELAXATION * stiff * direction / g
+    rate = stiff * (v - direction * v * z / g) / below
+    force = (z + RELAXATION * stiff * v) / below
+    return (
+        -stiff * direction * v / (g * below),
+        stiff * (1.0 - direction * z / g) / below - rate * steep * q_v,
+        stiff * direction * v * z / (g * g * below) + rate * steep * q / g,
+        1.0 / below,
+        RELAXATION * stiff / below - force * steep * q_v,
+        force * steep * q / g,
+    )
 
 
 @compiled
-def _stop(dx: np.ndarray, level: np.ndarray, stretch: float) -> np.ndarray:
+def _stop(dx: np.ndarray, level: np.ndarray, stiffness: float) -> np.ndarray:
     n = level.size
     force = np.zeros(n)
     held = 0.0
@@ -59,7 +68,7 @@ def _stop(dx: np.ndarray, level: np.ndarray, stretch: float) -> np.ndarray:
         # The first row: take the first interval to have been going on before it.
         step = dx[max(k - 1, 0)] if n > 1 else 0.0
         g = max(level[k], 0.0)
-        held = min(max(held + g * step / stretch, -g), g)
+        held = min(max(held + stiffness * step, -g), g)
         force[k] = held
     return force
 
@@ -67,14 +76,16 @@ def _stop(dx: np.ndarray, level: np.ndarray, stretch: float) -> np.ndarray:
 def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
     """Coulomb force along a measured motion: a stop operator on the steps of the position.
 
-    `p.stretch` should be a few times the noise of the position, so that noise in a dwell does not turn the force.
+    `p.stretch` should be a few times the noise of the position, so that noise in a dwell does not turn the force. The
+    bristle stretches by it under the largest level of the record.
     """
     dx = np.diff(np.ascontiguousarray(position, dtype=float))
-    return _stop(dx, np.ascontiguousarray(level, dtype=float), float(p.stretch))
+    level = np.ascontiguousarray(level, dtype=float)
+    return _stop(dx, level, float(np.max(level, initial=0.0) / p.stretch))
 
 
 def stored(k: int, z: Any, g: Any, p: Any) -> Any:
-    return np.where(g > 0.0, 0.5 * z * z * p.stretch / np.where(g > 0.0, g, 1.0), 0.0)
+    return 0.5 * z * z / stiffness(p)
 
 
 def scale(p: Any) -> float:

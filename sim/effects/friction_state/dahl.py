@@ -7,18 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.effects.friction_state.lugre import RELEASE, level, scale, stored
+from sim.library.effect import Effect, Parameter, Scan
 from sim.library.friction_state import FrictionStateModel
 from sim.numerics.compilation import compiled
 
 
-def level(axis: Axis, p: Any) -> Any:
-    return p.force + 0.0 * axis.velocity
-
-
 def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
-        return v, 0.0
+        return -z / RELEASE, 0.0
     left = 1.0 - p.stiffness * direction * z / g
     if left <= 0.0:
         # Only where the level has just fallen below the stress held: slip back onto it.
@@ -30,7 +27,7 @@ def slopes(
     k: int, z: float, v: float, direction: float, g: float, p: Any
 ) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
-        return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
+        return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     left = 1.0 - p.stiffness * direction * z / g
     if left <= 0.0:
         power, steep = left, 1.0
@@ -71,19 +68,12 @@ def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: n
     return _step(dx, np.ascontiguousarray(level, dtype=float), float(p.stiffness), float(p.exponent))
 
 
-def stored(k: int, z: Any, g: Any, p: Any) -> Any:
-    return 0.5 * p.stiffness * z * z
-
-
-def scale(p: Any) -> float:
-    return max(p.force, 1e-9) / p.stiffness
-
-
 EFFECT = Effect(
     name="dahl",
     meaning="bristles that deflect before they slip; the force depends on the path alone, not on the speed",
     equation="z' = v (1 - a0 z sign(v)/g)^i,  friction = a0 z",
     shows="A spring-like force over the first micrometres after a reversal, in loops that do not change with speed.",
+    dissipation="Passive: the stiffness is constant, and the slip always has the direction of the force.",
     source="Dahl 1968, Aerospace Corp. TOR-0158(3107-18)-1; thesis 3.2.2",
     parameters=(
         Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level"),

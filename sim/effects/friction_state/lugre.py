@@ -31,6 +31,9 @@ STIFFNESS = Parameter(
     role="shape",
     scan=Scan("one", 1e3, 1e8, 11),
 )
+RELEASE = 1e-5
+"""s: time in which bristles relax where there is no friction level, as where the contact is lifted."""
+
 DAMPING = Parameter("damping", "N*s/m", math.sqrt(1e5), 0.0, math.inf, "damping a1 of the bristles", "thesis Table 3")
 
 
@@ -40,7 +43,7 @@ def level(axis: Axis, p: Any) -> Any:
 
 def _law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
-        return v, 0.0
+        return -z / RELEASE, 0.0
     rate = v - p.stiffness * direction * v * z / g
     return rate, p.stiffness * z + p.damping * rate
 
@@ -49,7 +52,7 @@ def _slopes(
     k: int, z: float, v: float, direction: float, g: float, p: Any
 ) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
-        return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
+        return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     rate_z = -p.stiffness * direction * v / g
     rate_v = 1.0 - p.stiffness * direction * z / g
     rate_g = p.stiffness * direction * v * z / (g * g)
@@ -58,7 +61,7 @@ def _slopes(
 
 def _undamped_law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
-        return v, 0.0
+        return -z / RELEASE, 0.0
     return v - p.stiffness * direction * v * z / g, p.stiffness * z
 
 
@@ -66,14 +69,14 @@ def _undamped_slopes(
     k: int, z: float, v: float, direction: float, g: float, p: Any
 ) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
-        return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
+        return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     rate_v = 1.0 - p.stiffness * direction * z / g
     return -p.stiffness * direction * v / g, rate_v, p.stiffness * direction * v * z / (g * g), p.stiffness, 0.0, 0.0
 
 
 def _causal_law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
     if g <= 0.0:
-        return v, 0.0
+        return -z / RELEASE, 0.0
     # Multiplied through by g: one division.
     damped = p.damping * direction * v
     divisor = g + damped if damped >= 0.0 else g + damped + g * (damped / g) ** 4
@@ -85,7 +88,7 @@ def _causal_slopes(
     k: int, z: float, v: float, direction: float, g: float, p: Any
 ) -> tuple[float, float, float, float, float, float]:
     if g <= 0.0:
-        return 0.0, 1.0, 0.0, 0.0, 0.0, 0.0
+        return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
     q = p.damping * direction * v / g
     divisor = 1.0 + q if q >= 0.0 else 1.0 + q + q**4
     steep = (1.0 if q >= 0.0 else 1.0 + 4.0 * q**3) / divisor
@@ -165,11 +168,11 @@ def _causal_along(
     return spring + p.damping * rate
 
 
-def _stored(k: int, z: Any, g: Any, p: Any) -> Any:
+def stored(k: int, z: Any, g: Any, p: Any) -> Any:
     return 0.5 * p.stiffness * z * z
 
 
-def _scale(p: Any) -> float:
+def scale(p: Any) -> float:
     return max(p.force, 1e-9) / p.stiffness
 
 
@@ -179,11 +182,12 @@ LUGRE = Effect(
     equation="z' = v - a0 |v| z/g,  friction = a0 z + a1 z'  (a0 stiffness, a1 damping, g the friction level)",
     shows="Presliding: a spring-like force over the first micrometres after a reversal, and loops that widen with "
     "frequency. Not passive above 4 g/a1: with a constant a1, fast starts give negative heat.",
+    dissipation="Passive below the speed 4 g/a1 only; a falling level at a higher speed returns energy.",
     source=f"{CANUDAS}, eq. 1-3; thesis (4.4)-(4.5)",
     parameters=(FORCE, STIFFNESS, DAMPING),
     coordinates=("distance_since_reversal", "direction", "acceleration"),
     level=level,
-    friction_state=FrictionStateModel("lugre", _law, _slopes, _along, _scale, stored=_stored),
+    friction_state=FrictionStateModel("lugre", _law, _slopes, _along, scale, stored=stored),
     acts_on="friction",
 )
 
@@ -192,12 +196,13 @@ UNDAMPED = Effect(
     meaning="bristles that deflect before they slip, without damping of their own",
     equation="z' = v - a0 |v| z/g,  friction = a0 z",
     shows="As lugre, but at the onset of sticking the mass oscillates at the contact's frequency, sqrt(a0/mass).",
+    dissipation="Passive: the stiffness is constant, and the slip always has the direction of the force.",
     source=f"{CANUDAS}, with a1 = 0; thesis (4.7)-(4.8)",
     parameters=(FORCE, STIFFNESS),
     coordinates=("distance_since_reversal", "direction"),
     level=level,
     friction_state=FrictionStateModel(
-        "lugre_undamped", _undamped_law, _undamped_slopes, _undamped_along, _scale, stored=_stored
+        "lugre_undamped", _undamped_law, _undamped_slopes, _undamped_along, scale, stored=stored
     ),
     acts_on="friction",
 )
@@ -207,13 +212,12 @@ CAUSAL = Effect(
     meaning="bristles whose slip is driven by their total force, damping included: passive at any speed",
     equation="z' = (v - a0 |v| z/g) / (1 + a1 |v|/g),  friction = a0 z + a1 z'",
     shows="As lugre in presliding; in fast starts the force stays below the level, where lugre overshoots it.",
+    dissipation="Passive at any speed and level: heat = a1 z'^2 + (|v|/g) friction^2.",
     source="thesis (3.7)-(3.8), (4.9)-(4.10) with the divisor's sign and level as derived there",
     parameters=(FORCE, STIFFNESS, DAMPING),
     coordinates=("distance_since_reversal", "direction", "acceleration"),
     level=level,
-    friction_state=FrictionStateModel(
-        "lugre_causal", _causal_law, _causal_slopes, _causal_along, _scale, stored=_stored
-    ),
+    friction_state=FrictionStateModel("lugre_causal", _causal_law, _causal_slopes, _causal_along, scale, stored=stored),
     acts_on="friction",
 )
 

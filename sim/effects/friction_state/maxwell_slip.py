@@ -1,5 +1,8 @@
 """Generalised Maxwell-slip: parallel elements of different stretches, each an ideal spring until it slips.
 
+The friction level is shared: element k carries the part w_k of it. Its stiffness k_k = w_k force/u_k is constant, so at
+the level `force` it slips at the stretch u_k, and at another level at another stretch.
+
 `maxwell_slip`: the virgin curve of the force over the level is f(u) = 1 - (1 - u)^curvature, u the displacement over
 the largest stretch. N elements slip at u_k = k/N; with the slopes m_k of f between the knots, element k carries the
 part w_k = (m_k - m_(k+1)) u_k of the level, so f is met exactly at every knot, and the w_k sum to one.
@@ -9,7 +12,7 @@ part w_k = (m_k - m_(k+1)) u_k of the level, so f is met exactly at every knot, 
 broken line with a knot at every stretch. Only ratios of the shares matter; one of them is held.
 
 After a reversal at u_0 the force follows the same curve at twice its size: Masing's rule. Along a record the elements
-yield ideally; in a simulation they yield smoothly.
+yield ideally; in a simulation they yield smoothly (`sim/numerics/elasto_plastic.py`).
 """
 
 from __future__ import annotations
@@ -36,13 +39,14 @@ def level(axis: Axis, p: Any) -> Any:
 def _elements(p: Any) -> Elements:
     """Elements (12,) whose virgin curve meets 1 - (1 - u)^curvature at every knot."""
     knots = np.arange(1, ELEMENTS + 1) / ELEMENTS
-    return elements_along(float(p.stretch) * knots, 1.0 - (1.0 - knots) ** float(p.curvature))
+    return elements_along(float(p.stretch) * knots, 1.0 - (1.0 - knots) ** float(p.curvature), float(p.force))
 
 
 def _free_elements(p: Any) -> Elements:
     """Elements (10,) with free shares."""
     shares = np.array([float(getattr(p, f"share_{k + 1}")) for k in range(FREE_ELEMENTS)])
-    return Elements(free_stretches(float(p.stretch), float(p.span)), shares / max(float(np.sum(shares)), 1e-300))
+    weights = shares / max(float(np.sum(shares)), 1e-300)
+    return Elements(free_stretches(float(p.stretch), float(p.span)), weights, float(p.force))
 
 
 def free_stretches(stretch: float, span: float) -> np.ndarray:
@@ -52,7 +56,8 @@ def free_stretches(stretch: float, span: float) -> np.ndarray:
 
 _FORCE = Parameter("force", "N", 1.0, 0.0, math.inf, "friction force in steady sliding", "thesis Table 3", "level")
 _STRETCH = Parameter(
-    *("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which all elements slip", "thesis: 2-5 um in steel"),
+    *("stretch", "m", 1e-5, 1e-12, 1e3, "displacement after which all elements slip, at the level `force`"),
+    source="thesis: 2-5 um in steel",
     role="shape",
     scan=Scan("position", 1e-5, 0.7, 15),
 )
@@ -60,8 +65,12 @@ _STRETCH = Parameter(
 MAXWELL_SLIP = Effect(
     name="maxwell_slip",
     meaning="elastic contact before sliding: parallel elements that stretch, then slip one after another",
-    equation="F = level * sum_k w_k stop(x; u_k stretch);  virgin curve 1 - (1 - x/stretch)^curvature",
+    equation="F = sum F_k;  stick: F_k' = (w_k force/u_k) v;  slip, from |F_k| = w_k level on: "
+    "F_k' = sign(v) C (w_k - |F_k|/level), C large, |F_k'| <= (w_k force/u_k) |v|;  virgin curve at level = force: "
+    "force (1 - (1 - x/stretch)^curvature)",
     shows="after each reversal the force rises along a curve over micrometres instead of a jump, the same at any speed",
+    dissipation="Passive for any history of the level: the stiffnesses are constant, no force rises faster than its "
+    "spring is stretched, and each element slips in the direction of its force.",
     source="Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic Control 50 (2005) 1883; Iwan, J. Appl. Mech. 33 (1966)",
     parameters=(
         _FORCE,
@@ -84,8 +93,10 @@ FREE_MAXWELL_SLIP = Effect(
     name="free_maxwell_slip",
     needs=("imposed_motion",),  # so many shares take a motion that is known, not one that is measured
     meaning="elastic contact before sliding: parallel elements, each with its share of the level",
-    equation="F = level * sum_k w_k stop(x; u_k);  u_k from stretch/span to stretch, w_k = share_k / sum of the shares",
+    equation="as maxwell_slip, with u_k from stretch/span to stretch, w_k = share_k / sum of the shares",
     shows="after each reversal the force rises along a concave curve over micrometres, the same at any speed",
+    dissipation="Passive for any history of the level: the stiffnesses are constant, no force rises faster than its "
+    "spring is stretched, and each element slips in the direction of its force.",
     source="Lampaert, Al-Bender, Swevers, Proc. Control Applications (2003); Iwan, J. Appl. Mech. 33 (1966)",
     parameters=(
         _FORCE,

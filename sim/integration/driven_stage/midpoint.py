@@ -32,16 +32,14 @@ class Bristles(NamedTuple):
 
     Args:
         limit: friction limit of all together, N, (n,); infinite where it never slips, 0 where nothing touches.
-        stretches: at which each yields, m, (b,).
-        weights: part of the limit that each carries, (b,).
+        elements: their stretches and parts of the limit.
     """
 
     limit: np.ndarray
-    stretches: np.ndarray
-    weights: np.ndarray
+    elements: Elements
 
 
-NO_BRISTLES = np.empty(0)
+NO_BRISTLES = Elements(np.empty(0), np.empty(0))
 
 
 class Inputs(NamedTuple):
@@ -62,9 +60,8 @@ class Step(NamedTuple):
         velocity: of the stage at the start, m/s.
         mass: kg.
         push: at the middle, N.
-        pad_limit: friction limit of the pads at the middle, N.
-        scale: of the forces of the contact's springs.
-        loss: dashpot over the length and the scale, N/m, of each spring of the contact.
+        pad_limit, limit: friction limits of the pads and of the contact at the middle, N.
+        loss: dashpot over the length, N/m, of each spring of the contact.
     """
 
     length: float
@@ -73,7 +70,7 @@ class Step(NamedTuple):
     mass: float
     push: float
     pad_limit: float
-    scale: float
+    limit: float
     loss: float
 
 
@@ -96,31 +93,13 @@ def simulate_midpoint(
         stage: contact stiffness and damping, mass and sampling time.
         refinement: times more steps than `LONGEST_STEP` requires.
     """
-    stiffness = stage.stiffness
-    if contact.weights.size > 1:
-        stiffness = float(np.max(contact.limit)) * float(np.sum(contact.weights / contact.stretches))
-    resolved = resolved_stage(stage._replace(stiffness=stiffness))._replace(stiffness=stage.stiffness)
+    one = Elements(np.ones(1), np.ones(1), stage.stiffness)
+    springs = springs_of(contact.elements if contact.elements.weights.size > 1 else one)
+    resolved = resolved_stage(stage._replace(stiffness=float(np.sum(springs.stiffness))))
     # A multiple of the longest step is not divided once more because of round-off.
     substeps = refinement * min(max(1, int(np.ceil(stage.step / LONGEST_STEP - 1e-6))), MOST_STEPS)
-    single = Elements(np.ones(1), np.ones(1))
-    springs = springs_of(Elements(contact.stretches, contact.weights) if contact.weights.size > 1 else single)
-    pad_springs = springs_of(Elements(pads.stretches, pads.weights))
+    pad_springs = springs_of(pads.elements)
     return _simulate(Inputs(tip, push, contact.limit, pads.limit), springs, pad_springs, resolved, substeps)
-
-
-@inlined
-def _set_limit(springs: Springs, stiffness: float, limit: float) -> float:
-    """Set a contact to a friction limit, N; returns the scale of the forces of its springs.
-
-    Several bristles keep their stretch, and have forces over the limit; a single one has a force that it keeps.
-    """
-    if springs.force.size > 1:
-        if limit <= 0.0:
-            springs.force[:] = 0.0
-        return limit
-    springs.stiffness[0], springs.limit[0] = stiffness if limit > 0.0 else 0.0, limit
-    springs.force[0] = min(max(springs.force[0], -limit), limit)
-    return 1.0
 
 
 @inlined
@@ -134,9 +113,9 @@ def _displacement(step: Step, contact: Springs, pads: Springs) -> tuple[float, f
     rigid, side = 0.0, 0.0
     low, high = -1e300, 1e300
     for _ in range(60):
-        pad, pad_slope = mean_force(pads, 0.0, d)
-        driven, contact_slope = mean_force(contact, step.loss, step.tip - d)
-        force = inertia * (d - free) - step.push + rigid + step.pad_limit * pad - step.scale * driven
+        pad, pad_slope = mean_force(pads, 0.0, d, step.pad_limit)
+        driven, contact_slope = mean_force(contact, step.loss, step.tip - d, step.limit)
+        force = inertia * (d - free) - step.push + rigid + pad - driven
         if stopping:
             if abs(force) <= step.pad_limit:
                 break
@@ -149,9 +128,10 @@ def _displacement(step: Step, contact: Springs, pads: Springs) -> tuple[float, f
         else:
             low = max(low, d)
         before = d
-        d -= force / (inertia + step.pad_limit * pad_slope + step.scale * contact_slope)
+        d -= force / (inertia + pad_slope + contact_slope)
         # The balance is linear as long as the same bristles slip: then this is its exact root.
-        if slips_alike(pads, 0.0, before, d) and slips_alike(contact, step.loss, step.tip - before, step.tip - d):
+        alike = slips_alike(pads, 0.0, before, d, step.pad_limit)
+        if alike and slips_alike(contact, step.loss, step.tip - before, step.tip - d, step.limit):
             break
         if not low <= d <= high and low > -1e299 and high < 1e299:
             d = 0.5 * (low + high)
@@ -177,17 +157,17 @@ def _simulate(inputs: Inputs, springs: Springs, pad_springs: Springs, stage: Dri
                 limit = contact_limit[i - 1] + part * (limit - contact_limit[i - 1])
             pad_limit = pads_limit[i - 1] + part * (pads_limit[i] - pads_limit[i - 1])
             pushed = push[i - 1] + part * (push[i] - push[i - 1])
-            scale = _set_limit(springs, stage.stiffness, limit)
-            loss = dashpot / (h * max(scale, 1e-300))
-            step = Step(h, (tip[i] - tip[i - 1]) / parts, v, stage.mass, pushed, pad_limit, scale, loss)
+            # What exceeds a limit that has fallen slips at once.
+            displace(springs, 0.0, limit)
+            displace(pad_springs, 0.0, pad_limit)
+            step = Step(h, (tip[i] - tip[i - 1]) / parts, v, stage.mass, pushed, pad_limit, limit, dashpot / h)
             d, after = _displacement(step, springs, pad_springs)
             if after != side and coarse:
                 done, parts, coarse = done * REFINEMENT, parts * REFINEMENT, False
                 continue
             side = after
-            displace(pad_springs, d)
-            if scale > 0.0:
-                displace(springs, step.tip - d)
+            displace(pad_springs, d, pad_limit)
+            displace(springs, step.tip - d, limit)
             v = 2.0 * d / h - v
             x += d
             done += 1

@@ -192,7 +192,7 @@ def _event_resolved(
     assert core.friction_state is not None
     if core.friction_state.name != "coulomb":
         bristles = bristles_of(core.friction_state, p, max(usual, 1e-12), OSCILLATION_SPRINGS)
-        substeps = substeps_of(usual, bristles, scale)
+        substeps = substeps_of(bristles, scale)
         if substeps:
             shown = 3.0 * float(np.max(bristles.stretches)) + 8.0 * balance.prefiltered_noise
             slip = Slip(motion.direction, balance.axis.position, shown)

@@ -239,16 +239,14 @@ class Slip(NamedTuple):
     displacement: float
 
 
-def substeps_of(level: float, bristles: Elements, scale: float) -> int:
+def substeps_of(bristles: Elements, scale: float) -> int:
     """Substeps of a sample that the oscillation on the bristles needs; 0 where even the most are too few.
 
     Args:
-        level: friction level, N.
         bristles: of the contact.
         scale: step^2 / mass: displacement in m that one N makes of a body in one sample squared.
     """
-    stiffness = max(level, 0.0) * np.sum(bristles.weights / np.maximum(bristles.stretches, 1e-300))
-    phase = float(np.sqrt(stiffness * scale))
+    phase = float(np.sqrt(np.sum(bristles.stiffness) * scale))
     return 0 if phase > MOST_SUBSTEPS else int(min(MOST_SUBSTEPS, max(3, np.ceil(phase / SUBSTEP_PHASE))))
 
 
@@ -263,7 +261,7 @@ def write_presliding_friction(
         onsets: of the stick phases.
         slip: their end.
         forces: on the mass.
-        springs: the bristles, for a limit of one.
+        springs: the bristles.
         scale: step^2 / mass.
         substeps: of a sample.
     """
@@ -272,8 +270,8 @@ def write_presliding_friction(
         i = int(np.floor(onsets.times[k] + 0.5))
         if i < 1 or i >= n - 1:
             continue
-        springs.force[:] = onsets.direction[k] * springs.limit
-        ratio = np.sum(springs.force)
+        springs.force[:] = onsets.direction[k] * level[i] * springs.limit
+        force = np.sum(springs.force)
         before = onsets.times[k] - (i - 0.5)
         until = int(np.floor(onsets.times[k + 1] + 0.5)) if k + 1 < onsets.times.size else n - 1
         v, left = 0.0, slip.position[i]
@@ -284,10 +282,9 @@ def write_presliding_friction(
             for j in range(substeps):
                 at = (before if first else 0.0) + (j + 0.5) * pause - 0.5
                 now = push[i] + at * (push[i + 1] - push[i] if at > 0.0 else push[i] - push[i - 1])
-                force = level[i] * ratio
                 v += (now - force) * scale * pause
-                ratio = displace(springs, v * pause)
                 total += force / substeps
+                force = displace(springs, v * pause, level[i])
             out[i] = share * total + (before * onsets.direction[k] * level[i] if first else 0.0)
             first = False
             i += 1
@@ -295,6 +292,6 @@ def write_presliding_friction(
             if abs(slip.direction[i]) > 0.999:
                 slips = v * slip.direction[i] > 0.0
                 for b in range(springs.force.size):
-                    slips &= abs(springs.force[b]) == springs.limit[b]
+                    slips &= abs(springs.force[b]) == level[i - 1] * springs.limit[b]
                 if slips or abs(slip.position[i] - left) > slip.displacement:
                     break

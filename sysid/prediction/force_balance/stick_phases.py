@@ -161,11 +161,11 @@ def _spring_displacement(
     """Displacement (n,) of bristles in each stick phase, all slipped to its side before, under the force to be held."""
     out = np.zeros(friction.size)
     for rest in range(starts.size):
-        springs.force[:] = sides[rest] * springs.limit
-        total, x = np.sum(springs.force), 0.0
         held = max(level[starts[rest]], 1e-12)
+        springs.force[:] = sides[rest] * held * springs.limit
+        total, x = np.sum(springs.force), 0.0
         for i in range(starts[rest], stops[rest]):
-            moved, total = displace_to(springs, total, min(1.0, max(-1.0, friction[i] / held)))
+            moved, total = displace_to(springs, total, min(held, max(-held, friction[i])), held)
             x += moved
             out[i] = x
     return out
@@ -192,7 +192,7 @@ def bristles_of(core: FrictionStateModel, p: Any, level: float, points: int = PO
     force = core.along_record(path, np.zeros(path.size), time, np.full(path.size, level), p)[1:]
     curve = 0.5 * (1.0 - force / level)
     slope = np.maximum.accumulate(np.maximum(np.diff(curve), 0.0)[::-1] / np.diff(knots)[::-1])[::-1]
-    elements = elements_along(knots[1:], np.cumsum(slope * np.diff(knots)))
+    elements = elements_along(knots[1:], np.cumsum(slope * np.diff(knots)), level)
     return elements._replace(weights=elements.weights / np.sum(elements.weights))
 
 

@@ -21,6 +21,7 @@ from sim.integration.driven_stage.inputs import (
 )
 from sim.integration.driven_stage.midpoint import NO_BRISTLES
 from sim.library.effect import Axis, Effect
+from sim.numerics.elasto_plastic import Elements
 from stagecad.parameters.errors import InputError
 from sysid.prediction.effect_terms import TERMS, Values, axis_force, friction_level, values_of
 from sysid.prediction.force_balance.record import ForceBalanceRecord, make_axis, rest_age
@@ -105,14 +106,14 @@ def friction_state_of(effects: Sequence[Effect]) -> Effect | None:
     return next((e for e in effects if e.friction_state is not None), None)
 
 
-def bristles_of(effect: Effect | None, values: Values) -> tuple[np.ndarray, np.ndarray]:
-    """Stretches at which the bristles of a friction state model yield, m, and their weights; none for `coulomb`.
+def bristles_of(effect: Effect | None, values: Values) -> Elements:
+    """The elements of a friction state model; none for `coulomb`.
 
     Raises:
         InputError: a model whose bristles do not yield at a stretch of their own.
     """
     if effect is None or effect.friction_state.name == "coulomb":
-        return NO_BRISTLES, NO_BRISTLES
+        return NO_BRISTLES
     if effect.friction_state.springs is not None:
         return effect.friction_state.springs(values_of(effect, values))
     raise InputError(

@@ -218,9 +218,9 @@ def _motion(record: FrictionDriveRecord, effects: Sequence[Effect], values: Valu
     stage = _stage(record, values)
     if any(state is not None and state.friction_state.name != "coulomb" for state in states):
         between, below = contact_friction(record, contact, values, tip), pad_friction(record, pads, values)
-        pad_bristles = Bristles(below.limit.at_rest, *bristles_of(states[0], values))
+        pad_bristles = Bristles(below.limit.at_rest, bristles_of(states[0], values))
         limit = np.where(tip.load > 0.0, between.limit.at_rest, 0.0)
-        bristles = Bristles(limit, *bristles_of(states[1], values))
+        bristles = Bristles(limit, bristles_of(states[1], values))
         return simulate_midpoint(tip.along, between.push + below.push, bristles, pad_bristles, stage)
     fastest = float(np.max(np.abs(np.diff(tip.along)))) / record.step + float(np.max(np.abs(record.axis.velocity)))
     top = TABLE_RANGE * fastest

@@ -9,9 +9,9 @@ from driven_stage.voltages import MOTIONS
 
 from sim.integration.driven_stage.event_driven import simulate_event_driven
 from sim.integration.driven_stage.inputs import DrivenStage, TipMotion, velocity_independent
-from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
+from sim.integration.driven_stage.midpoint import NO_BRISTLES, Bristles, simulate_midpoint
+from sim.numerics.elasto_plastic import Elements
 
-NONE = np.empty(0)
 STEP = 5e-4
 NOISE = 2e-9
 """m, of a good sensor: what a pass must stay well below."""
@@ -35,8 +35,8 @@ def test_slips_of_a_bristled_tip_on_rigid_pads_add_up_to_where_the_generator_has
     followed = simulate_midpoint(
         tip,
         rest,
-        Bristles(rest + truth.slip, reach, np.ones(6) / 6),
-        Bristles(rest + truth.pads, NONE, NONE),
+        Bristles(rest + truth.slip, Elements(reach, np.ones(6) / 6, truth.slip)),
+        Bristles(rest + truth.pads, NO_BRISTLES),
         DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
     )
     assert np.ptp(stage) > 1000 * NOISE
@@ -59,8 +59,8 @@ def test_without_bristles_it_is_the_pass_in_closed_form(slip):
         simulate_midpoint(
             tip,
             rest,
-            Bristles(level, NONE, NONE),
-            Bristles(pads, NONE, NONE),
+            Bristles(level, NO_BRISTLES),
+            Bristles(pads, NO_BRISTLES),
             DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
             finer,
         )
@@ -79,8 +79,8 @@ def test_bristles_of_the_pads_are_the_generator_s():
     followed = simulate_midpoint(
         tip,
         rest,
-        Bristles(rest + np.inf, NONE, NONE),
-        Bristles(rest + truth.pads, reach, np.ones(6) / 6),
+        Bristles(rest + np.inf, NO_BRISTLES),
+        Bristles(rest + truth.pads, Elements(reach, np.ones(6) / 6, truth.pads)),
         DrivenStage(truth.stiffness, truth.damping, truth.mass, STEP),
     )
     assert np.std(followed - stage) < 0.2 * NOISE
@@ -96,8 +96,8 @@ def test_rows_far_apart_show_a_stage_that_lags_by_its_bristles_alone(step):
     stage = simulate_midpoint(
         tip,
         rest,
-        Bristles(rest + np.inf, NONE, NONE),
-        Bristles(rest + pads, np.array([stretch]), np.ones(1)),
+        Bristles(rest + np.inf, NO_BRISTLES),
+        Bristles(rest + pads, Elements(np.array([stretch]), np.ones(1), pads)),
         DrivenStage(stiffness, 300.0, 2.0, step),
     )
     expected, bent = np.zeros(tip.size), 0.0

@@ -16,6 +16,7 @@ from sim.numerics.elasto_plastic import (
     smooth_element,
     springs_of,
     sticking_fraction,
+    stretch_along,
 )
 
 STRETCHES = np.array([0.4e-6, 1.5e-6, 2.2e-6, 4e-6])
@@ -33,14 +34,14 @@ def stressed(stress: float) -> Springs:
 def test_the_virgin_curve_passes_its_knots_and_ends_at_the_limit():
     assert np.sum(ELEMENTS.weights) == pytest.approx(1.0, rel=1e-14)
     for stretch, force in zip(STRETCHES, CURVE, strict=True):
-        assert displace(springs_of(ELEMENTS), stretch) == pytest.approx(force, rel=1e-12)
-    assert displace(springs_of(ELEMENTS), 1.0) == pytest.approx(1.0, rel=1e-14)
+        assert displace(springs_of(ELEMENTS), stretch, 1.0) == pytest.approx(force, rel=1e-12)
+    assert displace(springs_of(ELEMENTS), 1.0, 1.0) == pytest.approx(1.0, rel=1e-14)
 
 
 @pytest.mark.parametrize("depth", [0.2e-6, 1.9e-6, 7e-6])
 def test_unloading_is_the_virgin_curve_at_twice_its_size(depth):
-    virgin = displace(springs_of(ELEMENTS), 0.5 * depth)
-    assert displace(stressed(1.0), -depth) == pytest.approx(1.0 - 2.0 * virgin, rel=1e-12)
+    virgin = displace(springs_of(ELEMENTS), 0.5 * depth, 1.0)
+    assert displace(stressed(1.0), -depth, 1.0) == pytest.approx(1.0 - 2.0 * virgin, rel=1e-12)
 
 
 def test_a_curve_that_is_not_concave_gives_no_negative_part():
@@ -52,8 +53,8 @@ def test_displacing_to_a_force_is_the_inverse_of_displacing():
     ahead, back = springs_of(ELEMENTS), springs_of(ELEMENTS)
     total = 0.0
     for step in 2e-6 * random.standard_normal(200):
-        wanted = displace(ahead, step)
-        moved, total = displace_to(back, total, wanted)
+        wanted = displace(ahead, step, 1.0)
+        moved, total = displace_to(back, total, wanted, 1.0)
         assert total == pytest.approx(wanted, abs=1e-12)
         if abs(wanted) < 1.0 - 1e-9:
             assert moved == pytest.approx(step, rel=1e-9, abs=1e-18)
@@ -62,7 +63,7 @@ def test_displacing_to_a_force_is_the_inverse_of_displacing():
 
 def test_beyond_the_limit_there_is_no_displacement_left():
     springs = springs_of(ELEMENTS)
-    moved, total = displace_to(springs, 0.0, 2.0)
+    moved, total = displace_to(springs, 0.0, 2.0, 1.0)
     assert (moved, total) == (pytest.approx(STRETCHES[-1]), pytest.approx(1.0))
     assert springs.force == pytest.approx(springs.limit)
 
@@ -71,25 +72,27 @@ def test_the_mean_force_is_that_at_half_of_the_displacement_and_has_its_tangent(
     springs = stressed(-0.4)
     for displacement in (-3e-6, 0.7e-6, 2.6e-6, 9e-6):
         half = stressed(-0.4)
-        total, tangent = mean_force(springs, 0.0, displacement)
-        assert total == pytest.approx(displace(half, 0.5 * displacement), abs=1e-14)
-        later, _ = mean_force(springs, 0.0, displacement + 1e-10)
+        total, tangent = mean_force(springs, 0.0, displacement, 1.0)
+        assert total == pytest.approx(displace(half, 0.5 * displacement, 1.0), abs=1e-14)
+        later, _ = mean_force(springs, 0.0, displacement + 1e-10, 1.0)
         assert tangent == pytest.approx((later - total) / 1e-10, rel=1e-4, abs=1e-3)
     # A dashpot shares the limit: no force beyond it.
-    assert mean_force(springs, 1e9, 1e-6)[0] == pytest.approx(1.0)
+    assert mean_force(springs, 1e9, 1e-6, 1.0)[0] == pytest.approx(1.0)
 
 
 def test_a_record_is_taken_element_by_element():
-    """Against each element alone, by its stretch: a stop operator."""
+    """Against each element alone: its force, of constant stiffness, within its part of the level."""
     position = np.cumsum(1e-6 * np.random.default_rng(3).standard_normal(300))
     level = 1.0 + 0.2 * np.sin(np.arange(300.0))
     expected = np.zeros(300)
-    for stretch, weight in zip(*ELEMENTS, strict=True):
-        z = np.sign(position[1] - position[0]) * stretch
+    stretches, weights, _ = ELEMENTS
+    for stretch, weight in zip(stretches, weights, strict=True):
+        force = np.sign(position[1] - position[0]) * weight * level[0]
         for i in range(300):
-            z = min(max(z + (position[i] - position[i - 1] if i else 0.0), -stretch), stretch)
-            expected[i] += weight * level[i] * z / stretch
-    assert force_along(position, level, ELEMENTS) == pytest.approx(expected, abs=1e-12)
+            force += 0.9 * weight / stretch * (position[i] - position[i - 1] if i else 0.0)
+            force = min(max(force, -weight * level[i]), weight * level[i])
+            expected[i] += force
+    assert force_along(position, level, ELEMENTS._replace(force=0.9)) == pytest.approx(expected, abs=1e-12)
 
 
 def test_a_bristle_sticks_for_the_part_of_a_step_before_it_yields():
@@ -98,12 +101,13 @@ def test_a_bristle_sticks_for_the_part_of_a_step_before_it_yields():
     assert fraction == pytest.approx([1.0, 0.625, 0.125, 0.5, 1.0])
 
 
-@pytest.mark.parametrize("z", [-0.8e-6, -0.1e-6, 0.3e-6, 0.95e-6])
+@pytest.mark.parametrize("z", [-2.4e-6, -0.8e-6, -0.1e-6, 0.3e-6, 0.95e-6, 1.9e-6])
 @pytest.mark.parametrize("v", [-2e-3, 3e-3])
-def test_the_smooth_law_has_its_own_derivatives(z, v):
-    fixed = 1e-6, 0.7, 300.0
+@pytest.mark.parametrize(("weight", "damping", "force"), [(0.7, 0.0, 1.0), (0.0, 300.0, 0.0)])
+def test_the_smooth_law_has_its_own_derivatives(z, v, weight, damping, force):
+    fixed = 1e-6, weight, damping, force
     direction = np.sign(v)
-    rate, force, rate_z, rate_v, rate_g, force_z, force_v, force_g = smooth_element(z, v, direction, 1.3, *fixed)
+    rate, out, rate_z, rate_v, rate_g, force_z, force_v, force_g = smooth_element(z, v, direction, 1.3, *fixed)
 
     def slope(change: tuple[float, float, float], size: float) -> np.ndarray:
         ends = [
@@ -114,5 +118,15 @@ def test_the_smooth_law_has_its_own_derivatives(z, v):
 
     assert slope((1.0, 0.0, 0.0), 1e-12) == pytest.approx([rate_z, force_z], rel=1e-5, abs=1e-6)
     assert slope((0.0, 1.0, 0.0), 1e-8) == pytest.approx([rate_v, force_v], rel=1e-6)
-    assert slope((0.0, 0.0, 1.0), 1e-5) == pytest.approx([rate_g, force_g], rel=1e-6, abs=1e-9)
-    assert force == pytest.approx(1.3 * 0.7 * z / 1e-6 + 300.0 * rate)
+    assert slope((0.0, 0.0, 1.0), 1e-5) == pytest.approx([rate_g, force_g], rel=1e-5, abs=1e-9)
+    assert out == pytest.approx(force * weight * z / 1e-6 + damping * rate)
+
+
+def test_the_stiffness_of_an_element_does_not_follow_the_limit():
+    """Twice the limit, twice the stretch; and a limit that has fallen lets the force fall onto it."""
+    loaded = force_along(np.array([0.0, 0.0, 0.2e-6]), np.array([1.0, 1.0, 2.0]), ELEMENTS)
+    assert loaded[-1] == pytest.approx(0.2e-6 * np.sum(ELEMENTS.stiffness))
+    fallen = force_along(np.array([0.0, 1e-3, 1e-3]), np.array([2.0, 2.0, 0.5]), ELEMENTS)
+    assert fallen == pytest.approx([2.0, 2.0, 0.5])
+    stretches = stretch_along(np.array([0.0, 1e-3]), np.array([2.0, 2.0]), ELEMENTS)
+    assert stretches[:, 1] == pytest.approx(2.0 * STRETCHES)

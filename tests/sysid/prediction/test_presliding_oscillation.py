@@ -46,10 +46,10 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
     stop = 10.3
     fine, finer = finely(stop, 200), finely(stop, 400)
     scale = STEP**2 / MASS
-    parts = substeps_of(LEVEL, Elements(STRETCHES, WEIGHTS), scale)
+    parts = substeps_of(Elements(STRETCHES, WEIGHTS, LEVEL), scale)
     out = np.full(ROWS, LEVEL)
     onsets, slip = Onsets(np.array([stop]), np.ones(1)), Slip(np.zeros(ROWS), np.zeros(ROWS), 1.0)
-    springs = springs_of(Elements(STRETCHES, WEIGHTS))
+    springs = springs_of(Elements(STRETCHES, WEIGHTS, LEVEL))
     write_presliding_friction(out, onsets, slip, Forces(PUSH, np.full(ROWS, LEVEL)), springs, scale, parts)
     rows = slice(9, 60)
     assert np.max(np.abs(fine[rows] - finer[rows])) < 5e-3
@@ -58,8 +58,8 @@ def test_the_swing_after_a_stop_is_that_of_a_far_finer_integration():
 
 
 def test_contact_too_stiff_for_the_finest_parts_is_left_rigid():
-    assert substeps_of(LEVEL, Elements(1e-12 * STRETCHES, WEIGHTS), STEP**2 / MASS) == 0
-    assert substeps_of(LEVEL, Elements(STRETCHES, WEIGHTS), STEP**2 / MASS) <= MOST_SUBSTEPS
+    assert substeps_of(Elements(1e-12 * STRETCHES, WEIGHTS, LEVEL), STEP**2 / MASS) == 0
+    assert substeps_of(Elements(STRETCHES, WEIGHTS, LEVEL), STEP**2 / MASS) <= MOST_SUBSTEPS
 
 
 @pytest.mark.parametrize("heading", [1.0, -1.0])
@@ -68,7 +68,7 @@ def test_it_ends_where_the_mass_slips_on(heading):
     direction = np.where(np.arange(ROWS) > 120, heading, 0.0)
     out = np.full(ROWS, 7.0)
     onsets, slip = Onsets(np.array([20.0]), np.array([-heading])), Slip(direction, np.zeros(ROWS), 1.0)
-    forces, springs = Forces(push, np.full(ROWS, LEVEL)), springs_of(Elements(STRETCHES, WEIGHTS))
+    forces, springs = Forces(push, np.full(ROWS, LEVEL)), springs_of(Elements(STRETCHES, WEIGHTS, LEVEL))
     write_presliding_friction(out, onsets, slip, forces, springs, STEP**2 / MASS, 8)
     assert np.all(out[:20] == 7.0) and np.all(out[130:] == 7.0)
     # Held until the push is more than the level, then all of it.

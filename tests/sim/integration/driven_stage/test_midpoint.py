@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from sim.integration.driven_stage.inputs import DrivenStage
-from sim.integration.driven_stage.midpoint import Bristles, simulate_midpoint
+from sim.integration.driven_stage.midpoint import NO_BRISTLES, Bristles, simulate_midpoint
+from sim.numerics.elasto_plastic import Elements
 
-NONE, FORCE = np.empty(0), np.ones(1)
+ONE_NANOMETRE = Elements(np.array([1e-9]), np.ones(1), 2.0)
 
 
 def test_midpoint_without_friction_is_a_driven_oscillator():
@@ -20,7 +21,7 @@ def test_midpoint_without_friction_is_a_driven_oscillator():
     tip = np.where(time > 0.0, 1e-7, 0.0)
     forever = np.full(time.size, math.inf)
     x = simulate_midpoint(
-        tip, 0.0 * tip, Bristles(forever, NONE, NONE), Bristles(0.0 * tip, NONE, NONE), DrivenStage(k, c, m, step), 10
+        tip, 0.0 * tip, Bristles(forever, NO_BRISTLES), Bristles(0.0 * tip, NO_BRISTLES), DrivenStage(k, c, m, step), 10
     )
     w, decay = math.sqrt(k / m), c / (2 * m)
     free = math.sqrt(w * w - decay * decay)
@@ -38,8 +39,8 @@ def test_midpoint_slides_as_far_as_the_tip_less_what_the_pads_wind_up():
     x = simulate_midpoint(
         tip,
         0.0 * tip,
-        Bristles(forever, NONE, NONE),
-        Bristles(level, np.array([1e-9]), FORCE),
+        Bristles(forever, NO_BRISTLES),
+        Bristles(level, ONE_NANOMETRE),
         DrivenStage(8e6, 400.0, 3.0, step),
         20,
     )
@@ -49,8 +50,8 @@ def test_midpoint_slides_as_far_as_the_tip_less_what_the_pads_wind_up():
     stuck = simulate_midpoint(
         tip,
         0.0 * tip,
-        Bristles(weak, NONE, NONE),
-        Bristles(level, np.array([1e-9]), FORCE),
+        Bristles(weak, NO_BRISTLES),
+        Bristles(level, ONE_NANOMETRE),
         DrivenStage(8e6, 400.0, 3.0, step),
         20,
     )
@@ -65,8 +66,8 @@ def test_a_lifted_tip_carries_nothing_along():
     x = simulate_midpoint(
         tip,
         0.0 * tip,
-        Bristles(touches, NONE, NONE),
-        Bristles(np.full(1000, 1.0), np.array([1e-9]), FORCE),
+        Bristles(touches, NO_BRISTLES),
+        Bristles(np.full(1000, 1.0), ONE_NANOMETRE),
         DrivenStage(8e6, 400.0, 3.0, step),
         20,
     )

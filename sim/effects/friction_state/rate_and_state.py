@@ -1,0 +1,171 @@
+"""Rate-and-state friction of Dieterich and Ruina, on a contact of constant stiffness.
+
+    friction = k z,    z' = v - w,    |friction| = g (1 + a ln(|w|/v_0))
+    g = force (1 + b ln(1 + v_0 age/L)),    age' = 1 - |v| age/L    (ageing law; other effects change g further)
+
+a is the direct effect: the force rises with the logarithm of the slip rate w. b is the evolution: the level rises with
+the age of the contacts. In steady sliding below v_0 the force falls with the speed where b is larger than a, which is
+the condition of stick-slip. The first line is regularised, w = 2 v_0 sinh(friction/(a g)) exp(-1/a): so w is zero
+without force, and the contact creeps under any.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from sim.effects.friction_state.lugre import FORCE, RELEASE, STIFFNESS, scale, stored
+from sim.library.effect import Axis, Effect, Parameter, Scan
+from sim.library.friction_state import FrictionStateModel
+from sim.numerics.compilation import compiled
+from sim.numerics.record_operators import contact_age
+
+MOST = 30.0
+"""Exponent beyond which the slip rate is continued linearly."""
+
+
+def level(axis: Axis, p: Any) -> Any:
+    return p.force * (1.0 + p.evolution * np.log(1.0 + p.velocity * axis.contact_age / p.memory_length))
+
+
+def level_by_age(axis: Axis, p: Any) -> Any:
+    return p.force * p.evolution * p.velocity / (p.memory_length + p.velocity * axis.contact_age)
+
+
+def memory(axis: Axis, p: Any) -> Axis:
+    gone = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(axis.position)))])
+    return axis._replace(contact_age=contact_age(np.ascontiguousarray(axis.time), gone, p.memory_length))
+
+
+def law(k: int, z: float, v: float, direction: float, g: float, p: Any) -> tuple[float, float]:
+    force = p.stiffness * z
+    if g <= 0.0:
+        return -z / RELEASE, 0.0
+    ahead, back = (force / g - 1.0) / p.direct, (-force / g - 1.0) / p.direct
+    slip = math.exp(ahead) if ahead <= MOST else math.exp(MOST) * (1.0 + ahead - MOST)
+    slip -= math.exp(back) if back <= MOST else math.exp(MOST) * (1.0 + back - MOST)
+    return v - p.velocity * slip, force
+
+
+def slopes(
+    k: int, z: float, v: float, direction: float, g: float, p: Any
+) -> tuple[float, float, float, float, float, float]:
+    if g <= 0.0:
+        return -1.0 / RELEASE, 0.0, 0.0, 0.0, 0.0, 0.0
+    force = p.stiffness * z
+    ahead, back = (force / g - 1.0) / p.direct, (-force / g - 1.0) / p.direct
+    steep = p.velocity * (math.exp(min(ahead, MOST)) + math.exp(min(back, MOST))) / (p.direct * g)
+    return -steep * p.stiffness, 1.0, steep * force / g, p.stiffness, 0.0, 0.0
+
+
+@compiled
+def _log_sum(a: float, b: float) -> float:
+    """ln(e^a + e^b)."""
+    most = max(a, b)
+    return most + math.log1p(math.exp(min(a, b) - most)) if most > -math.inf else most
+
+
+@compiled
+def _after(force: float, g: float, way: float, rest: float, width: float) -> tuple[float, float]:
+    """Force, never negative, after a displacement with constant velocity, and the displacement left once it is zero.
+
+    With E = exp((g - force)/A) the law is linear, E' = (k/A) (v_0 - v E), for forces in one direction.
+
+    Args:
+        force: at the start, N.
+        g: level, N.
+        way: k times the displacement, N; below zero where it unloads.
+        rest: k v_0 times the time, N.
+        width: A = a g, N.
+    """
+    q = way / width
+    start, gain = (g - force) / width, rest / width
+    if abs(q) > 1e-9:
+        gain = gain * -math.expm1(-q) / q
+    end = g - width * _log_sum(start - q, math.log(gain) if gain > 0.0 else -math.inf)
+    if end >= 0.0 or way >= 0.0:
+        return max(end, 0.0), 0.0
+    # Unloading to zero is elastic but for a small slip.
+    return 0.0, min(0.0, way + force)
+
+
+@compiled
+def _forces(
+    dx: np.ndarray, dt: np.ndarray, level: np.ndarray, stiffness: float, direct: float, v0: float
+) -> np.ndarray:
+    out = np.zeros(level.size)
+    held = 0.0
+    for i in range(level.size):
+        # The first row: take the first interval to have been going on before it.
+        j = max(i - 1, 0)
+        way, rest = (stiffness * dx[j], stiffness * v0 * dt[j]) if level.size > 1 else (0.0, 0.0)
+        g = level[i]
+        if g <= 0.0:
+            held = 0.0
+        else:
+            side = 1.0 if held > 0.0 or (held == 0.0 and way >= 0.0) else -1.0
+            if side * way == 0.0 and held == 0.0:
+                out[i] = 0.0
+                continue
+            force, left = _after(side * held, g, side * way, rest, direct * g)
+            held = side * force
+            if left != 0.0:
+                force, _ = _after(0.0, g, -left, rest * left / (side * way), direct * g)
+                held = -side * force
+        out[i] = held
+    return out
+
+
+def along(position: np.ndarray, velocity: np.ndarray, time: np.ndarray, level: np.ndarray, p: Any) -> np.ndarray:
+    """Exact over each interval, of constant velocity and level, but for the slip at forces of a few A."""
+    dx, dt = (np.diff(np.ascontiguousarray(a, dtype=float)) for a in (position, time))
+    g = np.ascontiguousarray(level, dtype=float)
+    return _forces(dx, dt, g, float(p.stiffness), float(p.direct), float(p.velocity))
+
+
+EFFECT = Effect(
+    name="rate_and_state",
+    meaning="friction that rises with the logarithm of the slip rate and with the age of the contacts (creep included)",
+    equation="friction = k z,  z' = v - 2 velocity sinh(friction/(direct level)) exp(-1/direct);\n"
+    "level = force (1 + evolution ln(1 + velocity age/memory_length)),  age' = 1 - |v| age/memory_length",
+    shows="after a step of the speed the force jumps up by direct ln(ratio), then decays by evolution ln(ratio) over "
+    "the memory length; at rest the force relaxes with the logarithm of time",
+    dissipation="Passive: the stiffness is constant, and the slip always has the direction of the force.",
+    source="Dieterich, J. Geophys. Res. 84 (1979) 2161; Ruina, J. Geophys. Res. 88 (1983) 10359; regularised: Rice, "
+    "Lapusta, Ranjith, J. Mech. Phys. Solids 49 (2001) 1865",
+    parameters=(
+        FORCE,
+        STIFFNESS,
+        Parameter(
+            *("direct", "1", 0.01, 1e-3, 0.2, "a: rise of the force per e-fold of slip rate, over `force`"),
+            source="Marone 1998: 0.005 to 0.015 of a friction coefficient of 0.6",
+            role="shape",
+            natural="both",
+        ),
+        Parameter(
+            *("evolution", "1", 0.015, 0.0, 0.5, "b: rise of the level per e-fold of age, over `force`"),
+            source="Marone 1998: as a",
+        ),
+        Parameter(
+            *("velocity", "m/s", 1e-3, 1e-9, 10.0, "v_0: slip rate at which the friction is the level"),
+            source="chosen: a reference",
+            role="reference",
+            fixed=True,
+        ),
+        Parameter(
+            *("memory_length", "m", 1e-5, 1e-9, 1e3, "L: sliding distance that renews the contacts"),
+            source="1-100 um in metals: Dieterich 1979",
+            role="shape",
+            scan=Scan("position", 1e-4, 0.1, 8),
+            natural="low",
+        ),
+    ),
+    coordinates=("velocity", "contact_age", "distance_since_reversal"),
+    level=level,
+    slopes={"level.contact_age": level_by_age},
+    memory=memory,
+    friction_state=FrictionStateModel("rate_and_state", law, slopes, along, scale, stored=stored),
+    acts_on="friction",
+)

@@ -1,0 +1,195 @@
+"""No friction model returns energy over a closed cycle of position, speed, load and temperature."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.effects.catalogue import find, library
+from sim.effects.model import compose
+from sim.integration import drive
+from sim.integration.simulate import simulate
+from sim.library.effect import Axis, Effect
+
+EVERY = [law for effect in library().values() for law in (effect, *effect.variants)]
+CORES = [name for name, effect in library().items() if effect.friction_state is not None]
+PASSIVE = [name for name in CORES if name not in ("lugre", "elasto_plastic")]
+FRICTION = [law for law in EVERY if law.acts_on in ("friction", "memory") and law.friction_state is None]
+FORCES = [law for law in EVERY if law.acts_on in ("friction", "axis") and law.force is not None]
+NEEDS_DRAG = {"direction_asymmetry": "viscous", "temperature_dependent_friction:lubricated": "drag"}
+
+
+def heat(name: str, v: float, g: float, z: float, k: int = 0) -> float:
+    """Power into element k of a core less the rise of its spring's energy, W; and that energy is the spring's alone."""
+    core, p = find(name).friction_state, find(name).values()
+    rate, force = core.law(k, z, v, math.copysign(1.0, v), g, p)
+    step = 1e-3 * core.scale(p)  # the energy is quadratic: a central difference is exact
+    rise = (core.stored(k, z + step, g, p) - core.stored(k, z - step, g, p)) / (2.0 * step)
+    # Were it to depend on the level, a change of the level would change it without work.
+    assert core.stored(k, z, g, p) == core.stored(k, z, 1.7 * g + 0.3, p)
+    return force * v - rise * rate
+
+
+@pytest.mark.parametrize("name", PASSIVE)
+@settings(max_examples=60, deadline=None)
+@given(v=st.floats(-1.0, 1.0), g=st.floats(0.01, 5.0) | st.just(0.0), stretch=st.floats(-5.0, 5.0))
+def test_a_passive_core_gives_no_heat_back_at_any_level(name, v, g, stretch):
+    """At every instant, whatever the stretch: so over any motion under any history of load and temperature."""
+    core, p = find(name).friction_state, find(name).values()
+    for k in range(core.elements(p)):
+        z = stretch * core.scale(p) * (1 + k)
+        assert heat(name, v, g, z, k) >= -1e-9 * (1.0 + abs(v))
+
+
+@settings(max_examples=60, deadline=None)
+@given(part=st.floats(-1.0, 1.0), g=st.floats(0.01, 5.0), stretch=st.floats(-5.0, 5.0))
+def test_damped_bristles_are_passive_up_to_four_g_over_a1(part, g, stretch):
+    for name in ("lugre", "elasto_plastic"):
+        p = find(name).values()
+        assert heat(name, part * 4.0 * g / p.damping, g, stretch * g / p.stiffness) >= -1e-9 * g
+
+
+@settings(max_examples=50, deadline=None)
+@given(v=st.floats(-50.0, 50.0), g=st.floats(0.01, 5.0), stretch=st.floats(-1.0, 1.0))
+def test_elasto_plastic_bristles_are_passive_at_any_speed_unless_the_level_falls(v, g, stretch):
+    p = find("elasto_plastic").values()
+    assert heat("elasto_plastic", v, g, stretch * g / p.stiffness) >= -1e-9 * g * (1.0 + abs(v))
+
+
+def work_of_cycles(model_effects: list[str | Effect], values: dict[str, float], axis: Axis, start: int) -> float:
+    """Work on the friction, J, from row `start` to the end: whole cycles, after the first has settled."""
+    model = compose(model_effects, values)
+    for effect, p in zip(model.effects, model.values):
+        axis = effect.memory(axis, p) if effect.memory is not None else axis
+    level = np.maximum(model.level(axis), 0.0)
+    state, p = model.state_effect, dict(zip(model.names, model.values))
+    assert state is not None
+    along = state.friction_state.along_record
+    force = along(axis.position, axis.velocity, axis.time, level, p[state.name])
+    return float(np.sum(force[start:] * np.diff(axis.position)[start - 1 :]))
+
+
+def axis_of(times: np.ndarray, position: np.ndarray, load: np.ndarray, temperature: np.ndarray) -> Axis:
+    """Axis along a motion whose velocity is that of the interval before each row."""
+    velocity = np.diff(position) / np.diff(times)
+    velocity = np.append(velocity[:1], velocity)
+    direction = np.where(velocity != 0.0, np.sign(velocity), 1.0)
+    gone = np.append(0.0, np.cumsum(np.abs(np.diff(position))))
+    zero = np.zeros(times.size)
+    return Axis(times, position, velocity, zero, load, temperature, zero, gone, gone, direction)
+
+
+def loop(size: float, out: float, back: float, load_out: float = 1.0, load_back: float = 1.0) -> Axis:
+    """Three cycles out at one speed and load, and back at others; sizes in m, m/s, N."""
+    rows = 400
+    steps = np.concatenate([np.full(rows, size / rows), np.full(rows, -size / rows)])
+    times = np.concatenate([np.full(rows, size / rows / out), np.full(rows, size / rows / back)])
+    load = np.concatenate([np.full(rows, load_out), np.full(rows, load_back)])
+    position, time = (np.append(0.0, np.cumsum(np.tile(a, 3))) for a in (steps, times))
+    load = np.append(load_out, np.tile(load, 3))
+    return axis_of(time, position, load, np.full(load.size, 20.0))
+
+
+@pytest.mark.parametrize("core", CORES)
+@pytest.mark.parametrize("size", [2e-6, 4e-6, 8e-6])
+def test_a_loop_out_fast_and_back_slowly_dissipates(core, size):
+    """A Stribeck curve makes the level 1.5 times as high on the way back."""
+    axis = loop(size, 5e-3, 5e-5)
+    rows = (axis.time.size - 1) // 3
+    assert work_of_cycles([core, "stribeck"], {}, axis, 1 + rows) > 0.0
+
+
+@pytest.mark.parametrize("core", CORES)
+@pytest.mark.parametrize(("load_out", "load_back"), [(0.8, 1.2), (1.2, 0.8), (0.0, 2.0), (2.0, 0.0)])
+def test_a_loop_out_and_back_under_another_load_dissipates(core, load_out, load_back):
+    axis = loop(4e-6, 1e-3, 1e-3, load_out, load_back)
+    rows = (axis.time.size - 1) // 3
+    assert work_of_cycles([core, "load_dependent_friction"], {}, axis, 1 + rows) > 0.0
+
+
+def random_cycle(seed: int) -> Axis:
+    """Three equal cycles of position, load and temperature, from random harmonics, at random speeds."""
+    random = np.random.default_rng(seed)
+    rows = 1200
+    phase = 2.0 * np.pi * np.arange(3 * rows + 1) / rows
+
+    def wave(harmonics: int) -> np.ndarray:
+        """Of size one."""
+        a, b = random.standard_normal((2, harmonics))
+        n = np.arange(1, harmonics + 1)[:, None]
+        found = a @ np.sin(n * phase) + b @ np.cos(n * phase)
+        return found / np.max(np.abs(found))
+
+    position = 10.0 ** random.uniform(-6.5, -4.0) * wave(5)
+    pace = np.exp(2.5 * wave(3))  # time of a row over its mean: speeds over two decades
+    period = 10.0 ** random.uniform(-1.5, 1.5)
+    times = np.append(0.0, np.cumsum(pace[:-1])) * period / rows
+    return axis_of(times, position, 1.0 + random.uniform(0.0, 1.0) * wave(3), 20.0 + 10.0 * wave(2))
+
+
+GIVEN = {
+    "temperature_dependent_friction.coefficient": -0.03,
+    "temperature_dependent_friction:exponential.coefficient": 0.05,
+    "temperature_dependent_friction:lubricated.coefficient": 0.05,
+    "stribeck.velocity": 1e-4,
+}
+
+
+@pytest.mark.parametrize("core", CORES)
+@pytest.mark.parametrize("law", FRICTION, ids=lambda law: law.name)
+def test_no_effect_on_the_level_lets_a_core_return_energy(core, law):
+    for seed in range(3):
+        axis = random_cycle(seed)
+        rows = (axis.time.size - 1) // 3
+        values = {key: value for key, value in GIVEN.items() if key.rpartition(".")[0] == law.name}
+        assert work_of_cycles([core, law], values, axis, 1 + rows) > 0.0
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_all_effects_on_the_level_together_let_no_core_return_energy(core):
+    laws = ["stribeck", "load_dependent_friction", "temperature_dependent_friction", "position_dependent_friction"]
+    for seed in range(20):
+        axis = random_cycle(100 + seed)
+        rows = (axis.time.size - 1) // 3
+        values = {"position_dependent_friction.pitch": 1e-5, **{k: v for k, v in GIVEN.items() if ":" not in k}}
+        assert work_of_cycles([core, *laws], values, axis, 1 + rows) > 0.0
+
+
+@pytest.mark.parametrize("law", FORCES, ids=lambda law: law.name)
+def test_a_force_returns_no_energy_over_a_cycle(law):
+    """Those that change a drag are taken together with that drag, as `dissipation` says."""
+    for seed in range(3):
+        axis = random_cycle(200 + seed)
+        p = law.values()
+        force = law.force(axis, p)
+        if law.name in NEEDS_DRAG:
+            p = p._replace(viscous=1.0) if law.name == "direction_asymmetry" else p
+            force = law.force(axis, p) + getattr(p, NEEDS_DRAG[law.name]) * axis.velocity
+        rows = (axis.time.size - 1) // 3
+        mean = 0.5 * (force[1:] + force[:-1]) if law.acts_on == "axis" else force[1:]
+        done = mean[rows:] * np.diff(axis.position)[rows:]
+        assert np.sum(done) >= -1e-4 * np.sum(np.abs(done))
+        assert law.dissipation
+
+
+@pytest.mark.parametrize("core", CORES)
+def test_an_integrated_loop_under_a_changing_load_dissipates(core):
+    """A wave of 6 um under a load of twice its frequency, which is high on the way back near one end."""
+    time = np.linspace(0.0, 3.0, 1201)
+    load = 1.0 + 0.9 * np.sin(4.0 * np.pi * time + 0.7)
+    model = compose([core, "stribeck", "load_dependent_friction"], {"stribeck.velocity": 1e-5})
+    motion = drive.sinusoidal_velocity(6e-6 * np.pi, 1.0, 0.0)
+    run = simulate(model, motion, time, load=load, energy=True)
+    assert run.core_work[-1] - run.core_work[400] > 0.0
+    rise = np.diff(run.core_work - run.stored)
+    assert np.min(rise) >= -1e-6 * np.max(run.stored)
+
+
+def test_every_core_and_force_states_its_dissipation():
+    for law in EVERY:
+        if law.friction_state is not None or (law.force is not None and law.acts_on in ("friction", "axis")):
+            assert law.dissipation, law.name
