@@ -28,6 +28,8 @@ def main() -> None:
     import os
     import sys
 
+    # Processes started from here import nothing from the working folder, which may hold somebody else's files.
+    os.environ.setdefault("PYTHONSAFEPATH", "1")
     # Closed streams (`>&-`) are None, and what is printed goes nowhere.
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:

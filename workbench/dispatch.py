@@ -14,7 +14,7 @@ from importlib import import_module
 import click
 
 from stagecad import __version__
-from stagecad.parameters.errors import InputError, ViolationsError, nearest, one_line
+from stagecad.parameters.errors import InputError, PartError, ViolationsError, nearest, one_line
 
 COMMANDS = {
     "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
@@ -99,6 +99,14 @@ def run_line(arguments: Sequence[str]) -> int:
         return 2
     except InputError as error:
         sys.stderr.write(f"stagecad: {error}\n")
+        return 2
+    except PartError as error:
+        from workbench.machine.refusal import refusal_line
+
+        line = refusal_line(error)
+        if line is None:
+            raise
+        sys.stderr.write(f"stagecad: {one_line(line)}\n")
         return 2
     except MemoryError:
         sys.stderr.write("stagecad: there is not enough memory; give shorter records, or fewer of them\n")

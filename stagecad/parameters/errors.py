@@ -59,6 +59,23 @@ class ViolationsError(InputError):
         return InputError, (str(self),)
 
 
+class PartError(ValueError):
+    """A part of which the CAD kernel makes no valid solid.
+
+    Args:
+        part: its name.
+        design: of which it was to be made.
+        reason: the kernel's.
+    """
+
+    def __init__(self, part: str, design: Any, reason: str) -> None:
+        super().__init__(f"part '{part}': {reason}")
+        self.part, self.design, self.reason = part, design, reason
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return PartError, (self.part, self.design, self.reason)
+
+
 def nearest(name: str, allowed: Iterable[str]) -> str:
     """Ending of an error message that names the nearest valid name, or all of them when none is near.
 

@@ -68,9 +68,10 @@ def read_parameter_file(path: str | Path | None = None) -> ParameterFile:
         return _packaged()
     name = str(path)
     try:
-        if Path(path).stat().st_size > _LARGEST:
+        with Path(path).open("rb") as stream:
+            data = stream.read(_LARGEST + 1)
+        if len(data) > _LARGEST:
             raise InputError(f"{name}: is too large for a parameter file")
-        data = Path(path).read_bytes()
     except FileNotFoundError:
         raise InputError(f"{name}: no such parameter file") from None
     except IsADirectoryError:
@@ -240,7 +241,7 @@ def _number(entry: FileEntry, declaration: Declaration) -> tuple[float, float | 
     si, std = parse_uncertain(entry.value, declaration.unit, entry.place)
     value = attribute_value(si, declaration.unit)
     if not in_bounds(value, declaration):
-        raise InputError(f"{entry.place}: {quoted(str(entry.value))} {bounds_text(declaration)}")
+        raise InputError(f"{entry.place}: {quoted(str(entry.value))} {bounds_text(declaration, value)}")
     return value, std
 
 
@@ -256,17 +257,20 @@ def attribute_value(si: float, unit: str) -> float:
     return round(value, 9) if unit == "mm" and math.isfinite(value) else value
 
 
-def bounds_text(declaration: Declaration) -> str:
-    """The permitted range of a number, as the end of a message."""
+def bounds_text(declaration: Declaration, value: float) -> str:
+    """The permitted range of a number that `value` is not in, as the end of a message."""
     unit = f" {declaration.unit}" if declaration.unit else ""
     low, high = declaration.low, declaration.high
+    if low > 0.0 and not 0.0 < value < math.inf:
+        return "must be positive, and finite"
     if math.isinf(high):
         if low == 0.0:
             return f"must be {'zero or more' if declaration.closed else 'positive'}, and finite"
         if math.isinf(low):
             return "must be finite"
         return f"must be {'at least' if declaration.closed else 'more than'} {low:g}{unit}, and finite"
-    return f"must lie between {low:g} and {high:g}{unit}"
+    why = f": {declaration.why}" if declaration.why else ""
+    return f"must lie between {low:g} and {high:g}{unit}{why}"
 
 
 def _count(entry: FileEntry, declaration: Declaration) -> int:

@@ -115,7 +115,9 @@ class Resolver:
         value = int(value) if declaration.kind == "count" else attribute_value(to_si(value, unit), unit)
         text = f"{value:.10g} {unit}".strip()
         if not in_bounds(value, declaration):
-            raise InputError(f"{self._file}: {key} becomes {text}, from {formula.text}; it {bounds_text(declaration)}")
+            raise InputError(
+                f"{self._file}: {key} becomes {text}, from {formula.text}; it {bounds_text(declaration, value)}"
+            )
         return Entry(key, text, value, unit, formula.tolerance, f"computed: {formula.text}", declaration.meaning)
 
     def has(self, key: str) -> bool:

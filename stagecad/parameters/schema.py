@@ -29,6 +29,7 @@ class Declaration:
         closed: whether the lower bound is allowed.
         allowed: values of a choice.
         computed: computed from other keys if the file leaves it out.
+        why: reason of the bounds, for messages.
     """
 
     kind: FieldKind
@@ -39,6 +40,7 @@ class Declaration:
     closed: bool = True
     allowed: tuple[str, ...] = ()
     computed: bool = False
+    why: str = ""
 
 
 def _key(declaration: Declaration) -> Any:

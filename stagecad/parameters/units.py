@@ -173,7 +173,8 @@ def _unit(unit: str) -> tuple[float, Dimension]:
                 power = sign * Fraction(match["power"] or "1")
                 factor, exponents = SYMBOLS[symbol]
                 size *= factor ** float(power)
-            except OverflowError:
+            except (OverflowError, ValueError):
+                # Python converts no integer of more than 4300 digits.
                 size = math.inf
             if not 0.0 < size < math.inf:
                 raise InputError(f"{quoted(unit)} is not a unit; its powers overflow")

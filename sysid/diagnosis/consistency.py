@@ -17,8 +17,8 @@ from sysid.prediction.force_balance.measured_motion import motion_warnings
 from sysid.prediction.problem import Problem
 from sysid.signals.masks import filled, runs
 
-OUTLIER_FACTOR, OUTLIER_ROWS, MOST_OUTLIERS = 100.0, 3, 0.001
-"""Distance from the median over that of 99 % of the values from which a few rows in a row are outliers, and the largest
+OUTLIER_FACTOR, OUTLIER_ROWS, MOST_OUTLIERS = 100.0, 3, 0.03
+"""Distance from the median over that of the other values from which a few rows in a row are outliers, and the largest
 share of such rows."""
 
 OPPOSITE = -0.5
@@ -27,6 +27,10 @@ OPPOSITE = -0.5
 EXCHANGED = 0.9
 """Correlation with the other column's signal from which two columns are exchanged, if that with its own is lower than
 one minus this value."""
+
+
+EXCHANGED_ERROR = 0.05
+"""Relative error up to which the integral of a velocity is the position."""
 
 
 def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) -> list[str]:
@@ -45,6 +49,7 @@ def consistency_warnings(problem: Problem, errors: Mapping[str, ChannelMisfit]) 
         found += _outliers(record, measured)
         found += _opposite_signs(record)
         found += _exchanged_tip(record)
+        found += _exchanged_force(record)
     return found
 
 
@@ -78,17 +83,17 @@ def _outliers(record: Record, measured: Sequence[str]) -> list[str]:
             continue
         values = record.channels[channel]
         distance = np.abs(values - np.nanmedian(values))
-        usual = float(np.nanquantile(distance, 0.99))
+        usual = float(np.nanquantile(distance, 1.0 - MOST_OUTLIERS))
         large = distance > OUTLIER_FACTOR * usual
         count = int(large.sum())
-        if usual > 0.0 and 0 < count <= MOST_OUTLIERS * values.size + 1:
+        if usual > 0.0 and count > 0:
             first = int(np.flatnonzero(large)[0])
             if all(stop - start <= OUTLIER_ROWS for start, stop in runs(large)):
                 rows = "row has a value" if count == 1 else "rows have values"
                 found.append(
                     f"{record.name}: {count} {rows} of '{channel}' more than {OUTLIER_FACTOR:.0f} times as far from "
-                    f"the median as 99 % of the others (first {values[first]:.3g} {record.units[channel]} at "
-                    f"{record.time[first]:.6g} s); leave such cells empty"
+                    f"the median as {1.0 - MOST_OUTLIERS:.0%} of the others (first {values[first]:.3g} "
+                    f"{record.units[channel]} at {record.time[first]:.6g} s); leave such cells empty"
                 )
     return found
 
@@ -130,6 +135,24 @@ def _exchanged_tip(record: Record) -> list[str]:
         return [
             f"{record.name}: 'tip_x' follows voltage_1 + voltage_2, and 'tip_y' their difference: exchanged columns"
         ]
+    return []
+
+
+def _exchanged_force(record: Record) -> list[str]:
+    """Columns of velocity and force that are exchanged: the integral of the 'force' is the position."""
+    channels = record.channels
+    force = next((name for name in ("friction_force", "drive_force") if name in channels), None)
+    if force is None or not {"position", "velocity"} <= channels.keys():
+        return []
+    position = _centred(channels["position"])
+    steps = np.diff(record.time, prepend=record.time[0])
+    own, other = (_centred(np.cumsum(filled(channels[name])[0] * steps)) for name in ("velocity", force))
+
+    def is_position(integral: np.ndarray) -> bool:
+        return bool(np.linalg.norm(integral - position) < EXCHANGED_ERROR * np.linalg.norm(position))
+
+    if is_position(other) and not is_position(own):
+        return [f"{record.name}: 'position' is the integral of '{force}', not of 'velocity': exchanged columns"]
     return []
 
 

@@ -11,6 +11,8 @@ from stagecad.parameters.errors import InputError, nearest
 from stagecad.parameters.units import parse_quantity, unit_dimension
 from sysid.experiment.rigs import CHANNELS, RigKind
 
+LONGEST_LABEL = 200
+"""Longest header cell that may hold a unit; the pattern takes a time that grows with the square of the length."""
 _LABEL = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]\s*)?")
 
 
@@ -45,7 +47,7 @@ class Source:
 
 def parse_label(index: int, label: str) -> Column:
     """Name and unit of a header cell `name [unit]`; unclosed brackets are part of the name."""
-    match = _LABEL.fullmatch(label)
+    match = _LABEL.fullmatch(label) if len(label) <= LONGEST_LABEL else None
     if match is None:
         return Column(index, label, label.strip(), None)
     return Column(index, label, match["name"], match["unit"])

@@ -13,6 +13,7 @@ import click
 import pytest
 from PIL import Image
 
+from sysid.experiment.experiment import trust_experiment
 from workbench.dispatch import COMMANDS, stagecad
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -84,6 +85,7 @@ def test_python_of_the_readme_runs(
 ) -> None:
     (block,) = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE | re.DOTALL)
     shutil.copytree(ROOT / "examples" / "own_effect", tmp_path / "rig")
+    trust_experiment(tmp_path / "rig")
     monkeypatch.chdir(tmp_path)
     exec(compile(block, "README.md", "exec"), {})
     before, verdict, after = capsys.readouterr().out.splitlines()

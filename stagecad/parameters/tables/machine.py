@@ -10,6 +10,7 @@ from typing import get_type_hints
 from stagecad.parameters.errors import nearest
 from stagecad.parameters.schema import Declaration, declarations
 from stagecad.parameters.tables import alternatives, hardware, parts, physics
+from stagecad.parameters.tables.ranges import with_range
 
 MATERIALS = "materials"
 """The table that has one sub-table for each material; its names are free."""
@@ -77,7 +78,7 @@ def schema(materials: tuple[str, ...] = ("NAME",)) -> dict[str, Declaration]:
     """Every key that a parameter file with these materials may contain, with its declaration."""
     tables = {**_tables(), **{f"{MATERIALS}.{name}": physics.Material for name in materials}}
     return {
-        f"{prefix}.{name}": declaration
+        f"{prefix}.{name}": with_range(f"{prefix}.{name}", declaration)
         for prefix, table in tables.items()
         for name, declaration in declarations(table).items()
     }

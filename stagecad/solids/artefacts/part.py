@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from stagecad.parallel import parallel_map
 from stagecad.parameters.dimension import Datum
+from stagecad.parameters.errors import InputError, PartError
 from stagecad.solids.artefacts.store import Artefact, ArtefactStore
 from stagecad.solids.modelling.mass import Geometry, geometry_of
 from stagecad.solids.modelling.placed_shape import Colour, colour_of
@@ -107,13 +108,18 @@ def build_part(store: ArtefactStore, name: str, design: Any) -> BuiltPart:
     """The part from the cache, or built now.
 
     Raises:
-        ValueError: the result is not one valid closed solid.
+        PartError: the CAD kernel makes no valid closed solid of these dimensions.
     """
 
     def make(tracked: Any, folder: Path) -> None:
         part: Any = part_definition(name)
-        solid = part.build(tracked)
-        _require_solid(name, solid)
+        try:
+            solid = part.build(tracked)
+            _require_solid(name, solid)
+        except InputError:
+            raise
+        except Exception as error:  # the kernel raises a dozen kinds
+            raise PartError(name, design, f"{type(error).__name__}: {error}") from error
         material = part.material(tracked)
         datums = {key: asdict(datum) for key, datum in part.datums(tracked).items()}
         geometry = geometry_of(solid)

@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
 from stagecad.parameters.tracking import AccessPath, TrackedDesign, path_text, value_at
 from stagecad.private import cache_root
 from stagecad.solids.artefacts.source_digest import source_digest, versions
@@ -184,7 +185,7 @@ class ArtefactStore:
 
     def _remove_oldest(self, keep: str) -> None:
         """Remove the least recently used artefacts beyond the size limit, and temporary folders of aborted runs."""
-        largest = int(os.environ.get("STAGECAD_CACHE_MAX") or LARGEST)
+        largest = _size_limit()
         now = time.time()
         found: list[tuple[float, int, Path]] = []
         for folder in (self.folder / "entries").iterdir():
@@ -205,6 +206,13 @@ class ArtefactStore:
         reads = sorted((path for path in (self.folder / "reads").glob("*")), key=lambda path: path.stat().st_mtime)
         for path in reads[: max(0, len(reads) - 2000)]:
             path.unlink(missing_ok=True)
+
+
+def _size_limit() -> int:
+    text = os.environ.get("STAGECAD_CACHE_MAX") or str(LARGEST)
+    if not text.isdecimal() or len(text) > 18:
+        raise InputError(f"STAGECAD_CACHE_MAX = '{text}' is no number of bytes; write it like {LARGEST}")
+    return int(text)
 
 
 def sha256(data: bytes) -> str:

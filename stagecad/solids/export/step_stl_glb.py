@@ -1,8 +1,9 @@
 """STEP, STL and GLB as bytes, reproducible for the same solid.
 
-OCCT writes the time of day into the STEP header and a counter of its exports within the process into one PRODUCT line
-per file; both are made constant here. STL and GLB are written from the mesh: GLB with a material that is not metallic
-(viewers show a metallic one black), lengths in metres and y up, as required by glTF 2.0 section 3.4.
+OCCT writes the time of day into the STEP header, a counter of its exports within the process into one PRODUCT line per
+file, and the colours in the order of addresses in memory. All three are made constant here. STL and GLB are written
+from the mesh: GLB with a material that is not metallic (viewers show a metallic one black), lengths in metres and y up,
+as required by glTF 2.0 section 3.4.
 """
 
 # The kernel's Python bindings are compiled and carry no names that a type checker could see.
@@ -28,6 +29,7 @@ from stagecad.solids.modelling.placed_shape import Colour, PlacedShape
 if TYPE_CHECKING:
     from OCP.TopoDS import TopoDS_Shape
 
+PRESENTATION = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION"
 TIME_STAMP = "2000-01-01T00:00:00"
 ROUGHNESS = 0.7
 
@@ -198,7 +200,7 @@ def step_bytes(name: str, placed: Sequence[PlacedShape], solids: dict[str, TopoD
         if writer.Write(str(path)) != IFSelect_RetDone:
             raise ValueError(f"'{name}' could not be written as STEP")
         text = path.read_text("utf-8")
-    return constant_text(text, name).encode()
+    return ordered_styles(constant_text(text, name)).encode()
 
 
 def constant_text(text: str, name: str) -> str:
@@ -215,6 +217,37 @@ def constant_text(text: str, name: str) -> str:
     return re.sub(
         r"NEXT_ASSEMBLY_USAGE_OCCURRENCE\('\d+'", lambda _: f"NEXT_ASSEMBLY_USAGE_OCCURRENCE('{next(number)}'", text
     )
+
+
+def ordered_styles(text: str) -> str:
+    """A STEP text with its presentations in the order of the shapes that they colour.
+
+    They are the last entities of the file: MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION (ISO 10303-46), each
+    followed by the styles that only it refers to, and by a colour where that is the first to use it. They are written
+    again from each presentation down, with new numbers.
+    """
+    first = re.search(rf"^#\d+ = {PRESENTATION}", text, re.MULTILINE)
+    if first is None:
+        return text
+    end = text.index("ENDSEC;", first.start())
+    found = re.findall(r"#(\d+) = (.*?);\n", text[first.start() : end], re.DOTALL)
+    entities = {number: re.sub(r"\n\s*", "", body) for number, body in found}
+    roots = [number for number, body in entities.items() if body.startswith(PRESENTATION)]
+    roots.sort(key=lambda number: int(re.findall(r"#(\d+)", entities[number])[-1]))
+    order: dict[str, int] = {}
+    lowest = min(int(number) for number in entities)
+    pending = roots[::-1]
+    while pending:
+        number = pending.pop()
+        if number in entities and number not in order:
+            order[number] = lowest + len(order)
+            pending += reversed(re.findall(r"#(\d+)", entities[number]))
+
+    def renumbered(body: str) -> str:
+        return re.sub(r"#(\d+)", lambda one: f"#{order.get(one[1], one[1])}", body)
+
+    lines = [f"#{place} = {renumbered(entities[number])};\n" for number, place in order.items()]
+    return text[: first.start()] + "".join(lines) + text[end:]
 
 
 def transformation(frame: Frame) -> Any:

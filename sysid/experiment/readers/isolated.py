@@ -68,9 +68,14 @@ def _ask(kind: str, data: bytes, name: str, indices: list[int] | None) -> Answer
     from stagecad.parallel import THREAD_VARIABLES
 
     request = json.dumps([kind, name, indices, os.getpid()])
-    environment = {**os.environ, **dict.fromkeys(THREAD_VARIABLES, "1"), "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment = {
+        **os.environ,
+        **dict.fromkeys(THREAD_VARIABLES, "1"),
+        "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
+    }
     environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"
-    command = [sys.executable, "-c", f"from {__name__} import answer; answer()", request]
+    # -P: nothing is imported from the working folder, which may be the experiment's.
+    command = [sys.executable, "-P", "-c", f"from {__name__} import answer; answer()", request]
     ended = subprocess.run(command, input=data, capture_output=True, env=environment, check=False)
     if ended.returncode == -getattr(signal, "SIGXCPU", 0):
         raise InputError(f"{name}: is not read within {SECONDS} s")

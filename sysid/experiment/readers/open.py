@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 from stagecad.parameters.errors import InputError
@@ -23,7 +24,10 @@ def open_record_file(path: Path | MemoryTable, name: str) -> RecordFile:
     if suffix not in SUFFIXES and not is_folder(path):
         raise InputError(f"{shown_path(name)}: '{suffix}' is no record format; allowed: .csv, .parquet, .mat")
     kind = SUFFIXES.get(suffix, "CSV")
-    opened = CsvFile(path, name) if kind == "CSV" else IsolatedFile(path, name, kind)
+    try:
+        opened = CsvFile(path, name) if kind == "CSV" else IsolatedFile(path, name, kind)
+    except csv.Error as error:
+        raise InputError(f"{shown_path(name)}: not readable as CSV: {error}") from None
     if len(opened.labels) > MOST_COLUMNS:
         raise InputError(f"{shown_path(name)}: has {len(opened.labels)} columns; at most {MOST_COLUMNS} are read")
     return opened

@@ -14,7 +14,7 @@ from sysid.estimation.misfit import ChannelMisfit
 from sysid.experiment.record import Record
 from sysid.prediction.problem import Problem, load_problem
 from sysid.report import comparison_json
-from tests.sysid.slide import NOISE, SIGN, TIME, slide
+from tests.sysid.slide import NOISE, SIGN, TIME, VELOCITY, slide
 
 FORCE = 1.5 * SIGN
 
@@ -76,7 +76,10 @@ def test_a_constant_measured_channel(tmp_path: Path) -> None:
     assert "'friction_force' is 0.25 SI in every row" in line
 
 
-@pytest.mark.parametrize("rows,warned", [([700], True), ([700, 1500], True), (list(range(700, 720)), False)])
+@pytest.mark.parametrize(
+    "rows,warned",
+    [([700], True), ([700, 1500], True), (list(range(700, 720)), False), (list(range(700, 2500, 72)), True)],
+)
 def test_outliers_by_orders_of_magnitude(tmp_path: Path, rows: list[int], warned: bool) -> None:
     problem = slide(tmp_path, FORCE, '"coulomb"', held_out=True)
     force = problem.records[0].channels["friction_force"].copy()
@@ -117,6 +120,15 @@ def test_exchanged_columns(tmp_path: Path) -> None:
     force = 5000.0 * (pull - body)
     assert lines({"pull_position": pull, "position": body, "spring_force": force}) == []
     assert "exchanged" in lines({"pull_position": body, "position": pull, "spring_force": force})[0]
+
+
+def test_exchanged_columns_of_velocity_and_force(tmp_path: Path) -> None:
+    problem = slide(tmp_path, FORCE + 20.0 * VELOCITY, '"coulomb", "viscous"', held_out=True)
+    right = dict(problem.records[0].channels)
+    assert consistency_warnings(_with_records(problem, right), {}) == []
+    wrong = {**right, "velocity": right["friction_force"], "friction_force": right["velocity"]}
+    found = consistency_warnings(_with_records(problem, wrong), {})
+    assert any("'position' is the integral of 'friction_force', not of 'velocity'" in line for line in found)
 
 
 def test_warnings_are_in_the_document(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import sys
 from contextlib import suppress
@@ -46,12 +47,11 @@ def test_a_reader_that_crashes_is_a_damaged_file(tmp_path: Path, monkeypatch: py
 def test_a_small_file_of_many_gigabytes_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     data = _mat(tmp_path / "fit.mat", time=T, zeros=np.zeros(30_000_000))
     assert len(data) < 400_000
-    monkeypatch.setattr(isolated, "MEMORY", 1)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     code = f"import {isolated.__name__}; {isolated.__name__}.MEMORY = 500 * 1024**2; {isolated.__name__}.answer()"
     real = isolated.subprocess.run
     monkeypatch.setattr(
-        isolated.subprocess, "run", lambda command, **given: real([*command[:2], code, *command[3:]], **given)
+        isolated.subprocess, "run", lambda command, **given: real([*command[:3], code, *command[4:]], **given)
     )
     with pytest.raises(InputError, match=r"fit\.mat: takes more than 0\.\d+ GB of memory"):
         open_record_file(tmp_path / "fit.mat", "fit.mat")
@@ -90,6 +90,25 @@ def test_damaged_bytes_never_end_in_a_traceback(tmp_path: Path, kind: str) -> No
         with suppress(InputError):
             opened = open_record_file(path, path.name)
             opened.columns(range(len(opened.labels)))
+
+
+def test_the_reader_imports_nothing_from_the_working_folder(tmp_path: Path) -> None:
+    _mat(tmp_path / "fit.mat", time=T)
+    for module in ("json", "numpy", "scipy", "sysid", "signal"):
+        (tmp_path / f"{module}.py").write_text("open('flag', 'w').close()\n")
+    code = (
+        "from pathlib import Path; from sysid.experiment.readers.open import open_record_file;"
+        "print(open_record_file(Path('fit.mat'), 'fit.mat').labels)"
+    )
+    found = isolated.subprocess.run(
+        [sys.executable, "-P", "-c", code],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.getcwd()},
+        capture_output=True,
+        text=True,
+    )
+    assert found.stdout == "['time']\n", found.stderr
+    assert not (tmp_path / "flag").exists()
 
 
 def test_what_is_no_plain_or_too_large_a_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

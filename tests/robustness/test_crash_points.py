@@ -1,0 +1,189 @@
+"""Killed, or with a full disk, at every file operation of every function that writes a user's files: old or new."""
+
+from __future__ import annotations
+
+import errno
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.load import load_design, write_values
+from stagecad.solids.artefacts.outputs import write_stored
+from stagecad.solids.artefacts.store import ArtefactStore
+from sysid.experiment.experiment import find_experiment, load_experiment
+from sysid.experiment.history import append_revision, edited_by_hand, read_history, undo
+from tests.robustness.crashing import DONE, KILLED, RAISED, run_until
+from workbench.commands.demo import free_folder, fresh_copy
+
+pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "fork"), reason="needs fork")
+
+TEXT = """# mine
+schema = 1
+[rig]
+kind = "velocity-drive"
+[model]
+effects = ["coulomb"]  # so far
+[[record]]
+file = "fit.csv"
+role = "fit"
+"""
+Action = Callable[[], object]
+MOST = 60
+"""More operations than any of the functions makes."""
+
+
+def every_point(
+    folder: Path, prepare: Callable[[], object], act: Callable[[], object], check: Callable[[int], None]
+) -> int:
+    """Kill `act` at each of its operations in turn, and check what is left; the number of points."""
+    for number in range(MOST):
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        prepare()
+        ended = run_until(number, folder, act)
+        assert ended in (KILLED, DONE)
+        check(number)
+        if ended == DONE:
+            return number
+    raise AssertionError("the function never ended")
+
+
+def full_disk(
+    folder: Path, prepare: Callable[[], object], act: Callable[[], object], check: Callable[[int], None]
+) -> int:
+    """The same with a disk that is full from each third operation on."""
+    for number in range(0, MOST, 3):
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir()
+        prepare()
+        ended = run_until(number, folder, act, errno.ENOSPC, (OSError, InputError))
+        assert ended in (RAISED, DONE)
+        check(number)
+        if ended == DONE:
+            return number
+    raise AssertionError("the function never ended")
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Path:
+    return tmp_path / "rig"
+
+
+def _prepare(rig: Path) -> None:
+    t = np.arange(50) * 0.01
+    rows = "\n".join(f"{a:.6g},{0.01 * np.sin(a):.6g},{np.cos(a):.6g}" for a in t)
+    (rig / "fit.csv").write_text(f"time [s],position [m],friction_force [N]\n{rows}\n")
+    (rig / "experiment.toml").write_text(TEXT)
+
+
+def _add(rig: Path, effect: str) -> None:
+    experiment = load_experiment(rig)
+    starts = {"coulomb.force": (1.3, "N")}
+    append_revision(experiment, (*experiment.effects, effect), starts, {"parameters": {}}, {"parameters": {}}, {})
+
+
+def _consistent(rig: Path, *allowed: tuple[str, ...]) -> None:
+    """Experiment and ladder agree, comments are kept, and the next run works."""
+    now = load_experiment(rig)
+    assert now.effects in allowed
+    assert "# mine" in now.text and "# so far" in now.text
+    rungs = read_history(now)
+    assert not edited_by_hand(now, rungs)
+    assert not rungs or rungs[-1].effects == now.effects
+    _add(rig, "quadratic_drag")
+    again = load_experiment(rig)
+    assert again.effects == (*now.effects, "quadratic_drag")
+    assert len(read_history(again)) == max(len(rungs), 1) + 1
+
+
+@pytest.mark.parametrize("way", [every_point, full_disk])
+def test_an_addition(rig: Path, way: Callable[..., int]) -> None:
+    def check(number: int) -> None:
+        _consistent(rig, ("coulomb",), ("coulomb", "viscous"))
+
+    assert way(rig, lambda: _prepare(rig), lambda: _add(rig, "viscous"), check) >= 8
+
+
+@pytest.mark.parametrize("way", [every_point, full_disk])
+def test_an_undo(rig: Path, way: Callable[..., int]) -> None:
+    def prepare() -> None:
+        _prepare(rig)
+        _add(rig, "viscous")
+
+    def check(number: int) -> None:
+        rungs = len(list(rig.rglob("001*.json")))
+        assert rungs == 1
+        _consistent(rig, ("coulomb",), ("coulomb", "viscous"))
+
+    assert way(rig, prepare, lambda: undo(find_experiment(rig)), check) >= 6
+
+
+@pytest.mark.parametrize("way", [every_point, full_disk])
+def test_values_written_back(tmp_path: Path, way: Callable[..., int]) -> None:
+    folder = tmp_path / "design"
+    file = folder / "stage.toml"
+    text = '# mine\nextends = "thesis"\n[friction]\ncoulomb = {value = "1.2 N", origin = "assumed: a guess"}\n'
+
+    def check(number: int) -> None:
+        assert load_design(file).si("friction.coulomb") in (1.2, 1.3)
+        assert file.read_text().startswith("# mine\n")
+
+    changes = {"friction.coulomb": ("1.3 N", "measured: rig")}
+    assert way(folder, lambda: file.write_text(text), lambda: write_values(file, changes), check) >= 3
+
+
+@pytest.mark.parametrize("way", [every_point, full_disk])
+def test_a_file(tmp_path: Path, way: Callable[..., int]) -> None:
+    folder = tmp_path / "out"
+
+    def check(number: int) -> None:
+        assert (folder / "a.txt").read_text() in ("old", "new")
+
+    assert (
+        way(
+            folder,
+            lambda: (folder / "a.txt").write_text("old"),
+            lambda: atomic_write_text(folder / "a.txt", "new"),
+            check,
+        )
+        >= 3
+    )
+
+
+def test_a_demonstration_leaves_what_it_did_not_make(tmp_path: Path) -> None:
+    folder = tmp_path / "out"
+
+    def prepare() -> None:
+        (folder / "demo").mkdir()
+        (folder / "demo" / "experiment.toml").write_text("my own")
+
+    def check(number: int) -> None:
+        assert (folder / "demo" / "experiment.toml").read_text() == "my own"
+        load_experiment(fresh_copy(free_folder(folder / "demo")))
+
+    assert every_point(folder, prepare, lambda: fresh_copy(free_folder(folder / "demo")), check) >= 5
+
+
+def test_the_cache_gives_whole_artefacts(tmp_path: Path) -> None:
+    folder = tmp_path / "store"
+
+    def make(design: object, made: Path) -> None:
+        (made / "a.bin").write_bytes(b"1" * 1000)
+        (made / "b.bin").write_bytes(b"2" * 1000)
+
+    def act() -> None:
+        entry = ArtefactStore(folder / "cache").make("part", object(), ("stagecad.solids.modelling.frame",), make)
+        write_stored(folder / "out", {"a.bin": entry, "b.bin": entry})
+
+    def check(number: int) -> None:
+        for path in (folder / "out").glob("[!.]*.bin"):
+            assert path.stat().st_size == 1000
+        act()
+        assert sorted(path.name for path in (folder / "out").glob("[!.]*.bin")) == ["a.bin", "b.bin"]
+
+    assert every_point(folder, lambda: None, act, check) >= 8

@@ -1,0 +1,158 @@
+"""Mutated parameter files, overrides, experiments and records: read, or refused in one printable line, in time."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import LONGEST, InputError
+from stagecad.parameters.file import packaged_text
+from stagecad.parameters.load import load_design
+from stagecad.parameters.tables.machine import schema
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.record import load_records
+from tests.robustness.mutation import HOSTILE, count, mutated, mutated_bytes
+
+SLOW = 20.0
+"""Processor time for one input that is taken for a hang, s."""
+
+EXPERIMENT = """schema = 1
+[rig]
+kind = "spring-pull"
+[rig.known]
+mass = "1.79 +- 0.01 kg"
+pull_stiffness = "5752 N/m"
+[model]
+effects = ["coulomb", "viscous", "stribeck"]
+[model.parameters]
+"coulomb.force" = {start = "1.2 N", low = "0.1 N", high = inf}
+"stribeck.velocity" = {start = "2 mm/s", fixed = true}
+[[record]]
+file = "fit.SUFFIX"
+role = "fit"
+from = "0 s"
+to = "20 s"
+columns = {spring_force = "force"}
+units = {spring_force = "N", time = "s", position = "m", pull_position = "m"}
+sign = {spring_force = 1}
+[[record]]
+file = "fit.SUFFIX"
+role = "validate"
+name = "other"
+columns = {spring_force = "force"}
+units = {spring_force = "N", time = "s", position = "m", pull_position = "m"}
+[noise]
+position = "2e-07 m"
+"""
+TIME = np.arange(60) * 0.01
+COLUMNS = {"time": TIME, "pull_position": 0.1 * TIME, "position": 0.1 * TIME**2, "force": np.sin(TIME)}
+
+
+def outcome(read: Callable[[], object]) -> str:
+    """`accepted` or `refused`; anything else raises."""
+    began = time.process_time()
+    try:
+        read()
+        found = "accepted"
+    except InputError as error:
+        line = str(error)
+        assert line.isprintable() and len(line) <= LONGEST, repr(line[:300])
+        found = "refused"
+    assert time.process_time() - began < SLOW
+    return found
+
+
+def parameter_files(folder: Path, number: int, seed: int) -> Counter[str]:
+    """Counts of mutated parameter files and overrides."""
+    random, text, found = np.random.default_rng(seed), packaged_text(), Counter[str]()
+    short = 'extends = "thesis"\n' + "\n".join(text.splitlines()[:60])
+    keys = list(schema())
+    file = folder / "stage.toml"
+    for _ in range(number):
+        kind = random.random()
+        if kind < 0.4:
+            file.write_bytes(mutated(short, random))
+            found[outcome(lambda: load_design(file))] += 1
+        elif kind < 0.5:
+            file.write_bytes(mutated(text, random))
+            found[outcome(lambda: load_design(file))] += 1
+        else:
+            value = str(random.choice([*HOSTILE, f"{10.0 ** random.uniform(-320, 308):.3g} mm", "12 mm"])).strip('"')
+            key = str(random.choice(keys))
+            found[outcome(partial(load_design, None, [f"{key}={value}"]))] += 1
+    return found
+
+
+def experiments(folder: Path, number: int, seed: int, binary: float) -> Counter[str]:
+    """Counts of mutated experiments and records; `binary` is the share of Parquet and MAT files."""
+    random, found = np.random.default_rng(seed), Counter[str]()
+    files = {"csv": _csv().encode(), "parquet": _parquet(folder), "mat": _mat(folder)}
+    for _ in range(number):
+        suffix = str(random.choice(["parquet", "mat"])) if random.random() < binary else "csv"
+        text = EXPERIMENT.replace("SUFFIX", suffix)
+        (folder / f"fit.{suffix}").write_bytes(files[suffix])
+        (folder / "experiment.toml").write_text(text)
+        if suffix == "csv" and random.random() < 0.5:
+            (folder / "experiment.toml").write_bytes(mutated(text, random))
+        elif suffix == "csv":
+            (folder / "fit.csv").write_bytes(mutated(_csv(), random))
+        else:
+            (folder / f"fit.{suffix}").write_bytes(mutated_bytes(files[suffix], random))
+        found[outcome(lambda: _sound(folder))] += 1
+    return found
+
+
+def _sound(folder: Path) -> None:
+    for record in load_records(load_experiment(folder)):
+        assert np.all(np.diff(record.time) > 0.0)
+        assert not any(np.isinf(values).any() for values in record.channels.values())
+
+
+def _csv() -> str:
+    rows = "\n".join(",".join(f"{value:.6g}" for value in row) for row in zip(*COLUMNS.values(), strict=True))
+    return "time [s],pull_position [m],position [m],force [N]\n" + rows + "\n"
+
+
+def _parquet(folder: Path) -> bytes:
+    import pyarrow
+    from pyarrow import parquet
+
+    parquet.write_table(pyarrow.table(COLUMNS), folder / "valid.parquet")
+    return (folder / "valid.parquet").read_bytes()
+
+
+def _mat(folder: Path) -> bytes:
+    from scipy.io import savemat
+
+    savemat(folder / "valid.mat", COLUMNS)
+    return (folder / "valid.mat").read_bytes()
+
+
+def test_parameter_files(tmp_path: Path) -> None:
+    found = parameter_files(tmp_path, 80, 1)
+    assert found["refused"] > 20 and found["accepted"] > 0
+
+
+def test_experiments_and_records(tmp_path: Path) -> None:
+    found = experiments(tmp_path, 80, 2, 0.0)
+    assert found["refused"] > 20 and found["accepted"] > 0
+
+
+@pytest.mark.slow
+def test_many_parameter_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = parameter_files(tmp_path, count(100_000), 11)
+    with capsys.disabled():
+        print(f"\nparameter files and overrides: {sum(found.values())}: {dict(found)}")  # noqa: T201
+
+
+@pytest.mark.slow
+def test_many_experiments_and_records(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    found = experiments(tmp_path, count(50_000), 21, 0.05)
+    with capsys.disabled():
+        print(f"\nexperiments and records: {sum(found.values())}: {dict(found)}")  # noqa: T201
