@@ -58,7 +58,7 @@ _LENGTHS: tuple[tuple[str, float, float, str], ...] = (
     ("height_pin_?.*", 0.05, 300.0, "the pins go into the base"),
     ("teeth.*", 0.05, 1_000.0, "the bars lie between the ways"),
     ("tooth_*", 0.05, 1_000.0, "the bars lie between the ways"),
-    ("magnet.*", 0.5, 300.0, "magnets are glued into a pocket of the stage"),
+    ("magnet.*", 0.1, 300.0, "magnets are glued into a pocket of the stage"),
     ("piezo.*", 0.5, 300.0, "stacks up to 300 mm are sold"),
     ("screws.*", 0.2, 400.0, "screws up to 400 mm are sold"),
     ("set_screw.*", 0.2, 200.0, "set screws up to 200 mm are sold"),
@@ -108,6 +108,9 @@ _BY_UNIT: dict[str, tuple[float, str]] = {
     "": (1e6, "no ratio in the machine is larger"),
 }
 
+OTHERWISE = (1e15, "no quantity of the machine is larger")
+"""Upper bound of a number of another unit."""
+
 
 @cache
 def with_range(key: str, declaration: Declaration) -> Declaration:
@@ -116,8 +119,8 @@ def with_range(key: str, declaration: Declaration) -> Declaration:
         return declaration
     ranges = _LENGTHS if declaration.unit == "mm" else _NUMBERS
     found = next(((low, high, why) for pattern, low, high, why in ranges if fnmatchcase(key, pattern)), None)
-    if found is None and math.isinf(declaration.high) and declaration.unit in _BY_UNIT:
-        found = (declaration.low, *_BY_UNIT[declaration.unit])
+    if found is None and math.isinf(declaration.high):
+        found = (declaration.low, *_BY_UNIT.get(declaration.unit, OTHERWISE))
     if found is None:
         return declaration
     low, high, why = found
