@@ -107,7 +107,9 @@ class SimulatedExperiment:
         """The user's own effects: each file by its place beside the `experiment.toml` of the simulated records."""
         experiment = self.problem.experiment
         return {
-            path.relative_to(experiment.folder).as_posix(): path for path in experiment.custom if isinstance(path, Path)
+            path.resolve().relative_to(experiment.folder.resolve()).as_posix(): path
+            for path in experiment.custom
+            if isinstance(path, Path)
         }
 
     def document(self, suffix: str = "csv") -> dict[str, Any]:
