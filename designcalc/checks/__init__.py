@@ -10,8 +10,10 @@ from designcalc.checks import (
     actuator,
     alternatives,
     budget,
+    clamp,
     contact,
     drive,
+    dynamic,
     height,
     layout,
     sensing,
@@ -42,9 +44,11 @@ SUBJECTS: dict[str, Callable[[Design], list[CheckFunction]]] = {
     "heat and surroundings": thermal.checks,
     "sensors": sensing.checks,
     "height adjustment": height.checks,
+    "clamp": clamp.checks,
     "layout": layout.checks,
     "candidates": alternatives.checks,
     "error budget": budget.checks,
+    "dynamic error budget": dynamic.checks,
 }
 """Checks by subject, in the order of the report."""
 

@@ -14,12 +14,13 @@ from designcalc.bearing.sliding import averaged_roughness
 from designcalc.checks.check import Check, CheckFunction, at_most, show
 from designcalc.drive.friction_drive import resonance
 from designcalc.errors.error_budget import Contribution, budget
-from designcalc.errors.sensors import air_index_error, filtered_noise
+from designcalc.errors.sensors import filtered_noise
 from designcalc.errors.thermal import floor_motion
 from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, moved_mass, tip_load
 from designcalc.machine.pads import film, heaviest_pad, pads_stiffness, rail
+from designcalc.machine.position_loop import air_error, payload_place
 from designcalc.machine.stage_plate import give_at
 from designcalc.machine.tip_dynamics import holding_stiffness, tip_noise
 from stagecad.parameters.design import Design
@@ -45,13 +46,6 @@ class Budget:
     @property
     def axis(self) -> int:
         return AXES[self.direction]
-
-
-def payload_point(r: DesignInputs) -> tuple[float, float, float]:
-    """Corner of the payload's pattern of holes, at the height of its centre over the stage's middle plane, m."""
-    pitch = r("stage.payload_pitch")
-    along, across = (r("stage.payload_columns") - 1) / 2 * pitch, (r("stage.payload_rows") - 1) / 2 * pitch
-    return along, across, r("stage.thickness") / 2 + r("payload.height")
 
 
 def _pads_height(r: DesignInputs, height: float) -> float:
@@ -92,7 +86,7 @@ def smoothness(r: DesignInputs) -> list[Contribution]:
     pulse = min(moved_mass(r) * r("requirements.acceleration_low") / r("drive.friction"), tip_load(r))
     way = rail(r)
     M, tau = r("bearing_way.bolt_spacing") / way.bolt_diameter, r("bearing_way.flange_thickness") / way.bolt_diameter
-    give = float(give_at(r, [payload_point(r)[:2]])[0]) + 1 / (2 * float(total_stiffness(way, M, tau)))
+    give = float(give_at(r, [payload_place(r)[:2]])[0]) + 1 / (2 * float(total_stiffness(way, M, tau)))
     floor = _vibration(r, pads_stiffness(r).normal, "bearing.damping_ratio")
     turn = pulse * r("drive.friction") * moving_body(r).centre_of_mass[2] / pads_stiffness(r).pitch
     return [
@@ -136,8 +130,7 @@ def repeatability(r: DesignInputs) -> list[Contribution]:
     # A tenth of the pitch is not repeatable: the pads settle differently on their film.
     turn = 0.1 * 4 * bow / length
     slip = friction / holding_stiffness(r)
-    path = r("stage.travel") + r("sensors.interferometer.dead_path")
-    air = float(air_index_error(path, change, r("environment.pressure_change")))
+    air = air_error(r)
     pulled = r("payload.cable_force") / holding_stiffness(r)
     return [
         Contribution("growth of the base", "half the travel from its middle", (growth, 0, 0), random=False),
@@ -167,7 +160,7 @@ _KINDS: dict[str, tuple[str, str, str, Callable[[DesignInputs], list[Contributio
 def worked_out(r: DesignInputs, name: str) -> Budget:
     """One budget at the payload."""
     direction, key, requirement, parts = _KINDS[name]
-    rows, total = budget(parts(r), payload_point(r))
+    rows, total = budget(parts(r), payload_place(r))
     axis = AXES[direction]
     # Rotations reach across their own axis in second order: below 1e-5 of the total they are omitted.
     rows = [row for row in rows if abs(row[1][axis]) > 1e-5 * total[axis]]
@@ -188,7 +181,7 @@ def checks(design: Design) -> list[CheckFunction]:
 def total_error(r: DesignInputs, name: str) -> Check:
     found = worked_out(r, name)
     largest = found.rows[0][0]
-    _, rest = budget([cause for cause, _ in found.rows[1:]], payload_point(r))
+    _, rest = budget([cause for cause, _ in found.rows[1:]], payload_place(r))
     return Check(
         f"error budget at the payload: {name}",
         at_most(float(found.total[found.axis]), r(f"requirements.{found.key}"), "m"),

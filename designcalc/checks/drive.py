@@ -15,6 +15,7 @@ from designcalc.drive.friction_drive import (
     speed_of,
     tip_force_limit,
 )
+from designcalc.machine.body import moving_body
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import gravity, load, load_centre, moved_mass, preload_ratio, weight
 from designcalc.machine.pads import pad_positions
@@ -43,6 +44,8 @@ def checks(design: Design) -> list[CheckFunction]:
         tip_over,
         travel_left,
         stopping,
+        stop_tipping,
+        leads,
         cables,
         sea_length,
     ]
@@ -183,19 +186,50 @@ def travel_left(r: DesignInputs) -> Check:
     )
 
 
+def _stop_room(r: DesignInputs) -> float:
+    """Way beyond the pads at the end of the travel, m."""
+    return (r("bearing_way.length") - r("stage.travel") - r("pads.spacing_along") - r("pads.length")) / 2
+
+
 def stopping(r: DesignInputs) -> Check:
-    """With the drive off, only the pads' friction brakes the stage; there are no end stops."""
-    speed, brake = r("requirements.speed"), r("bearing.dynamic_friction") * load(r)
-    energy = 0.5 * moved_mass(r) * speed**2
-    room = (r("bearing_way.length") - r("stage.travel") - r("pads.spacing_along") - r("pads.length")) / 2
+    """With the drive off the stage runs at full speed into its end stops; without them only the pads brake it."""
+    energy, brake = 0.5 * moved_mass(r) * r("requirements.speed") ** 2, r("bearing.dynamic_friction") * load(r)
+    spring = r("end_stop.count") * r("end_stop.stiffness")
+    alone = energy / brake
+    if spring > 0:
+        # Friction, and the buffers from their gap on: k s^2/2 + f (gap + s) = E.
+        gap = r("end_stop.gap")
+        left = max(energy - brake * gap, 0.0)
+        pressed = (np.sqrt(brake**2 + 2 * spring * left) - brake) / spring
+        way, room = gap + pressed, min(_stop_room(r), gap + r("end_stop.compression"))
+        said = f"gap {show(gap, 'm')}, buffers of {show(spring, 'N/m')} pressed by {show(pressed, 'm')}"
+    else:
+        way, room, said = alone, _stop_room(r), "no end stops"
     return Check(
-        "stopping at the end of the travel by the pads' friction",
-        at_most(energy / brake, room, "m"),
-        source="energy of stage and payload at full speed against the pads' friction; the machine has no end stops",
-        formula="m v^2/2/(mu N) <= way beyond the pads",
-        substituted=f"{show(energy, 'J')} over {show(brake, 'N')}: {show(energy / brake, 'm')}; way {show(room, 'm')}",
+        "stopping at the end of the travel",
+        at_most(way, room, "m"),
+        source="energy of stage and payload at full speed against end stops and the pads' friction",
+        formula="m v^2/2 = k s^2/2 + mu N (gap + s); gap + s <= way beyond the pads, compression of the buffers",
+        substituted=f"{show(energy, 'J')}, friction {show(brake, 'N')}: {said}; way {show(room, 'm')}",
         proposal=f"end stops that take {show(energy, 'J')}, or less speed near the ends",
         requirement="Table 1: travel",
+        note=f"without end stops the pads' friction alone needs {show(alone, 'm')} of {show(_stop_room(r), 'm')}",
+    )
+
+
+def stop_tipping(r: DesignInputs) -> Check:
+    """Buffers below the centre of mass turn the stage over its leading pads."""
+    energy, spring = 0.5 * moved_mass(r) * r("requirements.speed") ** 2, r("end_stop.count") * r("end_stop.stiffness")
+    force = float(np.sqrt(2 * energy * spring))
+    lever = moving_body(r).centre_of_mass[2] - r("end_stop.height")
+    reach = float(np.max(pad_positions(r)[:, 0])) - abs(load_centre(r)[0])
+    return Check(
+        "pads on their ways as the end stops brake",
+        at_most(abs(force * lever), load(r) * reach, "N*m"),
+        source="moment of the buffers' largest force about the centre of mass against that of the load about the pads",
+        formula="sqrt(2 E k) |h_c - h_s| <= N s/2",
+        substituted=f"{show(force, 'N')} x {show(lever, 'm')} against {show(load(r), 'N')} x {show(reach, 'm')}",
+        proposal="softer buffers, or buffers at the height of the centre of mass",
     )
 
 
@@ -209,6 +243,19 @@ def cables(r: DesignInputs) -> Check:
         substituted=f"{show(force, 'N')}/{show(hold, 'N/m')} = {show(force / hold, 'm')}",
         proposal="a softer cable, or hold the position in closed loop",
         requirement="Section 2.3.2: repeatability (Table 1 has none)",
+    )
+
+
+def leads(r: DesignInputs) -> Check:
+    pull, clip = r("leads.pull"), r("leads.clip")
+    return Check(
+        "pull on the leads that reaches the piezos",
+        at_most(max(pull - clip, 0.0), r("leads.allowed"), "N"),
+        source="a clip holds each lead at the base up to its own limit",
+        formula="pull - clip <= allowed",
+        substituted=f"{show(pull, 'N')} - {show(clip, 'N')}",
+        proposal=f"clips that hold {show(pull - r('leads.allowed'), 'N')}",
+        requirement="Section 2.2: modular",
     )
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, change, show
-from designcalc.machine.height_adjustment import clamp_wrap, clamping_shift, screw_preload, wedge
+from designcalc.machine.clamp import clamping_shift, grip
+from designcalc.machine.height_adjustment import wedge
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.tip_dynamics import usable_ellipse
 from stagecad.parameters.design import Design
@@ -13,7 +14,17 @@ from stagecad.parameters.design import Design
 
 def checks(design: Design) -> list[CheckFunction]:
     """The set screw and wedge."""
-    return [sensitivity, self_locking, adjustment_range, shim, thickest_shim, return_spring, clamping]
+    return [
+        sensitivity,
+        self_locking,
+        wedge_angle,
+        wedge_contact,
+        adjustment_range,
+        shim,
+        thickest_shim,
+        return_spring,
+        clamping,
+    ]
 
 
 def sensitivity(r: DesignInputs) -> Check:
@@ -114,18 +125,49 @@ def return_spring(r: DesignInputs) -> Check:
 
 def clamping(r: DesignInputs) -> Check:
     """Shift of the tip when the clamp is tightened after the height is set."""
-    force, wrap = screw_preload(r, "clamp_long"), clamp_wrap(r)
-    shift = clamping_shift(r)
+    held, shift = grip(r), clamping_shift(r)
     moved = shift.squeeze + shift.drop
     rise = usable_ellipse(r)[1]
     return Check(
         "shift of the tip's height by clamping",
         at_most(moved, 0.1 * rise, "m"),
-        source="band round a cylinder, mean growth by Poisson's ratio; tilt within the pocket's play",
-        formula="nu S/(pi R E) + h (1 - cos(play/H)) <= Y/10, S = T (theta + 2 sin(theta/2))",
-        substituted=f"T = {show(force, 'N')} over {math.degrees(wrap):.3g} deg: up {show(shift.squeeze, 'm')}, down at "
-        f"most {show(shift.drop, 'm')}; Y = {show(rise, 'm')}",
+        source="theorem of mean stress, growth by Poisson's ratio; tilt within the pocket's play",
+        formula="nu S/(pi R E) + h (1 - cos(play/H)) <= Y/10, S = 2 N (1 + cos(phi))",
+        substituted=f"N = {show(held.press, 'N')}: up {show(shift.squeeze, 'm')}, down {show(shift.drop, 'm')} or "
+        f"less; Y = {show(rise, 'm')}",
         proposal="less torque, or a closer fit of the holder; set the height again after clamping",
         requirement="Section 2.2: access to payload and adjustments",
         note=f"sideways the tip may go by {show(shift.sideways, 'm')}: set its place after clamping",
+    )
+
+
+def wedge_angle(r: DesignInputs) -> Check:
+    """The lift per turn follows the slope, which the drawing leaves its general tolerance of angles."""
+    slope, error = r("height_pin_1.slope"), r("drawing.tolerance_angle")
+    angle = math.atan(slope)
+    off = math.tan(angle + error) / slope - 1
+    return Check(
+        "lift of the wedge by its angle's tolerance",
+        at_most(off, 0.1, ""),
+        source="slope of the wedge within the general tolerance of angles; a tenth as rule of thumb",
+        formula="tan(atan(s) + error)/s - 1 <= 0.1",
+        substituted=f"{math.degrees(angle):.3g} deg and {math.degrees(error):.3g} deg: {100 * off:.3g} % of "
+        f"{show(wedge(r).lift_per_turn, 'm')} a turn",
+        proposal=f"an angularity for the wedge, {math.degrees(0.1 * slope):.2g} deg or closer",
+        changes=change("drawing.tolerance_angle", 0.1 * slope * math.cos(angle) ** 2, "rad", up=False),
+    )
+
+
+def wedge_contact(r: DesignInputs) -> Check:
+    """Two wedge faces of unlike angles touch at an edge, unless pin 2 can turn in its bore by the difference."""
+    unlike = 2 * r("drawing.tolerance_angle")
+    free = (r("base.pin_2_bore") - r("height_pin_2.diameter")) / r("height_pin_2.length")
+    return Check(
+        "contact of the two wedges over their faces",
+        at_most(unlike, free, "rad"),
+        source="worst case of both angles; pin 2 turns within the play of its bore",
+        formula="2 x tolerance of the angle <= play/length of pin 2",
+        substituted=f"{show(unlike, 'rad')} against {show(free, 'rad')}: otherwise pin 2 stands on an edge",
+        proposal="both wedges ground in one setting, or the foot of pin 2 crowned as its top is",
+        changes=change("drawing.tolerance_angle", free / 2, "rad", up=False),
     )

@@ -58,8 +58,7 @@ class ClampShift:
 
 
 def clamp_shift(
-    screw_force: ArrayLike,
-    wrap: ArrayLike,
+    rim_force: ArrayLike,
     holder_diameter: ArrayLike,
     holder_height: ArrayLike,
     play: ArrayLike,
@@ -67,15 +66,14 @@ def clamp_shift(
     modulus: ArrayLike,
     poisson: ArrayLike,
 ) -> ClampShift:
-    """A finger drawn round a cylindrical holder like a band, and the pocket's wall that takes the reaction.
+    """A cylindrical holder pressed at its rim by the fingers of a clamp and by the pocket's wall.
 
-    Normal forces on the rim add up to ``S = T (theta + 2 sin(theta/2))``, band and reaction; by the theorem of mean
-    stress the two stresses in the plane then have the mean sum ``-S R/(pi R^2 H)``, and the height grows on the mean by
-    ``nu S/(pi R E)``, whatever its height. The holder tilts within its play by at most ``play/H``.
+    With normal forces on the rim that add up to S, the theorem of mean stress gives the two stresses in the plane the
+    mean sum ``-S R/(pi R^2 H)``, and the height grows on the mean by ``nu S/(pi R E)``, whatever it is. The holder
+    tilts within its play by at most ``play/H``.
 
     Args:
-        screw_force: T, preload of the clamp screw, N, >= 0; the neck takes part of it, so this bounds the squeeze.
-        wrap: theta, angle over which the finger lies on the holder, rad, 0 to pi.
+        rim_force: S, N, >= 0.
         holder_diameter: 2 R, m.
         holder_height: H, m.
         play: pocket diameter less holder diameter, m, >= 0.
@@ -87,13 +85,12 @@ def clamp_shift(
 
     Source: theorem of mean stress: Love, Mathematical Theory of Elasticity (1927), section 123.
     """
-    T, theta, D, H = (np.asarray(v, float) for v in (screw_force, wrap, holder_diameter, holder_height))
+    rim, D, H = (np.asarray(v, float) for v in (rim_force, holder_diameter, holder_height))
     slack, h, E, nu = (np.asarray(v, float) for v in (play, apex_height, modulus, poisson))
-    if not (all(np.all(v > 0) for v in (D, H, h, E)) and np.all(slack >= 0) and np.all(T >= 0)):
+    if not (all(np.all(v > 0) for v in (D, H, h, E)) and np.all(slack >= 0) and np.all(rim >= 0)):
         raise InputError("height adjustment: diameter, heights and modulus must be above 0, play and force 0 or more")
-    if not (np.all((theta >= 0) & (theta <= np.pi)) and np.all((nu >= 0) & (nu <= 0.5))):
-        raise InputError("height adjustment: the wrap must lie in 0 to 180 deg, Poisson's ratio in 0 to 0.5")
-    rim = T * (theta + 2 * np.sin(theta / 2))
+    if not np.all((nu >= 0) & (nu <= 0.5)):
+        raise InputError("height adjustment: Poisson's ratio must lie in 0 to 0.5")
     tilt = slack / H
     return ClampShift(
         squeeze=nu * rim / (np.pi * D / 2 * E),

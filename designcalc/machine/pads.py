@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from designcalc.bearing.bolted_rail import Rail
 from designcalc.bearing.sliding import PadStiffness, pad_loads, pad_stiffness
 from designcalc.contact.film import FilmContact, confined_modulus, film_contact
-from designcalc.contact.hertz import contact_modulus
+from designcalc.contact.hertz import PointContact, contact_modulus, point_contact
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load, load_centre
 from designcalc.machine.tip_contact import elastic_constants
@@ -29,6 +29,13 @@ def film(r: DesignInputs, load: float, crown_radius: float | None = None) -> Fil
     bodies = contact_modulus(*elastic_constants(r, "stage", "bearing_way"))
     return film_contact(
         load, crown_radius or r("pads.crown_radius"), r("bearing.film_thickness"), modulus, float(bodies)
+    )
+
+
+def pad_contact(r: DesignInputs, load: float) -> PointContact:
+    """One crowned pad on the way under `load`, N, without its film."""
+    return point_contact(
+        load, r("pads.crown_radius"), np.inf, contact_modulus(*elastic_constants(r, "stage", "bearing_way"))
     )
 
 

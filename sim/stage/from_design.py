@@ -12,10 +12,11 @@ from designcalc.machine.body import moving_body, with_ballast
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import gravity, load, moved_mass, preload
 from designcalc.machine.pads import mean_film, pad_positions
+from designcalc.machine.position_loop import BANDS, air_error, suspension
 from designcalc.machine.teeth import magnets
 from designcalc.machine.tip_contact import contact_stiffness
 from designcalc.machine.tip_dynamics import PIEZOS, inertia_on_piezos, mass_on_piezos, stack_stiffness
-from sim.stage.machine import Contact, Pads, Piezo, Sensors, Stage, StageMachine, Tip
+from sim.stage.machine import Contact, Pads, Piezo, Sensors, Stage, StageMachine, Surroundings, Tip
 from sim.stage.slip_elements import parabola, slip_springs
 from stagecad.parameters.design import Design
 from stagecad.parameters.mass_properties import BodyMasses, MassProperties
@@ -54,6 +55,7 @@ def stage_machine(design: Design, masses: BodyMasses) -> StageMachine:
         actuators=np.array(design.derived.fitted_places) * 1e-3,
         travel=r("stage.travel"),
         gravity=gravity(r),
+        surroundings=_surroundings(r),
     )
 
 
@@ -119,6 +121,20 @@ def _tip(r: DesignInputs) -> Tip:
     stiffness, mass = stack_stiffness(r), mass_on_piezos(r)
     damping = 2.0 * r("piezo.damping_ratio") * math.sqrt(PIEZOS * stiffness * mass) / PIEZOS
     return Tip(mass, inertia_on_piezos(r), r("actuator.tip_height"), places, stiffness, damping)
+
+
+def _surroundings(r: DesignInputs) -> Surroundings:
+    """Disturbances of the position loop, those of the dynamic error budget."""
+    held = suspension(r)
+    return Surroundings(
+        floor_velocity=r("environment.floor_velocity"),
+        floor_bands=tuple(BANDS),
+        held_resonance=held.resonance,
+        held_damping=held.damping,
+        amplifier_noise=r("amplifier.noise"),
+        air_error=air_error(r),
+        air_time=r("environment.air_time"),
+    )
 
 
 def _sensors(design: Design) -> Sensors:

@@ -165,6 +165,26 @@ class Sensors:
 
 
 @dataclass(frozen=True)
+class Surroundings:
+    """Disturbances of a held position.
+
+    Args:
+        floor_velocity: rms in each band, m/s; floor_bands: Hz.
+        held_resonance: of the stage that tip and sticking pads hold, Hz; held_damping: its ratio.
+        amplifier_noise: of each voltage, V rms within the amplifier's bandwidth.
+        air_error: rms of the interferometer's error by the air's index, m; air_time: its time constant, s.
+    """
+
+    floor_velocity: float
+    floor_bands: tuple[tuple[float, float], ...]
+    held_resonance: float
+    held_damping: float
+    amplifier_noise: float
+    air_error: float
+    air_time: float
+
+
+@dataclass(frozen=True)
 class StageMachine:
     """All parameters of the simulated stage.
 
@@ -173,6 +193,7 @@ class StageMachine:
         actuators: places (x, y) of the tips from the middle of the base, m, shape (n, 2), n = 1 or 3.
         travel: of the stage, end to end, m.
         gravity: m/s^2.
+        surroundings: disturbances of the position loop; None without any.
     """
 
     stage: Stage
@@ -184,6 +205,7 @@ class StageMachine:
     actuators: np.ndarray
     travel: float
     gravity: float
+    surroundings: Surroundings | None = None
 
     @property
     def load(self) -> float:

@@ -101,7 +101,7 @@ def test_calc_teeth_alone_and_with_the_magnet(capsys):
         # s/(s + x) with a half-span of 12.5 mm on the tip's line, and the rest of the load rubbing on the pads
         ("tip-over", "share_of_load", 12.5 / 112.5),
         ("tip-over --position 0mm --preload-ratio 0.1", "acceleration", 0.3 * 1.1 * 9.80665),
-        ("clamp --torque 0N*m", "drop", 62e-3 * (1 - np.cos(0.05 / 36.6))),
+        ("clamp --torque 0N*m", "drop", 62e-3 * (1 - np.cos(0.03 / 36.6))),
         ("wear --load 16N --crown-radius 2m", "distance", np.pi * 2 * 1e-12 / 1e-13 / 16),
         # the mean over Hertz's pressure on a circle: sigma sqrt(pi) l/sqrt(8 pi a^2/9)
         (
@@ -228,10 +228,17 @@ def test_check_draws_its_figures_into_one_page(capsys, tmp_path):
     status, *_ = answer(capsys, "check", "--no-solids", "--figures", "--out", str(tmp_path))
     assert status == 1
     page = (tmp_path / "checks" / "checks.html").read_text("utf-8")
-    for name in ("rail", "teeth", "speed", "travel", "profile", "budget"):
+    for name in ("rail", "teeth", "speed", "travel", "profile", "budget", "dynamic_budget"):
         assert (tmp_path / "checks" / f"{name}.png").stat().st_size > 10_000
-    assert page.count('src="data:image/png;base64,') == 6
+    assert page.count('src="data:image/png;base64,') == 7
     assert "http" not in page  # opens without a network
+    assert "Dynamic error budgets at the payload" in page and "refractive index of the air" in page
+    spectra = json.loads((tmp_path / "checks" / "dynamic_budget.json").read_text("utf-8"))
+    assert set(spectra) == {"along, filtered probe", "along, interferometer", "normal"}
+    parts = spectra["along, filtered probe"]
+    assert parts[-1]["disturbance"] == "total"
+    squares = sum(row["rms"]["value"] ** 2 for row in parts[:-1])
+    assert parts[-1]["rms"]["value"] == pytest.approx(squares**0.5, rel=1e-6)
     # each check has its formula, its numbers and the origin of its inputs; what failed has what would pass
     for words in (
         "2 A &lt;= free stroke",

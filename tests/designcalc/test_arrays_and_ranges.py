@@ -39,7 +39,7 @@ CALLS = [
     (friction_drive.stack_heat, (1.4e-6, 150.0, 5e3, 0.05)),
     (friction_drive.stack_current, (1.4e-6, 150.0, 5e3)),
     (height_adjustment.wedge_drive, (3.175e-3, 0.05, 20e-3)),
-    (height_adjustment.clamp_shift, (5e3, 0.8, 76e-3, 36e-3, 50e-6, 62e-3, 141e9, 0.29)),
+    (height_adjustment.clamp_shift, (8e3, 76e-3, 36e-3, 50e-6, 62e-3, 141e9, 0.29)),
     (height_adjustment.screw_force, (100.0, 0.05, 0.15)),
     (magnetic_teeth.teeth_field, (2e-3, 0.8e-3, 0.4e-3, 1e-3, 0.1e-3)),
     (piezo_stack.stack_tension, (0.03, 8e-6, 5e3, 12e-6, 3e-4, 46e-3)),

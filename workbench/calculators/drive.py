@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from workbench.calculators.catalogue import (
@@ -99,15 +102,38 @@ def _tip_over(run: Run, v: Values) -> dict[str, Any]:
     )
 
 
+def _of_finger(name: str) -> Callable[[DesignInputs, Values], float]:
+    """A number of the design's clamp finger."""
+
+    def default(r: DesignInputs, given: Values) -> float:
+        from designcalc.machine.clamp import clamp_finger
+
+        return float(getattr(clamp_finger(r), name))
+
+    return default
+
+
 def _clamp(run: Run, v: Values) -> dict[str, Any]:
     from designcalc.bearing.fastener import preload_of_torque
     from designcalc.drive.height_adjustment import clamp_shift
+    from designcalc.machine.clamp import clamp_finger
+    from designcalc.machine.inputs import DesignInputs
 
-    force = preload_of_torque(v["torque"], v["screw_diameter"], v["nut_factor"])
-    names = ("wrap", "holder_diameter", "holder_height", "play", "apex_height", "modulus", "poisson")
-    shift = clamp_shift(force, *(v[name] for name in names))
+    changed = {name: v[name] for name in ("neck", "screw_lever", "press_lever", "modulus", "poisson")}
+    finger = replace(clamp_finger(DesignInputs(run.design)), **changed)
+    force = float(preload_of_torque(v["torque"], v["screw_diameter"], v["nut_factor"]))
+    gap = v["play"] / 2 * (1 + math.cos(v["press_angle"]))
+    press = finger.press_force(force, gap)
+    rim = 2 * press * (1 + math.cos(v["press_angle"]))
+    names = ("holder_diameter", "holder_height", "play", "apex_height", "modulus", "poisson")
+    shift = clamp_shift(rim, *(v[name] for name in names))
     return quantities(
         screw_force=(force, "N"),
+        gap=(gap, "m"),
+        closure=(finger.closure * force, "m"),
+        press_force=(press, "N"),
+        neck_stress=(finger.stress(force, press), "Pa"),
+        neck_stress_without_actuator=(finger.stress(force), "Pa"),
         squeeze=(shift.squeeze, "m"),
         drop=(shift.drop, "m"),
         sideways=(shift.sideways, "m"),
@@ -236,13 +262,16 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
         _tip_over,
     ),
     "clamp": Calculator(
-        "Shift of the tip as the clamp closes on the actuator.",
+        "The clamp: play closed, force on the actuator, stress of its neck, shift of the tip.",
         {
             "torque": Option("N*m", "of the clamp screw", from_key("screws.clamp_long.torque")),
             "screw_diameter": Option("m", "", from_key("screws.clamp_long.diameter")),
             "nut_factor": Option("", "", from_key("screws.clamp_long.nut_factor")),
-            "wrap": Option(
-                "rad", "angle over which the finger lies on the holder", from_model("height_adjustment", "clamp_wrap")
+            "neck": Option("m", "thickness of the neck", from_key("base.clamp_neck")),
+            "screw_lever": Option("m", "of the screw about the neck", _of_finger("screw_lever")),
+            "press_lever": Option("m", "of the force on the actuator about the neck", _of_finger("press_lever")),
+            "press_angle": Option(
+                "rad", "of that force from the screw's direction", from_model("clamp", "press_angle")
             ),
             "holder_diameter": Option("m", "", from_key("holder.diameter")),
             "holder_height": Option("m", "", from_key("holder.height")),
@@ -256,8 +285,8 @@ DRIVE_CALCULATORS: dict[str, Calculator] = {
                 "of the tip over the holder's foot",
                 lambda r, given: r("holder.floor") + r("piezo.length") + r("actuator.tip_height"),
             ),
-            "modulus": Option("Pa", "of the holder", from_material("holder", "youngs_modulus")),
-            "poisson": Option("", "of the holder", from_material("holder", "poisson_ratio")),
+            "modulus": Option("Pa", "of base and holder", from_material("base", "youngs_modulus")),
+            "poisson": Option("", "of base and holder", from_material("base", "poisson_ratio")),
         },
         _clamp,
     ),

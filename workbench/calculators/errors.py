@@ -54,6 +54,14 @@ def _budget(run: Run, v: Values) -> dict[str, Any]:
     return found
 
 
+def _dynamic_budget(run: Run, v: Values) -> dict[str, Any]:
+    from designcalc.checks.analysis.report import dynamic_document
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.position_loop import dynamic_budgets
+
+    return dynamic_document(dynamic_budgets(DesignInputs(run.design)), 1 / run.design.loop.observation)
+
+
 ERROR_CALCULATORS: dict[str, Calculator] = {
     "bow": Calculator(
         "Bow of two layers that cannot slip by a change of temperature, and the slip of two that can.",
@@ -98,6 +106,11 @@ ERROR_CALCULATORS: dict[str, Calculator] = {
             "bandwidth": Option("Hz", "of the sensor", from_key("sensors.lvdt.bandwidth")),
         },
         _alignment,
+    ),
+    "dynamic-budget": Calculator(
+        "Dynamic error budgets at the payload: rms of each disturbance through the position loop, the largest first.",
+        {},
+        _dynamic_budget,
     ),
     "budget": Calculator("Error budgets at the payload, each contribution named, the largest first.", {}, _budget),
 }

@@ -202,6 +202,48 @@ def budget_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool
     return True
 
 
+def dynamic_figure(design: Design, masses: BodyMasses | None, path: Path) -> bool:
+    """Densities and cumulative rms of the dynamic error budgets at the payload."""
+    from matplotlib.figure import Figure
+
+    from designcalc.checks.dynamic import limit_key
+    from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.position_loop import dynamic_budgets
+
+    r = DesignInputs(design, masses)
+    found, lowest = dynamic_budgets(r), 1 / r("loop.observation")
+    figure = Figure(figsize=(10.0, 3.1 * len(found)), layout="constrained")
+    names = list(dict.fromkeys(row.name for one in found for row in one.rows))
+    colours = {name: f"C{k}" for k, name in enumerate(names)}
+    for (left, right), one in zip(figure.subplots(len(found), 2, sharex=True), found, strict=True):
+        shown = one.frequency >= 1e-2
+        f = one.frequency[shown]
+        above = one.frequency >= lowest
+        for row in (*one.rows, one.total):
+            style = {"color": "0.2", "lw": 1.6} if row.name == "total" else {"color": colours[row.name], "lw": 1.0}
+            left.loglog(f, 1e9 * row.density[shown], label=row.name, **style)
+            below = one.rms(row, 0.0) ** 2 - one.rms(row, lowest) ** 2
+            run = np.sqrt(np.maximum(one.cumulative(row)[above] ** 2 - below, 0.0))
+            right.loglog(one.frequency[above], 1e9 * run, **style)
+        right.axhline(1e9 * r(limit_key(one)), color="tab:red", ls="--", lw=1)
+        top = 1e9 * max(one.rms(one.total, lowest), r(limit_key(one)))
+        right.set_ylim(1e-5 * top, 3 * top)
+        peak = 1e9 * float(one.total.density[shown].max())
+        left.set_ylim(1e-7 * peak, 3 * peak)
+        left.set_ylabel("density, nm/√Hz", fontsize=9)
+        right.set_ylabel("cumulative rms, nm", fontsize=9)
+        left.set_title(one.name, fontsize=9, loc="left")
+        left.legend(frameon=False, fontsize=7, loc="upper right")
+        for axes in (left, right):
+            axes.tick_params(labelsize=8)
+            axes.set_xlim(1e-2, 1e5)
+    for axes in figure.axes[-2:]:
+        axes.set_xlabel("frequency, Hz", fontsize=9)
+    figure.axes[1].set_title(f"from {lowest:.3g} Hz upwards; dashed: limit", fontsize=9, loc="left")
+    _save(figure, path)
+    return True
+
+
 FIGURES: dict[str, tuple[str, Callable[..., bool]]] = {
     "stiffness of the bearing way over bolt spacing": ("rail", rail_figure),
     "map of the magnetic teeth": ("teeth", teeth_figure),
@@ -209,6 +251,7 @@ FIGURES: dict[str, tuple[str, Callable[..., bool]]] = {
     "acceleration over the travel": ("travel", travel_figure),
     "profile of the way": ("profile", profile_figure),
     "error budgets": ("budget", budget_figure),
+    "dynamic error budgets": ("dynamic_budget", dynamic_figure),
 }
 """Figure by title: name of its file, and what draws it (False where the design has none)."""
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from designcalc.checks import Check
     from designcalc.checks.alternatives import Suspension
     from designcalc.checks.budget import Budget
+    from designcalc.errors.dynamic_budget import DynamicBudget
     from stagecad.parameters.design import Design
     from stagecad.parameters.mass_properties import BodyMasses
 
@@ -28,7 +29,7 @@ def write_check_files(
     folder: Path,
     figures: Mapping[str, Path] | None = None,
 ) -> None:
-    """Write `checks.md`, `checks.json` and `checks.html`.
+    """Write `checks.md`, `checks.json`, `dynamic_budget.json` and `checks.html`.
 
     Args:
         checks: every check, in the order of the report.
@@ -40,13 +41,17 @@ def write_check_files(
     from designcalc.checks.alternatives import ranking
     from designcalc.checks.budget import budgets
     from designcalc.machine.inputs import DesignInputs
+    from designcalc.machine.position_loop import dynamic_budgets
 
     ranked = ranking(DesignInputs(design, masses))
     found = budgets(DesignInputs(design, masses))
-    atomic_write_text(folder / "checks.md", report.markdown(checks, ranked, found))
+    spectra, lowest = dynamic_budgets(DesignInputs(design, masses)), 1 / design.loop.observation
+    atomic_write_text(folder / "checks.md", report.markdown(checks, ranked, found, spectra, lowest))
+    dynamic = finite(report.dynamic_document(spectra, lowest))
+    atomic_write_text(folder / "dynamic_budget.json", json.dumps(dynamic, indent=1, allow_nan=False) + "\n")
     document = finite([check.as_json() for check in checks])
     atomic_write_text(folder / "checks.json", json.dumps(document, indent=1, allow_nan=False) + "\n")
-    atomic_write_text(folder / "checks.html", _page(checks, design, ranked, found, figures or {}))
+    atomic_write_text(folder / "checks.html", _page(checks, design, ranked, found, spectra, figures or {}))
 
 
 def check_rows(checks: Sequence[Check]) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -63,6 +68,7 @@ def _page(
     design: Design,
     suspensions: Sequence[Suspension],
     found: Sequence[Budget],
+    spectra: Sequence[DynamicBudget],
     figures: Mapping[str, Path],
 ) -> str:
     return render(
@@ -79,6 +85,9 @@ def _page(
         suspension_headings=report.SUSPENSION_HEADINGS,
         suspensions=[report.suspension_cells(suspension) for suspension in suspensions],
         budgets=[(one, report.budget_cells(one)) for one in found],
+        dynamic_headings=report.DYNAMIC_HEADINGS,
+        dynamic=[(one, report.dynamic_cells(one, 1 / design.loop.observation)) for one in spectra],
+        observation=report.shown(design.loop.observation, "s"),
         figures=[(name, embedded(path)) for name, path in figures.items()],
         digest=design.digest,
         version=__version__,

@@ -205,7 +205,7 @@ def draw_positioning(folder: Path, study: PositioningStudy) -> list[Path]:
         axes[0, column].axhline(move.target * 1e3, color=GREY, linewidth=0.8)
         axes[0, column].set_title(LOOPS[name].text)
         axes[1, column].semilogy(run.time, np.maximum(np.abs(move.error), 1e-11) * 1e9, color=ink, linewidth=0.8)
-        axes[1, column].axhline(1.0, color=GREY, linewidth=0.8, linestyle="--")
+        axes[1, column].axhline(10.0, color=GREY, linewidth=0.8, linestyle="--")
         axes[1, column].set_xlabel("time (s)")
         if move.taken_over is not None:
             axes[1, column].axvline(move.taken_over, color=GREY, linewidth=0.8)
@@ -213,7 +213,7 @@ def draw_positioning(folder: Path, study: PositioningStudy) -> list[Path]:
                 "fine", (move.taken_over, 2e5), xytext=(3, 0), textcoords="offset points", color=GREY, fontsize=8
             )
     axes[0, 0].set_ylabel("x (mm)")
-    axes[1, 0].set_ylabel("true error (nm); dashed: 1 nm")
+    axes[1, 0].set_ylabel("true error (nm); dashed: 10 nm")
     figure.suptitle("Coarse run and fine settling")
     return [save_figure(figure, folder / "stage_positioning.png")]
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from designcalc.checks.alternatives import Suspension
 from designcalc.checks.budget import Budget
 from designcalc.checks.check import Check
-from stagecad.parameters.units import format_quantity
+from designcalc.errors.dynamic_budget import DynamicBudget
+from stagecad.parameters.units import as_json, format_quantity
 
 VERDICTS = ("fails", "out_of_range", "undecidable", "passes")
 """Worst first."""
@@ -78,12 +81,14 @@ def markdown(
     checks: Sequence[Check],
     suspensions: Sequence[Suspension] = (),
     budgets: Sequence[Budget] = (),
+    dynamic: Sequence[DynamicBudget] = (),
+    lowest: float = 0.0,
     title: str = "Design checks",
 ) -> str:
     """Every check as Markdown.
 
     Summary, requirements, errors of the thesis, suspensions by rank, error budgets, then each check in full with
-    its formula, numbers and inputs, worst first.
+    its formula, numbers and inputs, worst first. `lowest` is the frequency above which the dynamic budgets count, Hz.
     """
     ordered = sorted(checks, key=lambda c: VERDICTS.index(c.verdict))
     lines = [f"# {title}", "", counted(checks) + ".", ""]
@@ -113,6 +118,9 @@ def markdown(
     for found in budgets:
         lines += ["", f"## Error budget: {found.name}, {found.direction}", ""]
         lines += _table(("contribution", "source", "at the payload", "adds"), budget_cells(found))
+    for one in dynamic:
+        lines += ["", f"## Dynamic error budget: {one.name}", ""]
+        lines += _table(DYNAMIC_HEADINGS, dynamic_cells(one, lowest))
     lines += ["", "## Each check", ""]
     for check in ordered:
         lines += _in_full(check)
@@ -154,6 +162,40 @@ def budget_cells(found: Budget) -> list[tuple[str, ...]]:
         for cause, e in found.rows
     ]
     return [*rows, ("total", "", shown(float(found.total[found.axis]), "m"), "")]
+
+
+DYNAMIC_HEADINGS = ("disturbance", "source", "density at 1 Hz", "rms over the observation", "rms with drift")
+
+
+def dynamic_cells(found: DynamicBudget, lowest: float) -> list[tuple[str, ...]]:
+    """Disturbances of a dynamic budget, the largest above a frequency (Hz) first, and their total."""
+    rows = [row for row, _ in found.largest_first(lowest)] + [found.total]
+    return [
+        (
+            row.name,
+            row.source,
+            f"{1e9 * float(np.interp(1.0, found.frequency, row.density)):.3g} nm/sqrt(Hz)",
+            shown(found.rms(row, lowest), "m"),
+            shown(found.rms(row), "m"),
+        )
+        for row in rows
+    ]
+
+
+def dynamic_document(budgets: Sequence[DynamicBudget], lowest: float) -> dict[str, list[dict[str, object]]]:
+    """Dynamic budgets for JSON: each disturbance with its rms over the observation and with drift."""
+    return {
+        found.name: [
+            {
+                "disturbance": row.name,
+                "source": row.source,
+                "rms": as_json(found.rms(row, lowest), "m"),
+                "rms_with_drift": as_json(found.rms(row), "m"),
+            }
+            for row in [row for row, _ in found.largest_first(lowest)] + [found.total]
+        ]
+        for found in budgets
+    }
 
 
 def _table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

@@ -15,6 +15,7 @@ from designcalc.machine.loads import gravity, load, weight
 from designcalc.machine.loads import preload as acting_preload
 from designcalc.machine.pads import film, heaviest_pad, pad_forces, pads_stiffness
 from designcalc.machine.teeth import CIRCUITS, magnets
+from designcalc.machine.tip_dynamics import holding_stiffness, usable_ellipse
 from stagecad.parameters.design import Design
 
 _FILM = "Johnson (1985), sections 4.2 and 5.8: crown and film in series"
@@ -137,14 +138,19 @@ def proportions(r: DesignInputs) -> Check:
 
 
 def stiction(r: DesignInputs) -> Check:
-    static, dynamic = r("bearing.static_friction"), r("bearing.dynamic_friction")
+    """Breaking away, the stage jumps by twice the drop of friction over the stiffness that pulls it."""
+    static, dynamic, hold = r("bearing.static_friction"), r("bearing.dynamic_friction"), holding_stiffness(r)
+    drop = max(static - dynamic, 0.0) * load(r)
+    reach = usable_ellipse(r)[0] / 2
     return Check(
-        "static over dynamic friction",
-        at_most(static / dynamic, 1.2, ""),
-        source="thesis 2.3.2: PTFE with static within 10-20 % of dynamic",
-        formula="mu_s/mu_d <= 1.2",
-        substituted=f"{static:.3g}/{dynamic:.3g}",
-        proposal="run in for some thousand cycles; choose the filled PTFE grade for it",
+        "jump of the stage as it breaks away",
+        at_most(2 * drop / hold, reach, "m"),
+        source="undamped slip of a mass pulled slowly through a spring; the tip's lean must bring the stage back",
+        formula="2 (mu_s - mu_d) N/K <= X/2",
+        substituted=f"2 x {show(drop, 'N')}/{show(hold, 'N/m')} = {show(2 * drop / hold, 'm')}; mu_s/mu_d = "
+        f"{static / dynamic:.3g}",
+        proposal="run in for some thousand cycles; a filled PTFE grade whose static and dynamic friction are alike",
+        thesis="thesis 2.3.2: PTFE with static within 10-20 % of dynamic friction",
         requirement="Table 1: resolution",
     )
 

@@ -14,10 +14,10 @@ from designcalc.bearing.fastener import (
 )
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, show
 from designcalc.errors.thermal import preload_change
-from designcalc.machine.height_adjustment import screw_preload
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import moved_mass
 from designcalc.machine.pads import rail
+from designcalc.machine.screws import screw_preload
 from designcalc.machine.stage_plate import give_at, payload_feet
 from stagecad.parameters.design import Design
 

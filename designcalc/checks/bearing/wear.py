@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from designcalc.bearing.sliding import crown_wear_depth, crown_wear_distance, friction_heat
 from designcalc.checks.check import Check, CheckFunction, at_least, at_most, ratio, show
 from designcalc.machine.inputs import DesignInputs
 from designcalc.machine.loads import load
-from designcalc.machine.pads import heaviest_pad
+from designcalc.machine.pads import heaviest_pad, pad_contact
 from stagecad.parameters.design import Design
 
 
@@ -16,15 +18,22 @@ def checks(design: Design) -> list[CheckFunction]:
 
 
 def film_thickness(r: DesignInputs) -> Check:
-    thickness = r("bearing.film_thickness")
+    """The heat of sliding passes through the film into the stage, and warms the film by its thickness."""
+    thickness, warming = r("bearing.film_thickness"), r("bearing.film_warming")
+    contact = pad_contact(r, heaviest_pad(r))
+    area = np.pi * float(contact.semi_axis_major) ** 2
+    flux = r("bearing.dynamic_friction") * heaviest_pad(r) * r("requirements.speed") / area
+    limit = r("bearing.film_conductivity") * warming / flux
     return Check(
         "PTFE film as printed, '1 mm - 2 um'",
-        at_most(thickness, r("bearing.thickest_film"), "m"),
-        source="thesis 2.3.2: keep the film thin, so that heat passes into the stage; Nanosurf 2 has 2 to 3 um",
-        formula="t <= 3 um",
-        substituted=show(thickness, "m"),
+        at_most(thickness, limit, "m"),
+        source="heat of sliding conducted through the film at full speed, on the spot of the bare crown",
+        formula="t <= lambda dT/q, q = mu N v/(pi a^2)",
+        substituted=f"q = {flux:.3g} W/m^2 over a = {show(float(contact.semi_axis_major), 'm')}: the film of "
+        f"{show(thickness, 'm')} warms by {show(thickness * warming / limit, 'K')}, {show(warming, 'K')} allowed",
         proposal="1 to 2 um",
-        thesis="'1 mm - 2 um' is a misprint for 1 - 2 um: a film of 1 mm would be 300 times too thick",
+        thesis="'1 mm - 2 um' is a misprint for 1 - 2 um: a film of 1 mm would be "
+        f"{1e-3 / r('bearing.thickest_film'):.3g} times as thick as Nanosurf 2's",
     )
 
 

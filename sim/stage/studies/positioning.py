@@ -3,7 +3,7 @@
 Coarse: the tip runs round its ellipse; how far it goes along is the loop's output, from full forward to full back. The
 desired speed falls with the square root of the remaining distance; the output is proportional to the speed error.
 Fine: the tip stands still, pressed on the drive surface, and leans by the integral of the error; the stage follows
-through the contact within its presliding.
+through the contact within its presliding. Floor, amplifiers and air disturb both (`sim.stage.studies.disturbances`).
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from sim.stage.run import StageRun
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import StageSimulation
 from sim.stage.statics import over_drive_surface, rest_with_load
+from sim.stage.studies.disturbances import Disturbances
 from sim.stage.studies.steps import LOAD_SHARE
 from sim.stage.waveforms import two_piezo_ellipse, volts_for
 
@@ -38,7 +39,9 @@ COARSE_LONGEST = 0.4
 PRESS_TIME = 0.02
 LEAN_HIGHEST = 4e-6
 FINE_TIME = 0.5
-SETTLED = 1e-9
+SETTLED = 10e-9
+"""The coarsest resolution required, of every period; of the mean over `MEAN_TIME`, a tenth of it."""
+MEAN_SETTLED, MEAN_TIME = 1e-9, 0.01
 
 
 @dataclass(frozen=True)
@@ -73,22 +76,29 @@ class Positioning:
         run: the motion, one row a sample.
         target: m.
         taken_over: when the fine loop took over, s; None when the coarse run did not come near in time.
+        by_floor: motion of the held stage by the floor, m, shape (n,).
     """
 
     run: StageRun
     target: float
     taken_over: float | None
+    by_floor: np.ndarray
 
     @property
     def error(self) -> np.ndarray:
         """True error, m, shape (n,)."""
-        return self.run.position[:, 0] - self.target
+        return self.run.position[:, 0] + self.by_floor - self.target
 
-    def within(self, limit: float) -> float | None:
-        """From when on the true error averaged over 10 ms stays within a limit (m), s; None when it does not."""
+    def within(self, limit: float, mean_time: float = 0.0) -> float | None:
+        """From when on the true error stays within a limit (m), s; None when it does not.
+
+        Args:
+            limit: m.
+            mean_time: over which the error is averaged first, s; 0 takes every period by itself.
+        """
         step = float(np.diff(self.run.time[:2])[0])
-        count = max(1, round(0.01 / step))
-        mean = np.convolve(self.error, np.full(count, 1.0 / count), mode="same")[: -count // 2]
+        count = max(1, round(mean_time / step))
+        mean = np.convolve(self.error, np.full(count, 1.0 / count), mode="same")[: self.error.size - count // 2]
         outside = np.flatnonzero(np.abs(mean) > limit)
         if outside.size == 0:
             return float(self.run.time[0])
@@ -98,11 +108,13 @@ class Positioning:
 
     def features(self, prefix: str) -> dict[str, tuple[float, str] | None]:
         last = self.run.time > self.run.time[-1] - 0.1
-        settled = self.within(SETTLED)
+        settled, mean_settled = self.within(SETTLED), self.within(MEAN_SETTLED, MEAN_TIME)
         return {
             f"{prefix}_taken_over": None if self.taken_over is None else (self.taken_over, "s"),
-            f"{prefix}_within_1nm": None if settled is None else (settled, "s"),
+            f"{prefix}_within_10nm": None if settled is None else (settled, "s"),
+            f"{prefix}_mean_within_1nm": None if mean_settled is None else (mean_settled, "s"),
             f"{prefix}_error_mean": (float(self.error[last].mean()), "m"),
+            f"{prefix}_error_std": (float(self.error[last].std()), "m"),
             f"{prefix}_error_rms": (float(np.sqrt(np.mean(self.error[last] ** 2))), "m"),
         }
 
@@ -177,12 +189,21 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
     pressed = rest_with_load(machine, 0.0, LOAD_SHARE * machine.load)
     lift = float(pressed.apex_heights[0] - rest.apex_heights[0])
     simulation = StageSimulation(machine, rest, STEP)
+    disturbances = Disturbances(machine.surroundings, machine.piezo, period, STEP)
     coarse, fine = _sensor(loop.coarse, machine, period), _sensor(loop.fine, machine, period)
-    before = coarse.read(simulation.travel)
+
+    def read(sensor: Any) -> float:
+        true = simulation.travel + float(disturbances.floor(np.array([simulation.time]))[0])
+        return sensor.read(true + (disturbances.air() if isinstance(sensor, Interferometer) else 0.0))
+
+    def drive(volts: np.ndarray) -> None:
+        simulation.advance(disturbances.disturbed(volts), actuation.steps)
+
+    before = read(coarse)
     taken_over = None
     smooth = 0.0
     while simulation.time < COARSE_LONGEST:
-        seen = coarse.read(simulation.travel)
+        seen = read(coarse)
         # The rounded position's difference is smoothed over some ten periods.
         smooth += 0.2 * ((seen - before) / period - smooth)
         before = seen
@@ -192,15 +213,16 @@ def move_to(case: tuple[StageMachine, float, float, float, Loop]) -> Positioning
             break
         desired = math.copysign(math.sqrt(2.0 * DECELERATION * abs(left)), left)
         output = min(max((desired - smooth) / SPEED_SCALE, -1.0), 1.0)
-        simulation.advance(actuation.commands(output, 1.0, 0.0, 0.0), actuation.steps)
+        drive(actuation.commands(output, 1.0, 0.0, 0.0))
     lean, start = 0.0, simulation.time
     while simulation.time < start + FINE_TIME:
         share = min((simulation.time - start) / PRESS_TIME, 1.0)
-        seen = fine.read(simulation.travel)
+        seen = read(fine)
         if share >= 1.0:
             lean = min(max(lean + loop.fine_rate * period * (TARGET - seen), -LEAN_HIGHEST), LEAN_HIGHEST)
-        simulation.advance(actuation.commands(0.0, 1.0 - share, share * lift, lean), actuation.steps)
-    return Positioning(simulation.record(), TARGET, taken_over)
+        drive(actuation.commands(0.0, 1.0 - share, share * lift, lean))
+    run = simulation.record()
+    return Positioning(run, TARGET, taken_over, disturbances.floor(run.time))
 
 
 def positioning_study(

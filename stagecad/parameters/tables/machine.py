@@ -36,6 +36,8 @@ class Tables:
     magnet: parts.Magnet
     preload: physics.Preload
     payload: physics.Payload
+    end_stop: physics.EndStop
+    leads: physics.Leads
     piezo: hardware.Piezo
     amplifier: physics.Amplifier
     screws: hardware.Screws
@@ -50,6 +52,7 @@ class Tables:
     sensors: physics.Sensors
     requirements: physics.Requirements
     environment: physics.Environment
+    loop: physics.Loop
     candidates: alternatives.Candidates
     drawing: physics.Drawing
 

@@ -134,6 +134,7 @@ class Base:
     clamp_neck_angle_1: float = number("of the neck about pocket 1, from the way to the screw's head", "deg", high=180)
     clamp_neck_angle_2: float = number("of the necks about pockets 2 and 3, likewise", "deg", high=180)
     clamp_floor_slot: float = mm("of the arc slot that parts finger and floor")
+    clamp_friction: float = number("coefficient between holder and pocket", high=1)
     lead_channel_width: float = mm("of the channels for the piezos' leads")
     lead_channel_depth: float = mm("of the channels for the piezos' leads")
     bar_drill_depth: float = mm("of the tooth bars' screw holes, full diameter")

@@ -68,6 +68,8 @@ class Bearing:
     allowable_pressure: float = number("on the PTFE film", "Pa")
     allowable_pv: float = number("pressure times speed of the film", "W/m^2")
     thickest_film: float = number("that sheds its heat into the stage", "m")
+    film_conductivity: float = number("thermal, of the PTFE", "W/m/K")
+    film_warming: float = number("that the film bears by its own heat at full speed", "K")
     wear_rate: float = number("specific wear of the run-in film", "m^2/N")
     run_in_wear_rate: float = number("specific wear of the fresh film, mean over running in", "m^2/N")
     run_in_cycles: int = count("strokes there and back until the film is run in", high=1000000)
@@ -110,6 +112,26 @@ class Payload:
     mass: float = number("", "kg", closed=True)
     height: float = mm("of its centre of mass above the payload face", zero=True)
     cable_force: float = number("change over the travel of the force of its cables", "N", closed=True)
+
+
+@dataclass(frozen=True)
+class EndStop:
+    """Buffers at either end of the travel, on brackets of the base, which the tooth irons or the stage run against."""
+
+    count: int = count("buffers at either end; none without end stops", low=0, high=4)
+    stiffness: float = number("of one buffer", "N/m")
+    compression: float = mm("largest of a buffer")
+    gap: float = mm("from the end of the travel to the buffer", zero=True)
+    height: float = number("of the buffers over the drive surface", "m", low=-0.1)
+
+
+@dataclass(frozen=True)
+class Leads:
+    """Leads of the piezos, and the clips that hold them at the base."""
+
+    pull: float = number("on a lead from outside", "N", closed=True)
+    allowed: float = number("that a piezo's soldered lead bears", "N")
+    clip: float = number("pull that a clip holds; 0 without clips", "N", closed=True)
 
 
 @dataclass(frozen=True)
@@ -195,7 +217,18 @@ class Environment:
     floor_velocity: float = number(
         "of the floor's vibration, rms in each third octave of 8 to 80 Hz", "m/s", closed=True
     )
+    air_time: float = number("constant of the changes of the air's temperature and pressure", "s")
+    part_time: float = number("constant with which base and stage follow the air", "s")
     gravity: float = number("", "m/s^2")
+
+
+@dataclass(frozen=True)
+class Loop:
+    """The loop that holds a position with the tip at rest on the drive surface."""
+
+    crossover: float = number("of the integral controller", "Hz")
+    sample_rate: float = number("of the controller", "Hz")
+    observation: float = number("over which the position is held; slower changes count as drift", "s")
 
 
 @dataclass(frozen=True)

@@ -124,6 +124,15 @@ def test_traction_adds_the_tension_of_cerruti_point_forces():
     edge = np.linalg.solve(np.stack([np.ones(3), np.sqrt(distances), distances], axis=1), values)[0]
     added = hertz_stress.edge_tension(peak, nu, mu) - hertz_stress.edge_tension(peak, nu)
     assert float(added) == pytest.approx(edge, rel=0.02)
+    # A nose of 20 mm under 33.2 N, aluminium on aluminium, mu = 0.3: 180 MPa in the body where 32.7 MPa stand without
+    # traction, and 905 MPa in a coating of dense alumina, strained alike.
+    contact = hertz.point_contact(33.2, 20e-3, np.inf, hertz.contact_modulus(68.9e9, nu, 68.9e9, nu))
+    still = (1 - 2 * nu) / 3
+    assert float(contact.peak_pressure) * still == pytest.approx(32.7e6, rel=2e-3)
+    assert float(contact.peak_pressure) * (still + edge) == pytest.approx(179.9e6, rel=0.02)
+    body = float(hertz_stress.edge_tension(contact.peak_pressure, nu, mu))
+    assert body == pytest.approx(179.9e6, rel=2e-3)
+    assert body * 370e9 / (1 - 0.22**2) / (68.9e9 / (1 - nu**2)) == pytest.approx(905e6, rel=2e-3)
 
 
 def test_slender_ellipse_tends_to_the_line():

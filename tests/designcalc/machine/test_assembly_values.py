@@ -18,7 +18,7 @@ def test_numbers_of_the_thesis_design() -> None:
     values = SimpleNamespace(**assembly_values(DesignInputs(design)))
     assert values.way_preload == pytest.approx(15 / (0.2 * 0.375 * 0.0254))
     assert values.bar_preload == pytest.approx(3 / (0.2 * 0.005))
-    assert values.clamp_force == pytest.approx(10 / (0.2 * 0.375 * 0.0254))
+    assert values.clamp_force == pytest.approx(6 / (0.2 * 0.375 * 0.0254))
     # 8 threads to the inch, wedge 1:20, stroke 20 mm.
     assert values.lift_per_turn == pytest.approx(0.0254 / 8 / 20)
     assert values.lift_per_degree == pytest.approx(0.0254 / 8 / 20 / 360)

@@ -135,8 +135,8 @@ def test_every_figure_has_an_origin() -> None:
 def test_torques_and_sizes_follow_the_parameter_file() -> None:
     before = made()
     after = made("screws.way.torque=17 N*m", "base.setting_pin_hole=5 mm", "actuator.bias_voltage=60 V")
-    assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "10 N·m"]
-    assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "10 N·m"]
+    assert [step.torque.text for step in before.steps if step.torque] == ["15 N·m", "3 N·m", "6 N·m"]
+    assert [step.torque.text for step in after.steps if step.torque] == ["17 N·m", "3 N·m", "6 N·m"]
     assert "in thirds to 17 N·m" in words(after)
     assert "4 setting pins 5 mm" in words(after)
     assert "Piezos at 60 V" in words(after)

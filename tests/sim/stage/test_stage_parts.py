@@ -7,14 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from stage_machines import example, ideal_piezos
 
+from sim.stage.machine import Surroundings
 from sim.stage.piezo import piezo_response
 from sim.stage.sensors import FilteredProbe, Interferometer, Lvdt
 from sim.stage.simulation import drive_stage
 from sim.stage.slip_elements import mindlin, parabola, slip_springs
 from sim.stage.statics import over_drive_surface
 from sim.stage.studies.coupling import with_ample_amplifier
+from sim.stage.studies.disturbances import Disturbances
 from sim.stage.studies.planar import directed
 from sim.stage.studies.positioning import LOOPS, move_to
 from sim.stage.studies.steps import converter_count
@@ -131,7 +134,49 @@ def test_the_loop_settles_to_a_nanometre_by_interferometer_and_not_past_an_lvdt(
     fine = move_to((machine, 8.5e-6, math.pi / 2, 5000.0, LOOPS["interferometer"]))
     assert fine.taken_over is not None
     assert np.abs(fine.error[-500:].mean()) < 1e-9
-    assert fine.within(1e-9) is not None
+    assert fine.within(1e-9, 0.01) is not None
     lost = move_to((machine, 8.5e-6, math.pi / 2, 5000.0, LOOPS["lvdt_and_probe"]))
     assert np.abs(lost.error[-500:]).min() > 50e-6
     assert lost.within(1e-9) is None
+
+
+def surroundings() -> Surroundings:
+    bands = tuple((f * 2 ** (-1 / 6), f * 2 ** (1 / 6)) for f in (8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 31.5, 40.0, 50.0))
+    return Surroundings(25e-6, bands, 300.0, 0.05, 1e-3, 300e-9, 1800.0)
+
+
+def test_disturbances_have_the_rms_that_they_are_made_of():
+    given, piezo = surroundings(), example().piezo
+    made = Disturbances(given, piezo, 2e-4, 1e-6)
+    # Of a base that moves v/w in each band, an oscillator of a much higher frequency moves (w/w_1)^2 of that.
+    time = np.arange(0.0, 60.0, 2e-4)
+    slow = sum(
+        (25e-6 / (2 * math.pi * 0.5 * (low + high))) ** 2 * (0.5 * (low + high) / 300.0) ** 4
+        for low, high in given.floor_bands
+    )
+    assert np.std(made.floor(time)) == pytest.approx(math.sqrt(slow), rel=0.05)
+    # Behind the amplifier's lag, rebuilt here, the noise has its rms.
+    noise = made.disturbed(np.zeros((400_000, 1, 3)))[:, 0, 0]
+    share = 1 - math.exp(-2 * math.pi * piezo.bandwidth * 1e-6)
+    behind = lfilter([share], [1.0, share - 1.0], noise)
+    assert np.std(behind[100:]) == pytest.approx(1e-3, rel=0.02)
+    # The air: steps of sigma sqrt(2 dt/tau) between readings, and sigma in the long run.
+    quick = Disturbances(Surroundings(0.0, given.floor_bands, 300.0, 0.05, 0.0, 300e-9, 0.02), piezo, 2e-4, 1e-6)
+    index = np.array([quick.air() for _ in range(100_000)])
+    assert np.std(index[1000:]) == pytest.approx(300e-9, rel=0.05)
+    assert np.std(np.diff(index)) == pytest.approx(300e-9 * math.sqrt(2 * 2e-4 / 0.02), rel=0.02)
+    quiet = Disturbances(None, piezo, 2e-4, 1e-6)
+    assert quiet.air() == 0.0 and not quiet.floor(time).any() and quiet.disturbed(noise) is noise
+
+
+def test_a_disturbed_loop_settles_to_its_disturbances():
+    """A loop far slower than the floor cannot reject it: the error scatters by the floor's motion, at least."""
+    disturbed = move_to(
+        (replace(example(), surroundings=surroundings()), 8.5e-6, math.pi / 2, 5000.0, LOOPS["interferometer"])
+    )
+    late = disturbed.run.time > disturbed.run.time[-1] - 0.2
+    floor = disturbed.by_floor[late].std()
+    assert floor > 0.5e-9
+    assert 0.8 * floor < disturbed.error[late].std() < 2.0 * floor + 1e-9
+    found = disturbed.features("x")
+    assert found["x_within_10nm"] is not None and found["x_error_std"][0] < 10e-9

@@ -93,7 +93,7 @@ def test_the_packaged_file_gives_no_number_that_follows_from_others() -> None:
 def test_si_is_si_for_every_kind_of_key(thesis: Design) -> None:
     assert thesis.si("stage.length") == 0.23
     assert thesis.si("pads.count") == 3.0
-    assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(85.0))
+    assert thesis.si("base.clamp_neck_angle_1") == pytest.approx(math.radians(100.0))
     assert thesis.si("bearing.film_thickness") == thesis.bearing.film_thickness == 2e-6
     with pytest.raises(InputError, match="is not a number"):
         thesis.si("stage.material")

@@ -9,6 +9,7 @@ import pytest
 
 import stagecad.solids.assembly.machine
 from designcalc.checks import run_checks
+from designcalc.checks.analysis.report import markdown, shown
 from designcalc.machine.assembly_values import assembly_values
 from designcalc.machine.inputs import DesignInputs
 from sim.stage.from_design import stage_machine
@@ -63,6 +64,14 @@ def test_every_reader_has_the_same_load_contact_and_pads(overrides, load, monkey
     wear = assembly_values(DesignInputs(design, MASSES))["run_in_wear"]
     heaviest = max(float(word.split()[0]) for word in checks["lightest pad load over the mean"].substituted.split(", "))
     assert wear == pytest.approx(np.sqrt(3e-13 * heaviest * 1200 / (np.pi * 2)), rel=1e-3)
+    # Position loop of checks and simulated positioning, and the report's table, of the same load.
+    held = machine.surroundings.held_resonance
+    assert (
+        f"resonance {shown(held, 'Hz')} "
+        in checks["stability of the position loop with the interferometer"].substituted
+    )
+    row = f"| force of the piezos against the load | {shown(machine.load, 'N')} |"
+    assert row in markdown(list(checks.values()))
 
 
 def test_a_softer_plate_lowers_modes_and_stiffness_in_every_check():

@@ -87,10 +87,10 @@ def way_volume() -> float:
 
 
 def base_volume() -> float:
-    pockets = 3 * (hole(76.05, 36.6) + hole(16.02, 60 - 36.6 - 8))
+    pockets = 3 * (hole(76.03, 36.6) + hole(16.02, 60 - 36.6 - 8))
     access = [114, 180 - 86.60254 - 66, 180 - 86.60254 - 66]
     bores = sum(hole(26, a) + hole(22.225, 50) + hole(20.05, 86) for a in access)
-    slots = 4 * 90 * (1.5 * (35 + 21 + 15) + 3 * 28 + hole(6, 1))
+    slots = 4 * 90 * (1.5 * (46 + 21 + 25) + 3 * 28 + hole(10, 1))
     screws = 2 * hole(10.5, 140) + 2 * hole(10.5, 100)
     taps = 14 * pointed(7.9375, 18) + 7 * pointed(8.5, 20) + 4 * pointed(5, 15) + 8 * pointed(4.2, 15)
     return 360 * 350 * 90 - pockets - bores - slots - screws - taps - 3 * 110 * 8 * 6
@@ -154,7 +154,7 @@ HOLES = [
     ("base", 7.9375, 18, "14 way screws, 4 clamp screws"),
     ("base", 10.5, 4, "clamp screws' clearance"),
     ("base", 15.9, 4, "clamp screws' heads"),
-    ("base", 76.05, 3, "pockets"),
+    ("base", 76.03, 3, "pockets"),
     ("base", 16.02, 3, "pin 2"),
     ("base", 20.05, 3, "pin 1"),
     ("base", 22.225, 3, "set screws"),
@@ -162,7 +162,8 @@ HOLES = [
     ("base", 8.5, 7, "lifting and foot holes"),
     ("base", 4.2, 8, "tooth bars"),
     ("base", 5.0, 4, "brackets"),
-    ("base", 6.0, 8, "setting pins, and relief holes of the same size"),
+    ("base", 6.0, 4, "setting pins"),
+    ("base", 10.0, 4, "relief holes of the clamps"),
     ("base", 3.0, 11, "3 vents, and both round ends of 4 floor slots"),
     ("holder", 10.05, 3, "piezos"),
     ("holder", 5.0, 3, "ejectors"),
