@@ -21,6 +21,7 @@ COMMANDS = {
     "params": "The parameters with unit, tolerance and origin.",
     "parts": "STEP, STL and GLB of parts and assembly, and their mass properties.",
     "drawings": "Drawing sheets of parts and assembly as DXF, SVG, PDF and PNG, with lint.",
+    "diff": "Parameters, masses, margins, sheets and volumes that differ between two designs.",
     "check": "Every design check, with value, limit and margin.",
     "calc": "One design calculator by itself.",
     "simulate": "The thesis's experiments, and the stage driven by its piezos.",

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -239,6 +239,7 @@ def _monomials(x: Array, y: Array, derivative: tuple[int, int]) -> Array:
     return found
 
 
+@lru_cache(maxsize=64)
 def _to_coefficients(a: float, b: float) -> Array:
     """Coefficients of the monomials from the deflections and slopes of the corners, shape (12, 12)."""
     x, y = np.array([0.0, a, a, 0.0]), np.array([0.0, 0.0, b, b])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,18 +80,23 @@ def synthetic_profiles(
         raise InputError("way profile: length: must be at least twenty correlation lengths")
     step = l / 4
     n = int(np.ceil((length + contact_length) / step)) + 1
-    rng = np.random.default_rng(seed)
-    wave_number = 2 * np.pi * np.fft.rfftfreq(n, step)
-    # A line with correlation exp(-x^2/l^2) is white noise through a filter exp(-k^2 l^2/8).
-    gain = np.exp(-((wave_number * l) ** 2) / 8)
-    white = np.fft.rfft(rng.standard_normal((count, n)), axis=-1)
-    rough = np.fft.irfft(white * gain, n, axis=-1)
-    expected = np.sqrt(np.mean(np.concatenate([gain, gain[1 : (n + 1) // 2]]) ** 2))
     sigma = surface.roughness * np.sqrt(np.pi / 2) * np.sqrt(np.sqrt(np.pi) * l / (4 * np.pi / 15 * contact_length))
     x = step * np.arange(n)
     shift = np.where(np.arange(count) > 0, phase, 0.0)[:, None]
     waves = surface.waviness * np.sin(2 * np.pi * x / surface.wavelength + shift)
-    return rough * sigma / expected + waves, step
+    return _random_lines(count, n, seed) * sigma + waves, step
+
+
+@lru_cache(maxsize=8)
+def _random_lines(count: int, n: int, seed: int) -> Array:
+    """Random lines of unit rms, with correlation ``exp(-x^2/l^2)`` at four points a correlation length."""
+    wave_number = 2 * np.pi * np.fft.rfftfreq(n, 0.25)
+    # A line with correlation exp(-x^2/l^2) is white noise through a filter exp(-k^2 l^2/8).
+    gain = np.exp(-(wave_number**2) / 8)
+    white = np.fft.rfft(np.random.default_rng(seed).standard_normal((count, n)), axis=-1)
+    rough = np.fft.irfft(white * gain, n, axis=-1)
+    expected = np.sqrt(np.mean(np.concatenate([gain, gain[1 : (n + 1) // 2]]) ** 2))
+    return rough / expected
 
 
 def carried_height(profiles: ArrayLike, step: float, contact_length: float) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from designcalc.checks import (
     actuator,
@@ -75,10 +75,11 @@ def run_checks(
     chosen = [name for name in SUBJECTS if subjects is None or name in subjects]
     functions = [(subject, function) for subject in chosen for function in SUBJECTS[subject](design)]
     found: list[Check] = []
+    memory: dict[Any, Any] = {}
     for position, (subject, function) in enumerate(functions):
         if positions is not None and position not in positions:
             continue
-        inputs = DesignInputs(design, masses)
+        inputs = DesignInputs(design, masses, memory)
         try:
             check = function(inputs)
         except InputError as error:

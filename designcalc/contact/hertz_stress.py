@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -118,13 +119,21 @@ def peak_mises(ratio: ArrayLike, poisson: ArrayLike) -> Array:
     Source: Johnson (1985), section 6.1, on the stresses of eq. 4.46.
     """
     k, nu = np.broadcast_arrays(np.asarray(ratio, float), np.asarray(poisson, float))
+    if not k.shape:
+        return np.asarray(_peak_mises(float(k), float(nu)))
+    return np.array([_peak_mises(*pair) for pair in zip(k.ravel().tolist(), nu.ravel().tolist(), strict=True)]).reshape(
+        k.shape
+    )
 
+
+@lru_cache(maxsize=256)
+def _peak_mises(k: float, nu: float) -> float:
     def mises(depth: Array) -> Array:
         x, y, z = axis_stresses(depth, k, nu)
         return np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2))
 
-    inner = mises(_golden_maximum(mises, np.full(k.shape, 0.02), np.full(k.shape, 2.0)))
-    return np.maximum(inner, mises(np.zeros(k.shape)))
+    inner = mises(_golden_maximum(mises, np.array(0.02), np.array(2.0)))
+    return float(max(inner, mises(np.array(0.0))))
 
 
 def edge_tension(peak_pressure: ArrayLike, poisson: ArrayLike, friction: ArrayLike = 0.0) -> Array:

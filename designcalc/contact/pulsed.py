@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,11 +28,14 @@ def pressed_force(depth: Array, rate: float, stiffness: float) -> Array:
     # x + (K/k) x^1.5 = depth for the contact's part x: monotone and convex, so Newton from above descends to it.
     x = whole.copy()
     for _ in range(40):
-        x -= (x + rate / stiffness * x**1.5 - whole) / (1 + 1.5 * rate / stiffness * np.sqrt(x))
-        x = np.maximum(x, 0.0)
+        step = (x + rate / stiffness * x**1.5 - whole) / (1 + 1.5 * rate / stiffness * np.sqrt(x))
+        x = np.maximum(x - step, 0.0)
+        if np.all(np.abs(step) <= 1e-15 * x):
+            break
     return rate * x**1.5
 
 
+@lru_cache(maxsize=256)
 def peak_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> float:
     """Peak force of a tip that rises sinusoidally by `rise` each period and carries `mean` on average, N.
 
@@ -61,4 +66,6 @@ def peak_of_mean(mean: float, rise: float, rate: float, stiffness: float) -> flo
     for _ in range(60):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if average(middle) < mean else (low, middle)
+        if high - low <= 1e-14 * high:
+            break
     return float(pressed_force(np.asarray(high), rate, stiffness))

@@ -99,6 +99,7 @@ def teeth_field(
     return TeethField(**{name: np.array([getattr(one, name) for one in solved]).reshape(shape) for name in names})
 
 
+@lru_cache(maxsize=4096)
 def _one_cell(
     pitch: float, tooth_width: float, gap: float, depth: float, offset: float, functions: int | None
 ) -> TeethField:

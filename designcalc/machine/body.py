@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from stagecad.parameters.mass_properties import MassProperties, combined
 
 _POINT = ((0.0, 0.0, 0.0),) * 3
 
 
+@remembered
 def bare_stage(r: DesignInputs) -> MassProperties:
     """Stage with irons and magnets, from the middle of the stage at the height of the drive surface.
 
@@ -28,12 +29,14 @@ def bare_stage(r: DesignInputs) -> MassProperties:
     return MassProperties(length * width * thickness, mass, (0.0, 0.0, thickness / 2), inertia, box)
 
 
+@remembered
 def loaded_stage(r: DesignInputs) -> MassProperties:
     """Stage and payload, the payload a point over the middle of the stage."""
     stage = bare_stage(r)
     return _with_point(stage, r("payload.mass"), r("stage.thickness") + r("payload.height"))
 
 
+@remembered
 def moving_body(r: DesignInputs) -> MassProperties:
     """The whole moving body: stage, payload, and ballast."""
     body = loaded_stage(r)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, SupportsFloat
+from functools import wraps
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, SupportsFloat, TypeVar
 
 from stagecad.parameters.units import format_quantity
 
@@ -38,12 +40,14 @@ class DesignInputs:
         design: the design.
         masses: of the solids; without them the masses are estimated from the stage's plain plate and the tip's limit,
             and the recorded inputs state it.
+        memory: results of `remembered` functions; shared by readers of the same design and masses.
     """
 
-    def __init__(self, design: Design, masses: BodyMasses | None = None) -> None:
+    def __init__(self, design: Design, masses: BodyMasses | None = None, memory: dict[Any, Any] | None = None) -> None:
         self.design = design
         self.masses = masses
         self.inputs: dict[str, Input] = {}
+        self.memory: dict[Any, Any] = {} if memory is None else memory
 
     def take(self) -> dict[str, Input]:
         """The inputs recorded since the last call."""
@@ -83,3 +87,33 @@ class DesignInputs:
         if self.masses is not None:
             return self.given("tip mass", self.masses.tip.mass, "kg", "measured from the solids")
         return self("tip.mass_limit")
+
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def remembered(
+    function: Callable[Concatenate[DesignInputs, Arguments], Result],
+) -> Callable[Concatenate[DesignInputs, Arguments], Result]:
+    """Decorator: compute a quantity of a design once, and record its inputs each time as if it were computed.
+
+    The arguments after the reader must be hashable; the result must not be changed.
+    """
+
+    @wraps(function)
+    def reading(r: DesignInputs, *arguments: Arguments.args, **named: Arguments.kwargs) -> Result:
+        key = (function, arguments, tuple(named.items()))
+        if key not in r.memory:
+            outer, r.inputs = r.inputs, {}
+            try:
+                result = function(r, *arguments, **named)
+                r.memory[key] = (result, r.inputs)
+            finally:
+                r.inputs = {**outer, **r.inputs}
+            return result
+        result, inputs = r.memory[key]
+        r.inputs.update(inputs)
+        return result
+
+    return reading

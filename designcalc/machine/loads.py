@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from designcalc.machine.body import bare_stage, loaded_stage, moving_body
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.teeth import attraction
 
 
@@ -17,11 +17,13 @@ def moved_mass(r: DesignInputs) -> float:
     return moving_body(r).mass
 
 
+@remembered
 def weight(r: DesignInputs) -> float:
     """Weight of stage and payload, N: the load of the bearing without preload."""
     return loaded_stage(r).mass * gravity(r)
 
 
+@remembered
 def preload(r: DesignInputs) -> float:
     """Preload that acts, N: the attraction of the magnets; in a machine without teeth the ballast's weight.
 
@@ -32,6 +34,7 @@ def preload(r: DesignInputs) -> float:
     return r("preload.force")
 
 
+@remembered
 def load(r: DesignInputs) -> float:
     """Weight and preload, N: the load of all pads when no tip presses."""
     return weight(r) + preload(r)
@@ -42,6 +45,7 @@ def preload_ratio(r: DesignInputs) -> float:
     return preload(r) / weight(r)
 
 
+@remembered
 def load_centre(r: DesignInputs) -> tuple[float, float]:
     """Point of action (x, y) of weight and preload, from the middle of the stage, m; the preload acts in the middle."""
     body = loaded_stage(r)

@@ -9,13 +9,14 @@ from designcalc.bearing.bolted_rail import Rail
 from designcalc.bearing.sliding import PadStiffness, pad_loads, pad_stiffness
 from designcalc.contact.film import FilmContact, confined_modulus, film_contact
 from designcalc.contact.hertz import PointContact, contact_modulus, point_contact
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import load, load_centre
 from designcalc.machine.tip_contact import elastic_constants
 
 Array = NDArray[np.float64]
 
 
+@remembered
 def pad_positions(r: DesignInputs) -> Array:
     """Pad centres (n, 2), x along the travel and y across, from the middle of the stage, m."""
     for key in ("pads.spacing_along", "pads.spacing_across", "pads.count"):
@@ -39,27 +40,32 @@ def pad_contact(r: DesignInputs, load: float) -> PointContact:
     )
 
 
+@remembered
 def mean_film(r: DesignInputs) -> FilmContact:
     """Contact of a pad under the mean of the pads' loads."""
     return film(r, load(r) / len(pad_positions(r)))
 
 
+@remembered
 def pad_forces(r: DesignInputs) -> Array:
     """Load of each pad under weight and preload, N."""
     return pad_loads(pad_positions(r), load(r), load_centre(r))
 
 
+@remembered
 def heaviest_pad(r: DesignInputs) -> float:
     """Largest pad load, N."""
     return r.given("heaviest pad load", float(np.max(pad_forces(r))), "N", "statics of weight and preload on the pads")
 
 
+@remembered
 def pad_spring_stiffness(r: DesignInputs) -> Array:
     """Normal stiffness of each pad at its own load, N/m."""
     # A pad about to lift has next to no stiffness; a load of zero is out of its formula's range.
     return np.array([float(film(r, max(float(n), 1e-3)).stiffness) for n in pad_forces(r)])
 
 
+@remembered
 def pads_stiffness(r: DesignInputs) -> PadStiffness:
     """Normal, pitch and roll stiffness of a rigid stage on its pads."""
     return pad_stiffness(pad_positions(r), pad_spring_stiffness(r))

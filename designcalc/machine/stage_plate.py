@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from designcalc.bearing.plate import Modes, Place, Plate, SupportedPlate
 from designcalc.machine.body import ballast, bare_stage
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import gravity, preload
 from designcalc.machine.pads import pad_positions, pad_spring_stiffness
 
@@ -30,6 +30,7 @@ def payload_feet(r: DesignInputs) -> list[Place]:
     return [(x, y) for x in (-half, half) for y in (-half, half)]
 
 
+@remembered
 def stage_plate(r: DesignInputs) -> SupportedPlate:
     """The stage on its pads."""
     length, width, thickness = r("stage.length"), r("stage.width"), r("stage.thickness")
@@ -54,6 +55,7 @@ def _supported(
     return SupportedPlate(plate, springs, masses)
 
 
+@remembered
 def give_at_tip(r: DesignInputs) -> float:
     """Deflection of the drive surface above the tip by a unit force of the tip, bending and pads together, m/N."""
     return float(stage_plate(r).compliance([TIP])[0, 0])

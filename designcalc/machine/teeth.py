@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from designcalc.drive.magnetic_circuit import MagnetForces, MagnetSection, magnet_forces
 from designcalc.drive.magnetic_teeth import TeethField, teeth_field
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 
 CIRCUITS = 2
 """Magnetic circuits: one pocket with its magnet over each of the two bars."""
@@ -51,16 +51,19 @@ def circuit(r: DesignInputs) -> MagnetCircuit:
     return MagnetCircuit(section, length, r("magnet.remanence"), r("magnet.recoil_permeability"))
 
 
+@remembered
 def magnets(r: DesignInputs) -> MagnetForces:
     """Working point of one circuit of the design, leakage included."""
     return circuit(r).forces()
 
 
+@remembered
 def attraction(r: DesignInputs) -> float:
     """Pull of all magnets of the design on the stage, N; 0 without teeth."""
     return CIRCUITS * magnets(r).attraction if r.design.teeth.fitted else 0.0
 
 
+@remembered
 def tooth_field(r: DesignInputs) -> TeethField:
     """Field of one cell of the teeth, which repeats across the travel."""
     return teeth_field(r("teeth.pitch"), r("teeth.width"), r("teeth.gap"), r("teeth.groove_depth"))

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from designcalc.contact.hertz import PointContact, contact_modulus, point_contact, tangential_stiffness
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 
 
 def elastic_constants(r: DesignInputs, first: str, second: str) -> tuple[float, float, float, float]:
@@ -23,6 +23,7 @@ def elastic_constants(r: DesignInputs, first: str, second: str) -> tuple[float, 
     )
 
 
+@remembered
 def tip_contact(r: DesignInputs, load: float) -> PointContact:
     """Nose of the tip on the stage's underside under `load`, N."""
     modulus = contact_modulus(*elastic_constants(r, "tip", "stage"))
@@ -51,6 +52,7 @@ class ContactStiffness:
         return self.tangential / self.normal
 
 
+@remembered
 def contact_stiffness(r: DesignInputs, load: float) -> ContactStiffness:
     """The contact under a load, N: ``k_n = 2 a E*``, ``k_t = 8 a G*``, each body with its own Poisson's ratio.
 

@@ -7,7 +7,7 @@ import numpy as np
 from designcalc.contact.pulsed import peak_of_mean
 from designcalc.drive.friction_drive import frequency_for, piezo_stiffness, resonance, tip_ellipse
 from designcalc.drive.piezo_stack import SideLoad, rocking_stiffness, side_load, sway_stiffness, tip_inertia
-from designcalc.machine.inputs import DesignInputs
+from designcalc.machine.inputs import DesignInputs, remembered
 from designcalc.machine.loads import tip_load
 from designcalc.machine.tip_contact import contact_stiffness
 
@@ -20,6 +20,7 @@ def stack_stiffness(r: DesignInputs) -> float:
     return float(piezo_stiffness(r("piezo.blocking_force"), r("piezo.stroke")))
 
 
+@remembered
 def usable_ellipse(r: DesignInputs) -> tuple[float, float]:
     """X and Y of the ellipse at the drive's own stroke, or at the piezo's where that is less, m."""
     amplitude = min(r("piezo.stroke") / 2, r("actuator.stroke_amplitude"))
@@ -42,6 +43,7 @@ def mass_on_piezos(r: DesignInputs) -> float:
     return r.tip_mass() + PIEZOS * r("piezo.moving_mass")
 
 
+@remembered
 def inertia_on_piezos(r: DesignInputs) -> float:
     """Moment of inertia of the same about an axis in the plane of the stacks' ends, kg m^2.
 
@@ -55,6 +57,7 @@ def inertia_on_piezos(r: DesignInputs) -> float:
     return own + r("piezo.moving_mass") * r("actuator.piezo_spacing") ** 2 / 2
 
 
+@remembered
 def tip_resonances(r: DesignInputs) -> tuple[float, float]:
     """Resonances of the free tip on its piezos, Hz: vertical on all three, rocking on the two along the travel."""
     stack = stack_stiffness(r)
@@ -92,6 +95,7 @@ def bent_stack(r: DesignInputs, force: float) -> SideLoad:
     return side_load(force, r("piezo.length"), proud, r("piezo.element_area"), modulus, play)
 
 
+@remembered
 def peak_tip_force(r: DesignInputs) -> float:
     """Peak of the tip's normal force when it carries the whole load in pulses, N.
 
@@ -104,6 +108,7 @@ def peak_tip_force(r: DesignInputs) -> float:
     return r.given("peak tip force", peak, "N", "the load carried in pulses over the rise of the ellipse")
 
 
+@remembered
 def holding_stiffness(r: DesignInputs) -> float:
     """Stiffness with which a tip that does not slip holds the stage along its travel, N/m.
 

@@ -11,11 +11,18 @@ from stagecad.parameters.errors import InputError
 from workbench.options import Run, common_options
 
 if TYPE_CHECKING:
+    from designcalc.checks.analysis.sweep import Range
     from stagecad.parameters.mass_properties import BodyMasses
 
 
 @click.command("check")
-@click.option("--sweep", "swept", metavar="KEY=LOW:HIGH[:N]", help="Show how the margins move over one parameter.")
+@click.option(
+    "--sweep",
+    "swept",
+    multiple=True,
+    metavar="KEY=LOW:HIGH[:N]",
+    help="Show how the margins move over a parameter; several form a grid.",
+)
 @click.option("--tolerance", is_flag=True, help="Monte-Carlo over the tolerances of the dimensions.")
 @click.option(
     "--samples", type=click.IntRange(100, 1_000_000), default=10_000, show_default=True, help="Of --tolerance."
@@ -30,7 +37,7 @@ if TYPE_CHECKING:
 @common_options
 def command(
     run: Run,
-    swept: str | None,
+    swept: tuple[str, ...],
     tolerance: bool,
     samples: int,
     solids: bool,
@@ -38,35 +45,31 @@ def command(
     scheduler: str | None,
 ) -> int:
     """Run every design check on the parameter file; exit status 1 when one fails."""
+    from designcalc.checks.analysis.grid import combinations
     from designcalc.checks.analysis.sweep import read_range
-    from workbench.console.checks import print_checks, print_sweep, print_tolerance
+    from workbench.console.checks import print_checks, print_tolerance
     from workbench.machine.margin_studies import evaluated_checks
-    from workbench.report.check_figures import sweep_figure, tolerance_figure
+    from workbench.report.check_figures import tolerance_figure
     from workbench.report.checks import write_check_files
 
-    if scheduler is not None and swept is None and not tolerance:
+    if scheduler is not None and not swept and not tolerance:
         raise InputError("--scheduler: only --sweep and --tolerance have many independent runs")
     design = run.design
-    wanted = read_range(swept, design) if swept is not None else None
+    wanted = [read_range(text, design) for text in swept]
+    if len(wanted) > 1:
+        combinations(wanted)
     masses = masses_of_solids(run) if solids else None
     checks = evaluated_checks(run, masses)
     folder = run.out / "checks"
     drawn = draw_figures(run, masses, folder) if figures else {}
     print_checks(run, checks)
     document: Any = [check.as_json() for check in checks]
-    if wanted is not None or tolerance:
+    if wanted or tolerance:
         document = {"checks": document}
-    if wanted is not None:
-        from designcalc.checks.analysis.sweep import table
-        from workbench.machine.margin_studies import sweep
-
-        points = sweep(run, wanted, masses is not None, scheduler)
-        document["sweep"] = table(wanted, points)
-        names = print_sweep(run, wanted, points)
-        if names:
-            path = folder / f"sweep_{wanted.key.replace('.', '_')}.png"
-            sweep_figure(wanted, points, names, path)
-            drawn[f"margins over {wanted.key}"] = path
+    if len(wanted) == 1:
+        document["sweep"] = _swept(run, wanted[0], masses is not None, scheduler, drawn)
+    elif wanted:
+        document["grid"] = _gridded(run, wanted, masses is not None, scheduler, drawn)
     if tolerance:
         from workbench.machine.margin_studies import tolerance as tolerance_study
 
@@ -80,6 +83,38 @@ def command(
     write_check_files(checks, design, masses, folder, drawn)
     run.emit(document)
     return 1 if any(check.verdict == "fails" for check in checks) else 0
+
+
+def _swept(run: Run, wanted: Range, solids: bool, scheduler: str | None, drawn: dict[str, Path]) -> dict[str, Any]:
+    from designcalc.checks.analysis.sweep import table
+    from workbench.console.checks import print_sweep
+    from workbench.machine.margin_studies import sweep
+    from workbench.report.check_figures import sweep_figure
+
+    points = sweep(run, wanted, solids, scheduler)
+    names = print_sweep(run, wanted, points)
+    if names:
+        path = run.out / "checks" / f"sweep_{wanted.key.replace('.', '_')}.png"
+        sweep_figure(wanted, points, names, path)
+        drawn[f"margins over {wanted.key}"] = path
+    return table(wanted, points)
+
+
+def _gridded(
+    run: Run, wanted: list[Range], solids: bool, scheduler: str | None, drawn: dict[str, Path]
+) -> dict[str, Any]:
+    from designcalc.checks.analysis.grid import grid_table
+    from workbench.console.checks import print_grid
+    from workbench.machine.margin_studies import grid
+    from workbench.report.design_figures import grid_figure
+
+    points = grid(run, wanted, solids, scheduler)
+    print_grid(run, wanted, points)
+    if len(wanted) == 2:
+        path = run.out / "checks" / f"grid_{'_'.join(one.key.replace('.', '_') for one in wanted)}.png"
+        grid_figure(wanted, points, path)
+        drawn[f"failed checks over {wanted[0].key} and {wanted[1].key}"] = path
+    return grid_table(wanted, points)
 
 
 def masses_of_solids(run: Run) -> BodyMasses | None:

@@ -41,8 +41,8 @@ def command(run: Run, names: tuple[str, ...], other: Path | None, target: Path |
         _write(run, target)
     if other is not None:
         differences = [item for item in diff(design, load_design(other)) if _named(item.key, names, design)]
-        _show_differences(run, design.file, str(other), differences)
-        run.emit({"files": [design.file, str(other)], "differences": [_difference_document(d) for d in differences]})
+        show_differences(run, design.file, str(other), differences)
+        run.emit({"files": [design.file, str(other)], "differences": [difference_document(d) for d in differences]})
         return
     entries = [entry for entry in design.entries if _named(entry.key, names, design)]
     if target is None:
@@ -114,7 +114,8 @@ def entry_json(entry: Entry) -> dict[str, Any]:
     }
 
 
-def _difference_document(difference: Difference) -> dict[str, Any]:
+def difference_document(difference: Difference) -> dict[str, Any]:
+    """A difference as a JSON document."""
     before, after = difference.before, difference.after
     return {
         "key": difference.key,
@@ -145,7 +146,8 @@ def _show(run: Run, entries: list[Entry]) -> None:
     run.console.print(table)
 
 
-def _show_differences(run: Run, one: str, other: str, differences: list[Difference]) -> None:
+def show_differences(run: Run, one: str, other: str, differences: list[Difference]) -> None:
+    """Print the keys that differ with both values."""
     from rich.table import Table
     from rich.text import Text
 

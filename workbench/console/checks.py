@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rich.table import Table
 
 from designcalc.checks import Check
+from designcalc.checks.analysis.grid import GridPoint
 from designcalc.checks.analysis.report import counted, shown, shown_limit, shown_margin
 from designcalc.checks.analysis.sweep import Point, Range, changing_checks
 from designcalc.checks.analysis.tolerance import ToleranceStudy
@@ -16,6 +17,8 @@ from workbench.options import Run
 _STYLE = {"passes": "green", "fails": "bold red", "out_of_range": "yellow", "undecidable": "yellow"}
 MOST_COLUMNS, MOST_CURVES = 6, 8
 """Checks in the table and in the figure of a sweep."""
+MOST_ROWS = 12
+"""Combinations in the table of a grid of more than two ranges."""
 
 
 def print_checks(run: Run, checks: Sequence[Check]) -> None:
@@ -57,6 +60,34 @@ def print_sweep(run: Run, swept: Range, points: Sequence[Point]) -> list[str]:
     if not names:
         run.echo(f"no margin changes with {swept.key}")
     return names[:MOST_CURVES]
+
+
+def print_grid(run: Run, ranges: Sequence[Range], points: Sequence[GridPoint]) -> None:
+    """The number of failed checks at every point of a grid of two ranges; the points with fewest for more ranges."""
+    units = [{"mm": "m", "deg": "rad"}.get(one.unit, one.unit) for one in ranges]
+    if len(ranges) == 2:
+        columns = len(ranges[1].values)
+        table = Table(title=f"failed checks over {ranges[0].key} (down) and {ranges[1].key}", pad_edge=False)
+        table.add_column("", justify="right", no_wrap=True)
+        for point in points[:columns]:
+            table.add_column(shown(point.values[1], units[1]), justify="right")
+        for start in range(0, len(points), columns):
+            row = points[start : start + columns]
+            cells = ["refused" if point.refused else str(len(point.failing)) for point in row]
+            table.add_row(shown(row[0].values[0], units[0]), *cells)
+    else:
+        table = Table(title="combinations with fewest failed checks", pad_edge=False)
+        for one in ranges:
+            table.add_column(one.key, justify="right")
+        table.add_column("failed checks", justify="right")
+        best = sorted((point for point in points if point.checks), key=lambda point: len(point.failing))
+        for point in best[:MOST_ROWS]:
+            cells = [shown(value, unit) for value, unit in zip(point.values, units, strict=True)]
+            table.add_row(*cells, str(len(point.failing)))
+    run.console.print(table)
+    refused = [point for point in points if point.refused]
+    if refused:
+        run.echo(f"{len(refused)} of {len(points)} combinations are refused, the first: {refused[0].refused}")
 
 
 def print_tolerance(run: Run, study: ToleranceStudy) -> None:

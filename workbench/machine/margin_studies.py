@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -9,7 +10,11 @@ from stagecad.parallel import parallel_map
 from workbench.machine.design_source import DesignSource, source_of
 from workbench.options import Run
 
+FEW_POINTS = 30
+"""Without solids so few points are quicker in one process than in several, which start first."""
+
 if TYPE_CHECKING:
+    from designcalc.checks.analysis.grid import GridPoint
     from designcalc.checks.analysis.sweep import Point, Range
     from designcalc.checks.analysis.tolerance import ToleranceStudy
     from designcalc.checks.check import Check
@@ -51,6 +56,33 @@ def sweep(run: Run, swept: Range, solids: bool, scheduler: str | None) -> list[P
             swept.values,
             progress=lambda value: progress.update(task, advance=1),
             workers=None if solids else 1,
+            scheduler=scheduler,
+        )
+
+
+def grid_point(
+    source: DesignSource, ranges: Sequence[Range], base: Design, solids: bool, values: tuple[float, ...]
+) -> GridPoint:
+    """The checks at one point of a grid, with the masses of its own solids (or of plain volumes)."""
+    from designcalc.checks.analysis.grid import run_grid_point
+    from stagecad.solids.assembly.machine import body_masses
+
+    return run_grid_point(ranges, values, source.design, base, body_masses if solids else _no_solids)
+
+
+def grid(run: Run, ranges: Sequence[Range], solids: bool, scheduler: str | None) -> list[GridPoint]:
+    """Every point of a grid of several ranges."""
+    from designcalc.checks.analysis.grid import combinations
+
+    job = partial(grid_point, source_of(run), tuple(ranges), run.design, solids)
+    wanted = combinations(ranges)
+    with run.progress() as progress:
+        task = progress.add_task("grid", total=len(wanted))
+        return parallel_map(
+            job,
+            wanted,
+            progress=lambda values: progress.update(task, advance=1),
+            workers=None if solids or len(wanted) > FEW_POINTS else 1,
             scheduler=scheduler,
         )
 
