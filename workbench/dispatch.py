@@ -36,6 +36,10 @@ COMMANDS = {
 }
 
 
+FOLDERS = {"diff": "design."}
+"""Sub-package of a command's module, where it has one."""
+
+
 class LazyGroup(click.Group):
     """A command group that imports `workbench.commands.NAME` only when NAME is run."""
 
@@ -45,7 +49,7 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        return import_module(f"workbench.commands.{cmd_name}").command
+        return import_module(f"workbench.commands.{FOLDERS.get(cmd_name, '')}{cmd_name}").command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
