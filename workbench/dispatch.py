@@ -32,12 +32,13 @@ COMMANDS = {
     "ladder": "The error after each effect added so far.",
     "suggest": "The next measurement that would best separate the competing effects.",
     "new": "Write a template to start from.",
+    "workbench": "A local web page for machine, simulation and measurement.",
     "demo": "Compare, diagnose and add on packaged records with hidden effects, start to end.",
 }
 
 
-FOLDERS = {"diff": "design."}
-"""Sub-package of a command's module, where it has one."""
+MODULES = {"diff": "workbench.commands.design.diff", "workbench": "workbench.page.command"}
+"""Modules of commands that are not `workbench.commands.NAME`."""
 
 
 class LazyGroup(click.Group):
@@ -49,7 +50,7 @@ class LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         if cmd_name not in COMMANDS:
             return None
-        return import_module(f"workbench.commands.{FOLDERS.get(cmd_name, '')}{cmd_name}").command
+        return import_module(MODULES.get(cmd_name, f"workbench.commands.{cmd_name}")).command
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

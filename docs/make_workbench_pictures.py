@@ -1,0 +1,118 @@
+"""Make the pictures of the workbench in `docs/images`: python docs/make_workbench_pictures.py [machine]
+[simulation] [measurement] (needs Chromium).
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from stagecad.parameters.atomic import atomic_write_bytes
+
+IMAGES = Path(__file__).parent / "images"
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+SIZE = {"width": 1440, "height": 900}
+COLOURS = 200
+PATIENCE = 180_000
+
+
+def main() -> None:
+    """Serve an empty folder, go through the views (those named, or all), and keep pictures of each."""
+    views = {"machine": _machine, "simulation": _simulation, "measurement": _measurement}
+    chosen = sys.argv[1:] or list(views)
+    program = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+    if program is None:
+        sys.exit("no Chromium: apt-get install chromium")
+    from playwright.sync_api import sync_playwright
+
+    with tempfile.TemporaryDirectory() as above:
+        folder = Path(above) / "stage"
+        folder.mkdir()
+        root = os.pathsep.join([str(Path(__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+        command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", "--port", "0"]
+        environment = {**os.environ, "PYTHONPATH": root}
+        with subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True) as server:
+            assert server.stderr is not None
+            address = re.search(r"http://\S+", server.stderr.readline())
+            assert address is not None
+            try:
+                with sync_playwright() as started:
+                    chromium = started.chromium.launch(executable_path=program, args=FLAGS)
+                    page = chromium.new_page(viewport=SIZE)
+                    page.set_default_timeout(PATIENCE)
+                    for name in chosen:
+                        views[name](page, address[0])
+                    chromium.close()
+            finally:
+                server.terminate()
+                with suppress(subprocess.TimeoutExpired):
+                    server.wait(15.0)
+
+
+def _machine(page: Any, address: str) -> None:
+    _open(page, f"{address}#machine", "dark")
+    page.locator("canvas[data-state=current]").wait_for()
+    slider = page.get_by_label("stage.thickness, slider")
+    slider.fill("14")
+    slider.dispatch_event("change")
+    page.locator("canvas[data-state=old]").wait_for()
+    page.locator("canvas[data-state=current]").wait_for()
+    page.locator(".row .name", has_text="thickness").first.click()
+    page.locator(".check", has_text="tip stroke swallowed").click()
+    page.locator("select[aria-label=section]").select_option("y")
+    page.wait_for_timeout(1500)
+    _keep(page, "workbench_machine")
+
+
+def _simulation(page: Any, address: str) -> None:
+    _open(page, f"{address}#simulation", "light")
+    page.locator(".plot canvas").first.wait_for()
+    page.wait_for_timeout(2000)
+    _keep(page, "workbench_simulation")
+
+
+def _measurement(page: Any, address: str) -> None:
+    _open(page, f"{address}#measurement", "dark")
+    page.get_by_role("button", name="Demo").click()
+    page.locator(".map canvas").first.wait_for()
+    for effect in ("stribeck", "magnetic cogging"):
+        page.get_by_role("button", name="Diagnose", exact=True).click()
+        page.locator(".verdict b", has_text=f"{effect} is missing").wait_for()
+        page.wait_for_timeout(1500)
+        if effect == "stribeck":
+            _keep(page, "workbench_diagnosis")
+        page.locator(".candidate.named").get_by_role("button", name="Add").click()
+        page.locator(".rung", has_text=effect).wait_for()
+        page.locator(".search progress").wait_for(state="detached")
+    page.wait_for_timeout(1500)
+    _keep(page, "workbench_ladder")
+
+
+def _open(page: Any, address: str, theme: str) -> None:
+    page.goto(address)
+    page.evaluate(f"() => localStorage.setItem('theme', '{theme}')")
+    page.reload()
+
+
+def _keep(page: Any, name: str) -> None:
+    """Store what the page shows as a PNG of few colours."""
+    image = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    file = io.BytesIO()
+    image.quantize(COLOURS, dither=Image.Dither.NONE).save(file, "PNG", optimize=True)
+    atomic_write_bytes(IMAGES / f"{name}.png", file.getvalue())
+    print(IMAGES / f"{name}.png")  # noqa: T201
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,85 @@
+"""A server of the page as its user starts it, and a Chromium that looks at it."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+ROOT = Path(__file__).parents[3]
+
+
+@contextmanager
+def serving(folder: Path, *options: str) -> Iterator[str]:
+    """Address of `stagecad workbench` in a folder; the server is ended with Ctrl-C."""
+    command = [sys.executable, "-m", "workbench.cli", "workbench", "--no-browser", "--port", "0", *options]
+    path = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    with subprocess.Popen(
+        command, cwd=folder, env={**os.environ, "PYTHONPATH": path}, stderr=subprocess.PIPE, text=True
+    ) as server:
+        try:
+            assert server.stderr is not None
+            line = server.stderr.readline()
+            found = re.search(r"http://\S+", line)
+            assert found, line + server.stderr.read()
+            yield found[0]
+        finally:
+            server.send_signal(2)
+            try:
+                server.wait(15.0)
+            except subprocess.TimeoutExpired:
+                server.kill()
+                raise
+
+
+class Browser:
+    """A page, with what went wrong in it and what it asked other servers for."""
+
+    def __init__(self, page: Any, address: str) -> None:
+        self.page, self.address = page, address
+        self.errors: list[str] = []
+        self.outside: list[str] = []
+        page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("request", self._note)
+        page.set_default_timeout(60_000)
+
+    def _note(self, request: Any) -> None:
+        if not request.url.startswith((self.address.split("?")[0], "data:", "blob:")):
+            self.outside.append(request.url)
+
+    def open(self, view: str) -> None:
+        self.page.goto(f"{self.address}#{view}")
+
+
+@contextmanager
+def browsing(address: str) -> Iterator[Browser]:
+    """A headless Chromium at an address; skips where there is none."""
+    program = next((found for name in PROGRAMS if (found := shutil.which(name))), None)
+    if program is None:
+        pytest.skip("no Chromium: apt-get install chromium")
+    playwright = pytest.importorskip("playwright.sync_api", reason="pip install playwright")
+    with playwright.sync_playwright() as started:
+        chromium = started.chromium.launch(executable_path=program, args=FLAGS)
+        try:
+            page = chromium.new_page(viewport={"width": 1280, "height": 800})
+            browser = Browser(page, address)
+            try:
+                yield browser
+            except Exception as error:
+                error.add_note(f"status bar: {page.locator('.status').inner_text()!r}; errors: {browser.errors}")
+                raise
+            assert browser.errors == []
+            assert browser.outside == []
+        finally:
+            chromium.close()

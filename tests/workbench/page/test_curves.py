@@ -1,0 +1,52 @@
+"""Curves for the page: no spike is lost by decimation, gaps stay, a window has its own resolution."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from workbench.page.curves import extremes, read_curves, sampled, write_curves
+
+
+def test_extremes_keep_a_spike_of_one_sample_among_a_million(tmp_path: Path) -> None:
+    time = np.linspace(0.0, 100.0, 1_000_000)
+    values = np.sin(time)
+    values[123_456], values[765_432] = 50.0, -40.0
+    described = write_curves(tmp_path, 0, {"time": time, "force": values})
+    assert described["rows"] == 1_000_000 and described["series"] == ["time", "force"]
+    curves = read_curves(tmp_path, 0)
+    began = perf_counter()
+    found = extremes(curves, [1], None, None, 1200)
+    seconds = perf_counter() - began
+    assert found.shape == (2, 2400)
+    assert found[1].max() == 50.0 and found[1].min() == -40.0
+    assert np.all(np.diff(found[0]) > 0.0)
+    # The page waits for it: 200 ms for the whole way, of which this is the larger part.
+    assert seconds < 0.2
+
+
+def test_a_window_shows_the_samples_themselves_and_gaps() -> None:
+    time = np.arange(100_000.0)
+    values = time.copy()
+    values[50_010:50_020] = np.nan
+    found = extremes(np.vstack([time, values]), [1], 50_000.0, 50_100.0, 800)
+    assert found[0][0] == 49_999.0 and found[0][-1] == 50_101.0
+    assert np.isnan(found[1]).sum() == 10
+    coarse = extremes(np.vstack([time, np.full(time.size, np.nan)]), [1], None, None, 100)
+    assert np.isnan(coarse[1]).all()
+
+
+def test_pairs_are_rows_of_the_record() -> None:
+    time = np.linspace(0.0, 1.0, 5001)
+    found = sampled(np.vstack([time, time**2, time**3]), [1, 2], 0.2, 0.8, 400)
+    assert found.shape[1] <= 400 and found[0][0] >= 0.2 and found[0][-1] <= 0.8
+    assert found[1] == pytest.approx(found[0] ** 2) and found[2] == pytest.approx(found[0] ** 3)
+
+
+def test_no_curves_are_a_fault_of_the_request(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="curves 3"):
+        read_curves(tmp_path, 3)

@@ -1,0 +1,140 @@
+"""Jobs in processes of their own: result, fault of the input, failure, death of the process, cancel, a new start."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+
+import pytest
+
+from stagecad.parameters.errors import InputError
+from workbench.page import job_process
+from workbench.page.jobs import Job, JobRunner
+
+TASKS = """
+import os, subprocess, sys, time
+from stagecad.parameters.errors import InputError
+
+def double(value, folder, report):
+    report("doubling", 1, 2)
+    return {"value": 2 * value, "nothing": float("nan"), "process": os.getpid()}
+
+def refuse(folder, report):
+    raise InputError("rig.csv: row 3: is no number")
+
+def fail(folder, report):
+    raise ZeroDivisionError("by zero")
+
+def die(folder, report):
+    os._exit(7)
+
+def work(folder, report):
+    report(str(os.getpid()), 0, 0)
+    while True:
+        time.sleep(0.01)
+"""
+
+
+@pytest.fixture
+def runner(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    # The tasks are a module of the page's package for the processes that are started, too.
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "page_test_tasks.py").write_text(TASKS)
+    (package / "sitecustomize.py").write_text(
+        "import workbench.page.job_process as p\n"
+        "p.TASKS.update(dict.fromkeys(('double', 'refuse', 'fail', 'die', 'work'), 'test_tasks'))\n"
+        "import sys, page_test_tasks\nsys.modules['workbench.page.test_tasks'] = page_test_tasks\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(package), str(Path.cwd()), os.environ.get("PYTHONPATH", "")]))
+    made = JobRunner(tmp_path / "jobs", tmp_path)
+    yield made
+    made.close()
+
+
+def _submit(runner: JobRunner, task: str, **arguments) -> Job:
+    return runner.submit("simulation", task, arguments, title=task)
+
+
+def _ended(job: Job, seconds: float = 30.0) -> Job:
+    deadline = time.monotonic() + seconds
+    while job.state in ("waiting", "running"):
+        assert time.monotonic() < deadline, job
+        time.sleep(0.01)
+    return job
+
+
+def _running(job: Job) -> int:
+    """Process id of a job `work`, once it runs."""
+    deadline = time.monotonic() + 30.0
+    while not job.step:
+        assert time.monotonic() < deadline, job
+        time.sleep(0.01)
+    return int(job.step)
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    # A child that ended, and was not yet waited for, still has its number.
+    return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def test_every_end_of_a_job_and_the_process_serves_the_next(runner: JobRunner, tmp_path: Path) -> None:
+    first = _ended(_submit(runner, "double", value=21))
+    assert (first.state, first.step, first.done, first.total) == ("done", "doubling", 1, 2)
+    result = runner.result(first.number)
+    assert result["value"] == 42 and result["nothing"] is None and result["process"] != os.getpid()
+
+    refused = _ended(_submit(runner, "refuse"))
+    assert (refused.state, refused.error, refused.details) == ("failed", "rig.csv: row 3: is no number", "")
+    failed = _ended(_submit(runner, "fail"))
+    assert failed.state == "failed" and failed.error == "ZeroDivisionError: by zero" and "Traceback" in failed.details
+    again = runner.result(_ended(_submit(runner, "double", value=1)).number)
+    assert again["process"] == result["process"]
+
+    dead = _ended(_submit(runner, "die"))
+    assert dead.state == "failed" and "exit status 7" in dead.error
+    assert runner.result(_ended(_submit(runner, "double", value=2)).number)["process"] != result["process"]
+
+    with pytest.raises(InputError, match="no result"):
+        runner.result(dead.number)
+    # A new server finds what was finished.
+    later = JobRunner(tmp_path / "jobs", tmp_path)
+    assert later.result(first.number) == result
+    assert later.get(dead.number).error == dead.error
+    later.close()
+
+
+def test_cancel_ends_the_process_and_the_queue_goes_on(runner: JobRunner) -> None:
+    job = _submit(runner, "work")
+    process = _running(job)
+    replaced = runner.submit("simulation", "double", {"value": 1}, title="double", replaces=True)
+    waiting = runner.submit("simulation", "double", {"value": 3}, title="double", replaces=True)
+    assert replaced.state == "cancelled" and waiting.state == "waiting"
+    runner.cancel(job.number)
+    assert job.state == "cancelled"
+    assert runner.result(_ended(waiting).number)["value"] == 6
+    assert not _alive(process)
+    assert runner.cancel(waiting.number).state == "done"
+
+
+def test_closing_ends_all_processes(runner: JobRunner) -> None:
+    job = _submit(runner, "work")
+    process = _running(job)
+    runner.close()
+    deadline = time.monotonic() + 10.0
+    while _alive(process):
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    assert job.state == "cancelled"
+
+
+def test_every_task_exists() -> None:
+    from importlib import import_module
+
+    for task, module in job_process.TASKS.items():
+        assert callable(getattr(import_module(f"workbench.page.{module}"), task)), task

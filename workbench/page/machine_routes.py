@@ -1,0 +1,193 @@
+"""Routes of the machine view: parameters, checks, rules, solids, drawings, differences."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import FileResponse
+from pydantic import BaseModel, ConfigDict, Field
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.mass_properties import BodyMasses, MassProperties
+from workbench.options import finite
+from workbench.page.machine_session import Changes, MachineSession
+
+FULL = 1e9
+"""Limit of time for an answer that has all checks, s."""
+
+ARTEFACTS = {".glb": "model/gltf-binary", ".svg": "image/svg+xml", ".pdf": "application/pdf", ".png": "image/png"}
+IMMUTABLE = {"cache-control": "private, max-age=31536000, immutable"}
+
+Text = Annotated[str, Field(max_length=300)]
+
+
+class Body(BaseModel):
+    """Body of a request; keys that are not known are refused."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+class ChangesBody(Body):
+    """Values that differ from the saved file."""
+
+    changes: dict[Text, Text] = Field(max_length=600)
+    limit: float = Field(default=0.05, ge=0.0, le=60.0)
+    since: int = Field(default=0, ge=0)
+
+
+class NameBody(Body):
+    """Name of a file; None: the packaged design."""
+
+    name: Text | None
+
+
+class SolidsBody(Body):
+    """`saved`: of the saved file, without the present changes."""
+
+    saved: bool = False
+
+
+router = APIRouter(prefix="/api/machine")
+
+
+def _session(request: Request) -> MachineSession:
+    return request.app.state.machine
+
+
+@router.get("")
+def state(request: Request) -> dict[str, Any]:
+    """File, changes, and the steps that can be undone."""
+    return _session(request).as_json()
+
+
+@router.get("/parameters")
+def parameters(request: Request) -> list[dict[str, Any]]:
+    """Every parameter of the saved file, with bounds and origin."""
+    return finite(_session(request).parameters())
+
+
+@router.post("/preview")
+def preview(request: Request, body: ChangesBody) -> dict[str, Any]:
+    """Checks that a change concerns, as many as the limit of time allows, and all violated rules."""
+    return finite(_session(request).preview(_changes(body), body.limit, body.since))
+
+
+@router.post("/commit")
+def commit(request: Request, body: ChangesBody) -> dict[str, Any]:
+    """Make changes the present ones, as a step that can be undone."""
+    _session(request).commit(_changes(body))
+    return _session(request).as_json()
+
+
+@router.post("/undo")
+def undo(request: Request) -> dict[str, Any]:
+    """Go back one step."""
+    _session(request).step(-1)
+    return _session(request).as_json()
+
+
+@router.post("/redo")
+def redo(request: Request) -> dict[str, Any]:
+    """Repeat the step that was undone last."""
+    _session(request).step(+1)
+    return _session(request).as_json()
+
+
+@router.post("/open")
+def open_file(request: Request, body: NameBody) -> dict[str, Any]:
+    """Open a parameter file of the project, or the packaged design."""
+    _session(request).open(body.name)
+    return _session(request).as_json()
+
+
+@router.post("/save")
+def save(request: Request, body: NameBody) -> dict[str, Any]:
+    """Write a new parameter file."""
+    _session(request).save(body.name or "")
+    return _session(request).as_json()
+
+
+@router.get("/differences")
+def differences(request: Request, other: str | None = None) -> list[dict[str, Any]]:
+    """Keys that differ from the saved file, or from another one."""
+    return finite(_session(request).differences(other))
+
+
+@router.get("/checks")
+def checks(request: Request) -> list[dict[str, Any]]:
+    """Every check of the present design: the document of `stagecad check --json` without proposals evaluated."""
+    session = _session(request)
+    session.checks.update(session.design(), FULL)
+    return finite([check.as_json() for check in session.checks.all_known().values()])
+
+
+@router.get("/checks/{position}")
+def check(request: Request, position: int) -> dict[str, Any]:
+    """One check as last evaluated."""
+    known = _session(request).checks.all_known()
+    if position not in known:
+        raise InputError(f"check {position}: there is none")
+    return finite(known[position].as_json())
+
+
+@router.post("/solids")
+def solids(request: Request, body: SolidsBody) -> dict[str, Any]:
+    """Start the job that makes the parts of the present design; its result has a key for each mesh."""
+    session, jobs = _session(request), request.app.state.jobs
+    source = session.source({} if body.saved else None)
+    job = jobs.submit("solids", "solids", source, title="Solids", replaces=True)
+    return job.as_json()
+
+
+@router.post("/masses/{number}")
+def masses(request: Request, number: int) -> dict[str, Any]:
+    """Take the masses of the solids of a finished job for the checks, if they are of the present design."""
+    session, jobs = _session(request), request.app.state.jobs
+    result, design = jobs.result(number), session.design()
+    taken = result.get("digest") == design.digest
+    if taken:
+        moving, tip = (MassProperties.from_json(result[name]) for name in ("moving_body", "tip"))
+        session.checks.set_masses(design, BodyMasses(moving, tip))
+    return {"taken": taken}
+
+
+@router.get("/sheets")
+def sheets(request: Request) -> dict[str, list[str]]:
+    """Names of the sheets by subject."""
+    from drawings.artefacts.names import sheet_names
+
+    return {subject: list(names) for subject, names in sheet_names(_session(request).design()).items()}
+
+
+@router.post("/drawings/{subject}")
+def drawings(request: Request, subject: str) -> dict[str, Any]:
+    """Start the job that draws the sheets of a subject."""
+    from drawings.artefacts.names import chosen_sheets
+
+    session, jobs = _session(request), request.app.state.jobs
+    chosen_sheets((subject,), session.design())
+    arguments = {**session.source(), "subject": subject}
+    return jobs.submit("solids", "drawings", arguments, title="Drawing", subject=subject, replaces=True).as_json()
+
+
+@router.get("/artefacts/{key}/{name}")
+def artefact(key: str, name: str) -> FileResponse:
+    """A file of the cache of solids and drawings, by its key."""
+    from stagecad.solids.artefacts.store import ArtefactStore
+
+    suffix = "." + name.rpartition(".")[2]
+    path = ArtefactStore().folder / "entries" / key / name
+    if not re.fullmatch(r"[0-9a-f]{64}", key) or not re.fullmatch(r"[a-z0-9_]+\.[a-z]{3}", name):
+        raise InputError(f"{key}/{name}: no file of the cache")
+    if suffix not in ARTEFACTS or not path.is_file():
+        raise InputError(f"{name}: no such file in the cache; make the solids again")
+    return FileResponse(path, media_type=ARTEFACTS[suffix], headers=IMMUTABLE)
+
+
+def _changes(body: ChangesBody) -> Changes:
+    for key, text in body.changes.items():
+        if "=" in key or not key or not text.strip():
+            raise InputError(f"{key!r}: a value is wanted")
+    return dict(body.changes)

@@ -1,0 +1,242 @@
+"""The design that the page shows: a parameter file, the changes made on the page, and their history."""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+from contextlib import suppress
+from dataclasses import asdict
+from typing import Any
+
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.design import Design
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.file import Entry, packaged_text
+from stagecad.parameters.load import changed_text, design_from_text, diff, load_design
+from stagecad.parameters.rules.registry import violations
+from stagecad.parameters.tables.machine import schema
+from workbench.page.live_checks import LiveChecks, LiveResult, check_row
+from workbench.page.project import Project
+
+CHANGED = "assumed: changed in the workbench"
+"""Origin of a value that the page writes."""
+
+Changes = dict[str, str]
+"""Text of a value by key, as for `--set`."""
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?:\+-\s*\S+\s*)?(.*)$")
+
+
+class MachineSession:
+    """State of the machine view; kept in a file, so that a new server continues where the last one ended.
+
+    Args:
+        project: with the parameter file that is opened first.
+    """
+
+    def __init__(self, project: Project) -> None:
+        self.project = project
+        self.checks = LiveChecks()
+        self._lock = threading.RLock()
+        self._state = project.state / "machine.json"
+        self._first = project.params.name if project.params is not None else None
+        self.file = self._first
+        self._text = self._read(self.file)
+        self._history: list[Changes] = [{}]
+        self._place = 0
+        self._saved: tuple[tuple[str | None, str], Design] | None = None
+        self._restore()
+
+    @property
+    def changes(self) -> Changes:
+        """Present changes of the saved file."""
+        return dict(self._history[self._place])
+
+    def as_json(self) -> dict[str, Any]:
+        """File, files that can be opened, changes, and whether there is something to undo or redo."""
+        with self._lock:
+            return {
+                "file": self.file,
+                "files": self.project.parameter_files(),
+                "changes": self.changes,
+                "undo": self._place,
+                "redo": len(self._history) - 1 - self._place,
+            }
+
+    def open(self, file: str | None) -> None:
+        """Open a parameter file of the project (None: the packaged design); the history begins anew."""
+        with self._lock:
+            if file not in (None, self._first, *self.project.parameter_files()):
+                raise InputError(f"{file}: no parameter file of this folder")
+            text = self._read(file)
+            design_from_text(text, file or "thesis.toml", rules=False)
+            self.file, self._text, self._history, self._place = file, text, [{}], 0
+            self._keep()
+
+    def commit(self, changes: Changes) -> None:
+        """Make `changes` the present ones, as a step that can be undone.
+
+        Raises:
+            InputError: a key or a value that is not allowed.
+        """
+        with self._lock:
+            self.design(changes)
+            saved = {entry.key: entry.text for entry in self.saved.entries}
+            changes = {key: text for key, text in changes.items() if text != saved.get(key)}
+            if changes != self._history[self._place]:
+                self._history = [*self._history[: self._place + 1], changes][-200:]
+                self._place = len(self._history) - 1
+                self._keep()
+
+    def step(self, by: int) -> None:
+        """Undo (-1) or redo (+1) one step; nothing happens at the ends of the history."""
+        with self._lock:
+            self._place = min(max(self._place + by, 0), len(self._history) - 1)
+            self._keep()
+
+    @property
+    def saved(self) -> Design:
+        """The design of the file without changes."""
+        with self._lock:
+            if self._saved is None or self._saved[0] != (self.file, self._text):
+                self._saved = (self.file, self._text), self.design({})
+            return self._saved[1]
+
+    def design(self, changes: Changes | None = None) -> Design:
+        """The design with `changes` (by default the present ones); rules across values are not required."""
+        changes = self.changes if changes is None else changes
+        overrides = tuple(f"{key}={text}" for key, text in changes.items())
+        if self.file is None:
+            return load_design(None, overrides, rules=False)
+        return design_from_text(self._text, self.file, overrides, rules=False)
+
+    def source(self, changes: Changes | None = None) -> dict[str, Any]:
+        """Arguments from which another process makes the design."""
+        changes = self.changes if changes is None else changes
+        overrides = [f"{key}={text}" for key, text in changes.items()]
+        return {"text": None if self.file is None else self._text, "name": self.file or "", "overrides": overrides}
+
+    def preview(self, changes: Changes, limit: float, since: int) -> dict[str, Any]:
+        """What the page shows while a value is dragged: checks evaluated within `limit` seconds, violated rules.
+
+        Checks that the page has, by the version `since` of an earlier answer, are left out.
+        """
+        design = self.design(changes)
+        result = self.checks.update(design, limit, since)
+        return {**live_json(result), "violations": violated(design), "changed": self._changed(design, changes)}
+
+    def save(self, name: str) -> str:
+        """Write the design to a new parameter file of the project, comments kept, and continue with it.
+
+        Raises:
+            InputError: the name is taken, or the design violates a rule.
+        """
+        with self._lock:
+            target = self.project.new_file(name, ".toml")
+            text = self._text_with_changes(target.name)
+            atomic_write_text(target, text)
+            self.file, self._text, self._history, self._place = target.name, text, [{}], 0
+            self._keep()
+        return target.name
+
+    def differences(self, other: str | None = None) -> list[dict[str, Any]]:
+        """Keys in which the design differs from its saved file, or from another file of the project."""
+        base = self.saved if other is None else design_from_text(self._read(other), other, rules=False)
+        return [
+            {"key": one.key, "before": _entry_json(one.before), "after": _entry_json(one.after)}
+            for one in diff(base, self.design())
+        ]
+
+    def parameters(self) -> list[dict[str, Any]]:
+        """Every parameter of the saved file: text, bounds in the unit of the text, origin, kind of the value."""
+        design = self.saved
+        keys = schema(tuple(design.materials))
+        return [{**parameter_json(entry), **_bounds(entry, keys[entry.key], design)} for entry in design.entries]
+
+    def _changed(self, design: Design, changes: Changes) -> dict[str, str]:
+        """Text of the values that differ from the saved file: those set, and those computed from them."""
+        saved = {entry.key: entry.text for entry in self.saved.entries}
+        return {e.key: e.text for e in design.entries if e.text != saved[e.key] or e.key in changes}
+
+    def _text_with_changes(self, name: str) -> str:
+        text = packaged_text() if self.file is None else self._text
+        design = self.design()
+        changes: dict[str, tuple[str | float | bool, str]] = {}
+        for key in self.changes:
+            entry = design.entry(key)
+            plain = not entry.unit and not isinstance(entry.value, str)
+            changes[key] = (entry.value if plain else entry.text, CHANGED)
+        return changed_text(text, name, changes) if changes else text
+
+    def _read(self, file: str | None) -> str:
+        if file is None:
+            return packaged_text()
+        path = self.project.params if self.project.params and self.project.params.name == file else None
+        return (path or self.project.inside(file)).read_text("utf-8-sig")
+
+    def _keep(self) -> None:
+        document = {"file": self.file, "text": self._text, "history": self._history, "place": self._place}
+        atomic_write_text(self._state, json.dumps(document))
+
+    def _restore(self) -> None:
+        with suppress(OSError, ValueError, KeyError, TypeError):
+            kept = json.loads(self._state.read_text("utf-8"))
+            # Changes belong to the text of a file: after an edit elsewhere they may mean something else.
+            if kept["text"] == self._read(kept["file"]) and (self.file is None or kept["file"] == self.file):
+                self.file, self._text = kept["file"], kept["text"]
+                self._history, self._place = kept["history"], int(kept["place"])
+                self.design()
+
+
+def live_json(result: LiveResult) -> dict[str, Any]:
+    """The rows of the checks that are new to the page, and the positions of those out of date."""
+    return {
+        "count": result.count,
+        "version": result.version,
+        "checks": [check_row(position, check) for position, check in result.checks.items()],
+        "pending": list(result.pending),
+        "seconds": result.seconds,
+    }
+
+
+def violated(design: Design) -> list[dict[str, str]]:
+    """All rules across values that the design violates."""
+    return [asdict(one) for one in violations(design)]
+
+
+def parameter_json(entry: Entry) -> dict[str, Any]:
+    """An entry with its number in the unit that it is written in."""
+    number, unit = _shown(entry)
+    return {
+        "key": entry.key,
+        "text": entry.text,
+        "number": number,
+        "unit": unit,
+        "tolerance": entry.tolerance,
+        "origin": entry.origin,
+        "meaning": entry.meaning,
+    }
+
+
+def _entry_json(entry: Entry | None) -> dict[str, Any] | None:
+    return None if entry is None else parameter_json(entry)
+
+
+def _shown(entry: Entry) -> tuple[float | None, str]:
+    if isinstance(entry.value, bool | str):
+        return None, ""
+    match = _NUMBER.match(entry.text)
+    return (float(match[1]), match[2].strip()) if match else (None, "")
+
+
+def _bounds(entry: Entry, declaration: Any, design: Design) -> dict[str, Any]:
+    number, _ = _shown(entry)
+    allowed = list(declaration.allowed)
+    if declaration.kind == "material":
+        allowed = sorted(design.materials)
+    bounds: dict[str, Any] = {"low": None, "high": None}
+    if number and declaration.unit != "degC":
+        scale = number / float(entry.value)
+        bounds = {"low": declaration.low * scale, "high": declaration.high * scale}
+    return {"kind": declaration.kind, "allowed": allowed, "closed": declaration.closed, **bounds}

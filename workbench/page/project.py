@@ -1,0 +1,153 @@
+"""The folder that the page works in: its parameter files and experiments, and nothing outside it."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.errors import InputError, nearest
+
+EXPERIMENT = "experiment.toml"
+RECORD_SUFFIXES = (".csv", ".txt", ".dat", ".parquet", ".pq", ".mat")
+DEPTH = 3
+"""Folders below the project in which experiments are looked for."""
+SKIPPED = ("ladder", "node_modules", "sections")
+
+_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]{0,63}")
+
+
+@dataclass(frozen=True)
+class Project:
+    """What the page may read and write.
+
+    Args:
+        folder: of the project; nothing outside it is read or written.
+        out: folder of results, in `folder` unless it is absolute.
+        params: the parameter file; None is the packaged design.
+        trust: whether the code of experiments with effects of their own may be run.
+    """
+
+    folder: Path
+    out: Path
+    params: Path | None = None
+    trust: bool = False
+
+    @property
+    def results(self) -> Path:
+        """Folder of results: `--out`."""
+        return self.folder / self.out
+
+    @property
+    def state(self) -> Path:
+        """Folder of jobs and of the state of the page."""
+        return self.results / "workbench"
+
+    def inside(self, path: str) -> Path:
+        """A path of the project as given by the page.
+
+        Raises:
+            InputError: it leads out of the folder, also by a link, or has a part that begins with a point.
+        """
+        parts = Path(path).parts
+        if os.path.isabs(path) or "\\" in path or "\0" in path or any(part.startswith(".") for part in parts):
+            raise InputError(f"{path!r}: a path inside the project is wanted, like rig/fit.csv")
+        target, folder = (self.folder / path).resolve(), self.folder.resolve()
+        if target != folder and folder not in target.parents:
+            raise InputError(f"{path!r}: lies outside the project's folder")
+        return target
+
+    def experiment(self, name: str) -> Path:
+        """Folder of an experiment by its path in the project.
+
+        Raises:
+            InputError: there is none, or its code may not be run.
+        """
+        folder = self.inside(name)
+        if not (folder / EXPERIMENT).is_file():
+            raise InputError(f"{name}: no experiment{nearest(name, [one['name'] for one in self.experiments()])}")
+        if _has_code(folder / EXPERIMENT):
+            if not self.trust:
+                raise InputError(
+                    f"{name}/{EXPERIMENT}: [model] custom names Python code; only 'stagecad workbench --trust' runs it"
+                )
+            from sysid.experiment.experiment import trust_experiment
+
+            trust_experiment(folder)
+        return folder
+
+    def experiments(self) -> list[dict[str, Any]]:
+        """Experiments in the project, by path."""
+        found = []
+        for path in self._files(EXPERIMENT):
+            folder = path.parent
+            rungs = len(list((folder / "ladder").glob("[0-9]*.json")))
+            name = folder.relative_to(self.folder).as_posix()
+            found.append({"name": name, "rungs": max(rungs - 1, 0), "changed": path.stat().st_mtime})
+        return found
+
+    def parameter_files(self) -> list[str]:
+        """Parameter files directly in the project's folder: TOML with a table of parameters."""
+        found = []
+        for path in sorted(self.folder.glob("*.toml")):
+            if path.name in ("pyproject.toml", EXPERIMENT):
+                continue
+            text = path.read_text("utf-8", errors="replace")
+            if re.search(r"^\s*(extends\s*=|\[(stage|actuator|friction|bearing_way|teeth|pads|preload)\b)", text, re.M):
+                found.append(path.name)
+        return found
+
+    def new_file(self, name: str, suffix: str) -> Path:
+        """A file to be written directly in the project's folder, which must not exist.
+
+        Raises:
+            InputError: the name is none, or taken.
+        """
+        name = plain_name(name.removesuffix(suffix)) + suffix
+        target = self.inside(name)
+        if target.exists():
+            raise InputError(f"{name}: is there already; choose another name")
+        return target
+
+    def _files(self, name: str) -> list[Path]:
+        found: list[Path] = []
+        # Without following links: a project folder may hold anything.
+        for root, folders, files in os.walk(self.folder):
+            depth = len(Path(root).relative_to(self.folder).parts)
+            results = self.results.resolve()
+            folders[:] = sorted(
+                one
+                for one in folders
+                if depth < DEPTH
+                and not one.startswith((".", "_"))
+                and one not in SKIPPED
+                and (Path(root) / one).resolve() != results / "workbench"
+            )
+            if name in files and depth > 0:
+                found.append(Path(root) / name)
+        return found
+
+
+def plain_name(name: str) -> str:
+    """A name of a file or folder: letters, digits, `_`, `-` and `.`.
+
+    Raises:
+        InputError: anything else.
+    """
+    if not _NAME.fullmatch(name) or ".." in name:
+        raise InputError(f"{name!r}: a name of letters, digits, '_', '-' and '.' is wanted, at most 64 long")
+    return name
+
+
+def _has_code(path: Path) -> bool:
+    """Whether an experiment names Python files, read without running any."""
+    import tomllib
+
+    try:
+        model = tomllib.loads(path.read_text("utf-8")).get("model", {})
+    except (OSError, ValueError):
+        # The command that reads it says what is wrong.
+        return False
+    return bool(model.get("custom")) if isinstance(model, dict) else False

@@ -1,0 +1,222 @@
+"""The server of the page: its routes, its jobs, and the events that tell the page what changed."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse, Response, StreamingResponse
+from starlette.staticfiles import StaticFiles
+
+from stagecad import __version__
+from stagecad.parameters.errors import InputError
+from workbench.options import Run, finite
+from workbench.page import machine_routes, measurement_routes, simulation_routes
+from workbench.page.curves import extremes, read_curves, sampled
+from workbench.page.jobs import Job, JobRunner
+from workbench.page.machine_session import MachineSession
+from workbench.page.project import Project
+from workbench.page.security import Guard, allowed_hosts
+
+HEARTBEAT = 15.0
+"""Interval of the events that keep a connection open, s."""
+
+
+class Events:
+    """Hands the state of jobs to every page that listens."""
+
+    def __init__(self) -> None:
+        self.loop: asyncio.AbstractEventLoop | None = None
+        self._listeners: set[asyncio.Queue[dict[str, Any] | None]] = set()
+
+    def job_changed(self, job: Job) -> None:
+        """Called from any thread."""
+        self._publish(finite(job.as_json()))
+
+    def end(self) -> None:
+        """End every connection: the server stops."""
+        self._publish(None)
+
+    def _publish(self, message: dict[str, Any] | None) -> None:
+        if self.loop is not None:
+            with suppress(RuntimeError):
+                self.loop.call_soon_threadsafe(self._deliver, message)
+
+    def _deliver(self, message: dict[str, Any] | None) -> None:
+        for listener in self._listeners:
+            listener.put_nowait(message)
+
+    async def stream(self) -> AsyncIterator[str]:
+        """Server-sent events, one for each change of a job."""
+        queue: asyncio.Queue[dict[str, Any] | None] = asyncio.Queue()
+        self._listeners.add(queue)
+        try:
+            yield ": connected\n\n"
+            while True:
+                try:
+                    message = await asyncio.wait_for(queue.get(), HEARTBEAT)
+                except TimeoutError:
+                    yield ": still here\n\n"
+                    continue
+                if message is None:
+                    return
+                yield f"data: {json.dumps(message)}\n\n"
+        finally:
+            self._listeners.discard(queue)
+
+
+def create_app(project: Project) -> FastAPI:
+    """The application without its guard (`workbench.page.security`)."""
+    events = Events()
+    jobs = JobRunner(project.state / "jobs", project.folder, events.job_changed)
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        events.loop = asyncio.get_running_loop()
+        threading.Thread(target=_warm_up, args=(app,), daemon=True).start()
+        yield
+        events.end()
+        jobs.close()
+
+    app = FastAPI(title="stagecad workbench", version=__version__, lifespan=lifespan, docs_url=None, redoc_url=None)
+    app.state.project, app.state.events, app.state.jobs = project, events, jobs
+    app.state.machine = MachineSession(project)
+    app.state.design_values = lambda: _design_values(project)
+    for module in (machine_routes, measurement_routes, simulation_routes):
+        app.include_router(module.router)
+    _add_common_routes(app)
+    _add_errors(app)
+    static = Path(str(files("workbench.page") / "static"))
+    app.mount("/", StaticFiles(directory=static, html=True), name="static")
+    return app
+
+
+def _add_common_routes(app: FastAPI) -> None:
+    jobs: JobRunner = app.state.jobs
+
+    @app.get("/api/about")
+    def about() -> dict[str, Any]:
+        """Version, folder, and whether code of experiments may run."""
+        project: Project = app.state.project
+        return {"version": __version__, "folder": str(project.folder), "trust": project.trust}
+
+    @app.get("/api/jobs")
+    def all_jobs() -> list[dict[str, Any]]:
+        """Every job, without results."""
+        return finite([job.as_json() for job in list(jobs.jobs.values())])
+
+    @app.get("/api/jobs/{number}/result")
+    def result(number: int) -> Any:
+        """The document of a finished job."""
+        return jobs.result(number)
+
+    @app.post("/api/jobs/{number}/cancel")
+    def cancel(number: int) -> dict[str, Any]:
+        """Stop a job: its process is ended."""
+        return finite(jobs.cancel(number).as_json())
+
+    @app.get("/api/jobs/{number}/curves/{curves}")
+    def curves(
+        number: int,
+        curves: int,
+        series: str,
+        start: float | None = None,
+        stop: float | None = None,
+        columns: int = 1200,
+        pairs: bool = False,
+    ) -> Response:
+        """Rows `series` (their positions, with commas) over a window, as float64 numbers row by row.
+
+        The extremes of `columns` stretches, or with `pairs` so many rows, evenly spaced.
+        """
+        array = read_curves(jobs.job_folder(jobs.get(number)), curves)
+        words = series.split(",")
+        if not all(word.isdigit() and int(word) < len(array) for word in words) or len(words) > 20:
+            raise InputError(f"series {series!r}: positions below {len(array)} are wanted")
+        found = (sampled if pairs else extremes)(array, [int(word) for word in words], start, stop, columns)
+        headers = {"x-rows": str(found.shape[0])}
+        return Response(found.astype("<f8").tobytes(), media_type="application/octet-stream", headers=headers)
+
+    @app.get("/api/events")
+    def events() -> StreamingResponse:
+        """Server-sent events: the state of a job whenever it changes."""
+        return StreamingResponse(app.state.events.stream(), media_type="text/event-stream")
+
+
+def _add_errors(app: FastAPI) -> None:
+    @app.exception_handler(InputError)
+    async def refused(request: Request, error: InputError) -> JSONResponse:
+        text = " ".join(str(error).split())
+        return JSONResponse({"error": text.replace(f"{app.state.project.folder}{os.sep}", "")}, status_code=422)
+
+    @app.exception_handler(RequestValidationError)
+    async def invalid(request: Request, error: RequestValidationError) -> JSONResponse:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"] if part != "body")
+        return JSONResponse({"error": f"{place}: {first['msg']}"}, status_code=422)
+
+    @app.exception_handler(OSError)
+    async def no_file(request: Request, error: OSError) -> JSONResponse:
+        return JSONResponse({"error": f"{error.filename or 'file'}: {error.strerror or error}"}, status_code=500)
+
+
+def _design_values(project: Project) -> Any:
+    from workbench.identification.design_values import design_values
+
+    return design_values(Run(project.params, (), project.results, None))
+
+
+def _warm_up(app: FastAPI) -> None:
+    """Evaluate every check once, so that the first slider does not wait for what they load."""
+    session: MachineSession = app.state.machine
+    with suppress(InputError):
+        session.checks.update(session.design(), 1e9)
+
+
+def serve(
+    project: Project, host: str, port: int, token: str | None, note: Callable[[str], None], browser: bool
+) -> None:
+    """Serve until Ctrl-C.
+
+    Raises:
+        InputError: the address cannot be used.
+    """
+    import socket
+
+    import uvicorn
+
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listening = socket.socket(family, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((host, port))
+    except OSError as error:
+        listening.close()
+        reason = error.strerror or error
+        raise InputError(f"--host {host} --port {port}: {reason}; choose another with --port") from None
+    port = listening.getsockname()[1]
+    shown = f"[{host}]" if ":" in host else host
+    address = f"http://{shown}:{port}/" + (f"?token={token}" if token is not None else "")
+    app = create_app(project)
+    guarded = Guard(app, allowed_hosts(host, port), token)
+    config = uvicorn.Config(guarded, log_level="warning", access_log=False, timeout_graceful_shutdown=1)
+    note(f"workbench: {address}  (Ctrl-C ends it)")
+    if browser:
+        import webbrowser
+
+        threading.Timer(0.3, webbrowser.open, (address,)).start()
+    server = uvicorn.Server(config)
+    try:
+        server.run(sockets=[listening])
+    finally:
+        app.state.jobs.close()
+        listening.close()

@@ -1,0 +1,69 @@
+// The page: views, theme, keyboard, connection.
+import { get, listen } from './api.js';
+import { h, fill, say } from './dom.js';
+
+const VIEWS = { machine: () => import('./machine.js'), simulation: () => import('./simulation.js'), measurement: () => import('./measurement.js') };
+const opened = new Map();
+
+async function show() {
+  const [name, ...rest] = (location.hash.slice(1) || 'machine').split('/');
+  const view = name in VIEWS ? name : 'machine';
+  for (const section of document.querySelectorAll('.view')) section.hidden = section.id !== view;
+  for (const tab of document.querySelectorAll('nav [data-view]')) tab.setAttribute('aria-selected', String(tab.dataset.view === view));
+  if (!opened.has(view)) {
+    opened.set(view, VIEWS[view]().then((module) => module.open(document.getElementById(view))));
+  }
+  try {
+    (await opened.get(view)).shown?.(decodeURIComponent(rest.join('/')));
+  } catch (error) {
+    opened.delete(view);
+    say(error.message, 'bad');
+  }
+}
+
+function toggleTheme() {
+  const theme = document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark';
+  document.documentElement.dataset.theme = theme;
+  localStorage.setItem('theme', theme);
+  dispatchEvent(new Event('themechange'));
+}
+
+const KEYS = [
+  ['g m · g s · g e', 'Machine, Simulation, Measurement'], ['T', 'light or dark'], ['/', 'search parameters'],
+  ['Ctrl Z · Ctrl Shift Z', 'undo, redo a change of the machine'],
+  ['1 2 3 4', 'view from front, right, top, oblique'], ['F', 'fit the view'], ['E', 'exploded view'], ['S', 'section'],
+  ['M', 'measure between two points'], ['Esc', 'end measuring, clear the selection'],
+  ['↑ ↓ on a value', 'change it by a hundredth of its range'], ['D', 'diagnose (Measurement)'], ['double click in a curve', 'whole record'],
+  ['?', 'this list'],
+];
+
+function showKeys() {
+  const dialog = document.getElementById('keys');
+  fill(dialog, h('h2', {}, 'Keyboard'),
+    h('dl', {}, KEYS.map(([key, meaning]) => [h('dt', {}, key), h('dd', {}, meaning)])),
+    h('form', { method: 'dialog' }, h('button', {}, 'Close')));
+  dialog.showModal();
+}
+
+let before = '';
+addEventListener('keydown', (event) => {
+  if (event.target.closest?.('input, select, textarea') || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (before === 'g' && 'mse'.includes(event.key)) {
+    location.hash = { m: 'machine', s: 'simulation', e: 'measurement' }[event.key];
+    event.stopImmediatePropagation();
+  } else if (event.key === 't' || event.key === 'T') toggleTheme();
+  else if (event.key === '?') showKeys();
+  before = event.key;
+}, true);
+
+document.getElementById('theme').addEventListener('click', toggleTheme);
+document.getElementById('help').addEventListener('click', showKeys);
+addEventListener('hashchange', show);
+
+get('/api/about').then((about) => {
+  document.getElementById('folder').textContent = about.folder.split(/[\\/]/).filter(Boolean).at(-1);
+  document.getElementById('folder').title = `stagecad ${about.version}, working in ${about.folder}`;
+}).catch((error) => say(error.message, 'bad'));
+const connected = listen().catch((error) => say(error.message, 'bad'));
+await connected;
+show();

@@ -1,0 +1,315 @@
+// The machine: parameters on the left, solids or drawings in the middle, checks on the right.
+import { get, post, result } from './api.js';
+import { CheckList } from './checks.js';
+import { h, fill, quantity, say, words } from './dom.js';
+import { Drawings } from './drawings.js';
+import { ParameterList, toggle } from './parameters.js';
+import { View3d } from './view3d.js';
+
+const QUICK = 0.04;
+const SOLIDS_AFTER = 120;
+
+class Machine {
+  constructor(section) {
+    this.section = section;
+    this.changes = {};
+    const left = h('div', { class: 'panel' });
+    const middle = h('div', { class: 'panel middle' });
+    const right = h('div', { class: 'panel' });
+    fill(section, left, middle, right);
+    this.parameters = new ParameterList(left, { drag: (key, text) => this.drag(key, text), commit: (key, text) => this.commit(key, text) });
+    this.checks = new CheckList(right, (key) => this.parameters.reveal(key));
+    this.makeMiddle(middle);
+    addEventListener('keydown', (event) => this.key(event));
+  }
+
+  makeMiddle(middle) {
+    this.file = h('select', { title: 'Parameter file', 'aria-label': 'parameter file', onchange: () => this.openFile() });
+    this.undo = h('button', { class: 'small', title: 'Undo (Ctrl Z)', onclick: () => this.step('undo') }, 'Undo');
+    this.redo = h('button', { class: 'small', title: 'Redo (Ctrl Shift Z)', onclick: () => this.step('redo') }, 'Redo');
+    this.save = h('button', { class: 'small', onclick: () => this.saveAs() }, 'Save as …');
+    this.tabs = Object.fromEntries([['solids', 'Solids'], ['drawings', 'Drawings'], ['difference', 'Difference']].map(([name, title]) =>
+      [name, h('button', { class: 'small', 'aria-pressed': 'false', onclick: () => this.showTab(name) }, title)]));
+    this.panes = {
+      solids: h('div', { class: 'pane solids' }), drawings: h('div', { class: 'pane drawings' }), difference: h('div', { class: 'pane difference scroll' }),
+    };
+    this.makeSolids(this.panes.solids);
+    this.drawings = new Drawings(this.panes.drawings);
+    this.violations = h('div', { class: 'violations', role: 'alert' });
+    middle.append(
+      h('div', { class: 'head' }, h('span', { class: 'group' }, Object.values(this.tabs)), h('span', { class: 'space' }), this.file, this.undo, this.redo, this.save),
+      h('div', { class: 'panes' }, Object.values(this.panes), this.violations));
+  }
+
+  makeSolids(pane) {
+    const place = h('div', { class: 'canvas' });
+    this.view = new View3d(place, (name) => this.showPart(name));
+    const look = (name, title, key) => h('button', { class: 'small', title: `${title} (${key})`, onclick: () => this.view.look(name) }, title);
+    this.explosion = h('input', { type: 'range', min: 0, max: 1, step: 0.01, value: 0, 'aria-label': 'exploded view', oninput: () => this.view.explode(this.explosion.valueAsNumber) });
+    this.axis = h('select', { class: 'small', 'aria-label': 'section', onchange: () => this.cut() },
+      [['', 'no section'], ['x', 'section x'], ['y', 'section y'], ['z', 'section z']].map(([value, text]) => h('option', { value }, text)));
+    this.share = h('input', { type: 'range', min: 0, max: 1, step: 0.002, value: 0.5, disabled: true, 'aria-label': 'position of the section', oninput: () => this.cut() });
+    this.at = h('span', { class: 'at dim' });
+    this.measure = h('button', { class: 'small', 'aria-pressed': 'false', title: 'Distance between two points (M)', onclick: () => this.view.setMeasuring(toggle(this.measure)) }, 'Measure');
+    this.part = h('div', { class: 'part-card', hidden: true });
+    this.building = h('div', { class: 'building', hidden: true });
+    pane.append(place,
+      h('div', { class: 'toolbar top' },
+        h('span', { class: 'group' }, look('front', 'Front', '1'), look('right', 'Right', '2'), look('top', 'Top', '3'), look('oblique', 'Oblique', '4'), look('', 'Fit', 'F')),
+        h('span', { class: 'space' }), this.measure),
+      h('div', { class: 'toolbar bottom' },
+        h('label', { title: 'Exploded view (E)' }, 'explode', this.explosion), h('span', { class: 'space' }), this.at, this.share, this.axis),
+      this.part, this.building);
+  }
+
+  async start() {
+    const [state, parameters] = await Promise.all([get('/api/machine'), get('/api/machine/parameters')]);
+    this.parameters.load(parameters);
+    this.take(state);
+    this.showTab('solids');
+    this.preview();
+    this.buildSolids();
+  }
+
+  async shown() { this.view.resize(); }
+
+  /** Take the state of the server: file, changes, history. */
+  take(state) {
+    this.state = state;
+    this.changes = state.changes;
+    const files = [...new Set([null, ...state.files, state.file])];
+    fill(this.file, files.map((name) => h('option', { value: name ?? '' }, name ?? 'packaged design')));
+    this.file.value = state.file ?? '';
+    this.undo.disabled = state.undo === 0;
+    this.redo.disabled = state.redo === 0;
+    const count = Object.keys(state.changes).length;
+    this.tabs.difference.textContent = count ? `Difference (${count})` : 'Difference';
+  }
+
+  drag(key, text) {
+    if (!this.dragged) this.checks.rebase();
+    this.dragged = { ...this.changes, [key]: text };
+    this.preview();
+  }
+
+  /** Changes reach the server one after another, in the order they were made. */
+  inTurn(change) {
+    this.turn = (this.turn ?? Promise.resolve()).then(change, change);
+    return this.turn;
+  }
+
+  commit(key, text) { return this.inTurn(() => this.commitNow(key, text)); }
+
+  async commitNow(key, text) {
+    if (!this.dragged) this.checks.rebase();
+    const dragged = this.dragged;
+    const changes = { ...this.changes };
+    if (text === null) delete changes[key]; else changes[key] = text;
+    try {
+      this.take(await post('/api/machine/commit', { changes }));
+      this.parameters.write(key, this.changes[key] ?? this.parameters.parameters.get(key).text);
+      say('');
+      this.changed();
+    } catch (error) {
+      say(error.message, 'bad');
+      this.parameters.write(key, this.changes[key] ?? this.parameters.parameters.get(key).text);
+    }
+    // Another value may be dragged by now.
+    if (this.dragged === dragged) { this.dragged = null; this.preview(); }
+  }
+
+  step(which) { return this.inTurn(() => this.stepNow(which)); }
+
+  async stepNow(which) {
+    this.checks.rebase();
+    this.take(await post(`/api/machine/${which}`));
+    say(which === 'undo' ? 'undone' : 'done again');
+    this.changed();
+  }
+
+  /** The committed design changed: checks in full, solids soon. */
+  changed() {
+    this.preview();
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.buildSolids(), SOLIDS_AFTER);
+    if (this.tab === 'difference') this.showDifference();
+    if (this.tab === 'drawings') this.drawings.refresh();
+  }
+
+  /** Margins of the present values: one request at a time, the last values always. */
+  async preview() {
+    if (this.asking) { this.again = true; return; }
+    this.asking = true;
+    try {
+      let limit = QUICK;
+      do {
+        this.again = false;
+        const changes = this.dragged ?? this.changes;
+        const found = await post('/api/machine/preview', { changes, limit, since: this.version ?? 0 });
+        this.version = found.version;
+        this.checks.update(found);
+        this.parameters.show(found.changed, changes);
+        this.showViolations(found.violations);
+        // What took too long for one answer comes with the next, unless the value has moved on.
+        limit = found.pending.length ? 0.25 : QUICK;
+        if (this.again) limit = QUICK; else if (found.pending.length) this.again = true;
+      } while (this.again);
+      if (this.wasBad) { this.wasBad = false; say(''); }
+    } catch (error) {
+      this.wasBad = true;
+      say(error.message, 'bad');
+    } finally {
+      this.asking = false;
+    }
+  }
+
+  showViolations(violations) {
+    this.violated = violations.length > 0;
+    fill(this.violations, violations.length ? [
+      h('b', {}, violations.length === 1 ? 'cannot be built: a rule is violated' : `cannot be built: ${violations.length} rules are violated`),
+      h('ul', {}, violations.map((one) => h('li', { title: one.rule }, one.message)))] : '');
+    this.violations.hidden = !violations.length;
+    if (violations.length) this.building.hidden = true;
+  }
+
+  async buildSolids() {
+    const digest = JSON.stringify([this.state.file, this.changes]);
+    if (this.violated && this.view.instances.length) { this.fresh(false, 'solids of the last design that can be built'); return; }
+    try {
+      this.fresh(false, 'making solids …');
+      const job = await post('/api/machine/solids');
+      const found = await result(job);
+      if (digest !== JSON.stringify([this.state.file, this.changes])) return;
+      await this.view.show(found);
+      this.showPart(this.view.selected);
+      this.fresh(true, '');
+      await post(`/api/machine/masses/${job.number}`);
+      await this.preview();
+      // The first margins were those of estimated masses: no change to be shown.
+      if (!this.weighed) { this.weighed = true; this.checks.rebase(); }
+    } catch (error) {
+      if (error.name === 'Cancelled') return;
+      this.fresh(false, error.message);
+      // A design that cannot be built: the saved one is better than nothing to look at.
+      if (!this.view.instances.length && Object.keys(this.changes).length) {
+        const found = await post('/api/machine/solids', { saved: true }).then(result).catch(() => null);
+        if (found && !this.view.instances.length) { await this.view.show(found); this.fresh(false, 'solids of the saved design'); }
+      }
+    }
+  }
+
+  fresh(done, text) {
+    this.building.hidden = done || this.violated;
+    this.building.textContent = text;
+    this.view.canvas.dataset.state = done ? 'current' : 'old';
+  }
+
+  cut() {
+    const axis = this.axis.value || null;
+    this.share.disabled = !axis;
+    const at = this.view.section(axis, this.share.valueAsNumber);
+    this.at.textContent = axis ? `${axis} = ${at.toFixed(1)} mm` : '';
+  }
+
+  showPart(name) {
+    this.part.hidden = !name;
+    const found = this.view.result?.parts[name];
+    if (!name || !found) { this.part.hidden = true; return; }
+    const [low, high] = found.bounding_box.value;
+    const count = this.view.instances.filter((one) => one.part === name).length;
+    fill(this.part,
+      h('b', {}, words(name)), count > 1 ? h('span', { class: 'dim' }, `  ${count} of them`) : null,
+      h('dl', {},
+        h('dt', {}, 'mass'), h('dd', {}, quantity(found.mass)),
+        h('dt', {}, 'size'), h('dd', {}, `${low.map((v, k) => ((high[k] - v) * 1000).toFixed(1)).join(' × ')} mm`),
+        h('dt', {}, 'volume'), h('dd', {}, `${(found.volume.value * 1e6).toPrecision(4)} cm³`),
+        h('dt', {}, 'material'), h('dd', {}, words(found.material))),
+      h('div', { class: 'actions' },
+        h('button', { class: 'small', onclick: () => this.parameters.only(found.reads, `read by ${words(name)}`) }, `${found.reads.length} parameters`),
+        h('button', { class: 'small', onclick: () => this.view.hide(name) }, this.view.hidden.has(name) ? 'show' : 'hide')));
+  }
+
+  showTab(name) {
+    this.tab = name;
+    for (const [one, button] of Object.entries(this.tabs)) button.setAttribute('aria-pressed', String(one === name));
+    for (const [one, pane] of Object.entries(this.panes)) pane.hidden = one !== name;
+    if (name === 'solids') this.view.resize();
+    if (name === 'drawings') this.drawings.shown().catch((error) => say(error.message, 'bad'));
+    if (name === 'difference') this.showDifference();
+  }
+
+  async showDifference(other = this.other ?? '') {
+    this.other = other;
+    const query = other ? `?other=${encodeURIComponent(other)}` : '';
+    const rows = await get(`/api/machine/differences${query}`);
+    const choice = h('select', { 'aria-label': 'compare with', onchange: () => this.showDifference(choice.value) },
+      h('option', { value: '' }, `saved: ${this.state.file ?? 'packaged design'}`), this.state.files.map((name) => h('option', { value: name }, name)));
+    choice.value = other;
+    fill(this.panes.difference, h('div', { class: 'card' }, h('h3', {}, 'Difference to ', choice),
+      rows.length ? h('table', { class: 'differences' },
+        h('thead', {}, h('tr', {}, ['parameter', 'before', 'now', 'origin before', ''].map((text) => h('th', {}, text)))),
+        h('tbody', {}, rows.map(({ key, before, after }) => h('tr', {},
+          h('td', {}, h('button', { class: 'chip', onclick: () => this.parameters.reveal(key) }, key)),
+          h('td', {}, before?.text ?? 'absent'), h('td', { class: 'now' }, after?.text ?? 'absent'), h('td', { class: 'dim' }, before?.origin ?? ''),
+          h('td', {}, key in this.changes ? h('button', { class: 'small', onclick: () => this.commit(key, null) }, 'reset') : h('span', { class: 'dim' }, 'computed'))))))
+        : h('p', { class: 'dim' }, 'No parameter differs.')));
+  }
+
+  async openFile() {
+    try {
+      this.take(await post('/api/machine/open', { name: this.file.value || null }));
+      this.parameters.load(await get('/api/machine/parameters'));
+      this.changed();
+    } catch (error) {
+      this.file.value = this.state.file ?? '';
+      say(error.message, 'bad');
+    }
+  }
+
+  saveAs() {
+    const name = h('input', { type: 'text', 'aria-label': 'name of the new file', placeholder: 'thicker_stage', spellcheck: 'false' });
+    const problem = h('p', { class: 'bad' });
+    const dialog = h('dialog', {}, h('h2', {}, 'Save as a new parameter file'),
+      h('p', { class: 'dim' }, 'Comments and order of the file are kept; the changed values get the origin "assumed: changed in the workbench".'),
+      h('form', { method: 'dialog', onsubmit: async (event) => {
+        event.preventDefault();
+        try {
+          this.take(await post('/api/machine/save', { name: name.value }));
+          this.parameters.load(await get('/api/machine/parameters'));
+          say(`saved as ${this.state.file}`, 'good');
+          dialog.close();
+          this.changed();
+        } catch (error) { problem.textContent = error.message; }
+      } }, h('label', {}, name, ' .toml'), problem, h('div', { class: 'actions' }, h('button', { type: 'button', onclick: () => dialog.close() }, 'Cancel'), h('button', { class: 'main' }, 'Save'))));
+    dialog.addEventListener('close', () => dialog.remove());
+    document.body.append(dialog);
+    dialog.showModal();
+    name.focus();
+  }
+
+  key(event) {
+    if (this.section.hidden || document.querySelector('dialog[open]')) return;
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'z') {
+      // While a text is being typed, the key is that of the field.
+      if (event.target.matches?.('input[type="text"], input[type="search"]') && !event.target.closest('.parameters .row')) return;
+      event.preventDefault();
+      this.step(event.shiftKey ? 'redo' : 'undo');
+      return;
+    }
+    if (event.target.closest?.('input, select, textarea') || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === '/') { event.preventDefault(); this.parameters.search.focus(); }
+    if (this.tab !== 'solids') return;
+    const view = { 1: 'front', 2: 'right', 3: 'top', 4: 'oblique', f: '' }[event.key.toLowerCase()];
+    if (view !== undefined) this.view.look(view);
+    if (event.key === 'e') { this.explosion.value = this.explosion.valueAsNumber > 0 ? 0 : 1; this.view.explode(this.explosion.valueAsNumber); }
+    if (event.key === 's') { this.axis.value = this.axis.value ? '' : 'y'; this.cut(); }
+    if (event.key === 'm') this.measure.click();
+    if (event.key === 'Escape') { if (this.view.measuring) this.measure.click(); this.view.select(null); }
+  }
+}
+
+export async function open(section) {
+  const machine = new Machine(section);
+  await machine.start();
+  return machine;
+}

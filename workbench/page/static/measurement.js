@@ -1,0 +1,277 @@
+// The measurement: experiments and ladder on the left, model over record in the middle, ranking on the right.
+import { cancel, get, jobs, onJob, post, result } from './api.js';
+import { h, fill, number, quantity, say, swatch, times, words } from './dom.js';
+import { importFiles, newExperimentPlace } from './import.js';
+import { drawLadder } from './ladder.js';
+import { Overlay } from './overlay.js';
+import { drawMaps } from './maps.js';
+
+const TASKS = new Set(['compare', 'diagnose', 'add', 'undo', 'suggest']);
+
+class Measurement {
+  constructor(section) {
+    this.section = section;
+    this.left = h('div', { class: 'panel' });
+    this.middle = h('div', { class: 'panel' });
+    this.right = h('div', { class: 'panel' });
+    fill(section, this.left, this.middle, this.right);
+    this.results = new Map();
+    this.makeLeft();
+    this.makeMiddle();
+    this.makeRight();
+    onJob((job) => this.jobChanged(job));
+    addEventListener('keydown', (event) => this.key(event));
+    for (const type of ['dragover', 'drop']) {
+      section.addEventListener(type, (event) => {
+        event.preventDefault();
+        section.classList.toggle('dropping', type === 'dragover');
+        if (type === 'drop') this.take([...event.dataTransfer.files]);
+      });
+    }
+    section.addEventListener('dragleave', (event) => { if (!section.contains(event.relatedTarget)) section.classList.remove('dropping'); });
+  }
+
+  makeLeft() {
+    this.list = h('div', { class: 'experiments' });
+    this.about = h('div', { class: 'about' });
+    this.ladder = h('div', { class: 'card ladder' });
+    fill(this.left,
+      h('div', { class: 'head' }, h('h2', {}, 'Experiments'), h('span', { class: 'space' }),
+        h('button', { class: 'small', title: 'Copy the packaged records with hidden effects into this folder', onclick: () => this.demo() }, 'Demo')),
+      h('div', { class: 'scroll' }, this.list, newExperimentPlace((files) => this.take(files)), this.ladder, this.about));
+  }
+
+  makeMiddle() {
+    this.overlay = new Overlay();
+    this.maps = h('div', { class: 'maps' });
+    this.statement = h('p', { class: 'statement' }, 'Choose an experiment, or drop record files on the page.');
+    this.warnings = h('ul', { class: 'warnings warn' });
+    fill(this.middle, h('div', { class: 'finding' }, this.statement, this.warnings), this.overlay.element, h('div', { class: 'map-box' }, h('div', { class: 'plot-head' }, h('b', {}, 'Residual over each coordinate'), h('span', { class: 'dim' }, 'in deviations of the noise'), h('span', { class: 'legend' }, h('span', {}, swatch('var(--map-forward)'), 'forward'), h('span', {}, swatch('var(--map-backward)'), 'backward'))), this.maps));
+  }
+
+  makeRight() {
+    this.diagnose = h('button', { class: 'main', title: 'Which effect is missing? (D)', disabled: true, onclick: () => this.start('diagnose', { all_effects: false }) }, 'Diagnose');
+    this.suggest = h('button', { disabled: true, title: 'The measurement that would best separate the rivals', onclick: () => this.start('suggest') }, 'Next measurement');
+    this.undo = h('button', { disabled: true, title: 'Back to the rung before', onclick: () => this.start('undo') }, 'Undo');
+    this.report = h('a', { class: 'report', target: '_blank', hidden: true }, 'Report');
+    this.json = h('a', { class: 'report', target: '_blank', hidden: true }, 'JSON');
+    this.progress = h('div', { class: 'search' });
+    this.ranking = h('div', { class: 'scroll' });
+    fill(this.right, h('div', { class: 'head' }, this.diagnose, this.suggest, h('span', { class: 'space' }), this.undo), this.progress, this.ranking,
+      h('div', { class: 'foot' }, this.report, this.json));
+  }
+
+  async start_() {
+    await this.readList();
+    const known = [...jobs.values()].filter((job) => TASKS.has(job.task));
+    const last = known.at(-1)?.subject;
+    const first = this.experiments.find((one) => one.name === last) ?? this.experiments[0];
+    if (first) this.choose(first.name);
+  }
+
+  async readList() {
+    this.experiments = await get('/api/experiments');
+    fill(this.list, this.experiments.map(({ name, rungs }) => h('button', { class: 'experiment', dataset: { name }, 'aria-pressed': String(name === this.name), onclick: () => this.choose(name) },
+      h('span', {}, name), h('span', { class: 'dim' }, rungs ? `${rungs} added` : ''))),
+    this.experiments.length ? null : h('p', { class: 'empty' }, 'No folder with an experiment.toml here yet. Try the demo, or drop record files below.'));
+  }
+
+  shown(name) { if (name && name !== this.name && this.experiments?.some((one) => one.name === name)) this.choose(name); }
+
+  async choose(name) {
+    this.name = name;
+    this.preview = null;
+    for (const one of this.list.querySelectorAll('.experiment')) one.setAttribute('aria-pressed', String(one.dataset.name === name));
+    for (const button of [this.diagnose, this.suggest]) button.disabled = false;
+    fill(this.ranking, '');
+    fill(this.progress, '');
+    this.found = null;
+    await this.readLadder();
+    const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
+    const active = mine.filter((job) => job.state === 'running' || job.state === 'waiting').at(-1);
+    const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest').at(-1);
+    // What was found before a reload is shown again, as long as the model is the same.
+    if (done) {
+      const found = await result(done).catch(() => null);
+      if (found && this.name === name && same((found.comparison ?? found).stated, this.effects)) this.show(done, found);
+    }
+    if (active) this.follow(active); else if (!this.found) this.start('compare');
+  }
+
+  async readLadder() {
+    try {
+      const found = await get(`/api/experiment/${path(this.name)}/ladder`);
+      this.effects = found.effects;
+      this.rungs = found.rungs;
+      this.undo.disabled = found.rungs.length < 2;
+      drawLadder(this.ladder, found.rungs, found.effects, found.edited);
+      fill(this.about, h('details', { class: 'card' }, h('summary', {}, 'experiment.toml'), h('pre', {}, found.text)));
+    } catch (error) {
+      this.effects = [];
+      fill(this.ladder, h('p', { class: 'bad' }, error.message));
+      fill(this.about, '');
+      throw error;
+    }
+  }
+
+  async start(task, body = {}) {
+    try {
+      say('');
+      this.follow(await post(`/api/experiment/${path(this.name)}/${task}`, body));
+    } catch (error) { say(error.message, 'bad'); }
+  }
+
+  async follow(job) {
+    const name = job.subject;
+    this.showProgress(jobs.get(job.number) ?? job);
+    try {
+      const found = await result(job);
+      if (job.task === 'add' || job.task === 'undo') { await this.readList(); if (this.name === name) await this.readLadder(); }
+      if (this.name === name) this.show(job, found);
+    } catch (error) {
+      if (error.name === 'Cancelled') say(`${job.title}: cancelled`); else { say(error.message, 'bad'); if (this.name === name && !this.found) fill(this.statement, h('span', { class: 'bad' }, error.message)); }
+    }
+    if (this.name === name) this.showProgress(null);
+  }
+
+  jobChanged(job) { if (job.subject === this.name && TASKS.has(job.task) && (job.state === 'running' || job.state === 'waiting')) this.showProgress(job); }
+
+  showProgress(job) {
+    const busy = job !== null;
+    for (const button of [this.diagnose, this.suggest]) button.disabled = busy;
+    this.undo.disabled = busy || (this.rungs?.length ?? 0) < 2;
+    for (const button of this.ranking.querySelectorAll('button.add')) button.disabled = busy;
+    if (!busy) { fill(this.progress, ''); return; }
+    const bar = h('progress', { 'aria-label': job.title });
+    if (job.total > 0) { bar.max = job.total; bar.value = job.done; }
+    fill(this.progress, h('b', {}, job.title), h('span', { class: 'dim step' }, words(job.step || 'waiting')), bar,
+      h('button', { class: 'small', onclick: () => cancel(job) }, 'Cancel'));
+  }
+
+  // Results -----------------------------------------------------------------------------------------------------------
+
+  show(job, found) {
+    if (job.task === 'suggest') { this.showSuggestion(found); return; }
+    const view = found.comparison ?? found;
+    this.found = found;
+    this.job = job;
+    this.preview = null;
+    this.overlay.show(job.number, view.overlays);
+    drawMaps(this.maps, view.maps);
+    fill(this.statement, view.statement);
+    fill(this.warnings, (view.document.warnings ?? []).map((text) => h('li', {}, text)));
+    this.warnings.hidden = !(view.document.warnings ?? []).length;
+    if (job.task === 'diagnose') this.showDiagnosis(found); else this.showComparison(view);
+    this.report.hidden = this.json.hidden = false;
+    this.report.href = `/api/experiment/${path(this.name)}/report`;
+    this.json.href = `/api/jobs/${job.number}/result`;
+  }
+
+  showComparison(found) {
+    const { document } = found;
+    fill(this.ranking,
+      found.adequate ? h('div', { class: 'card verdict good' }, h('b', {}, 'The residual is at the noise level.')) : h('div', { class: 'card dim' }, h('p', {}, 'Diagnose looks for the effect that is missing: each effect of the library is fitted, and judged on the held-out records.')),
+      errorTable(document.before), parameterTable(document), this.records(found));
+  }
+
+  showDiagnosis(found) {
+    const { document } = found;
+    const best = Math.max(...document.ranking.map((row) => row.reduction ?? row.expected_reduction ?? 0), 1e-9);
+    const titles = { 'missing-effect': [words(document.effect ?? ''), ' is missing'], adequate: ['Nothing is missing'], unexplained: ['No effect of the library explains the residual'] };
+    this.candidates = new Map();
+    fill(this.ranking,
+      h('div', { class: `card verdict ${document.verdict}` }, h('b', {}, titles[document.verdict]),
+        document.indistinguishable.length ? h('p', { class: 'warn' }, found.ties) : null,
+        document.unexplained_share > 0.05 ? h('p', { class: 'dim' }, `${Math.round(100 * document.unexplained_share)} % of the misfit stays unexplained`) : null,
+        found.remarks.map((text) => h('p', { class: 'dim' }, text))),
+      h('div', { class: 'ranking', role: 'listbox', 'aria-label': 'candidates' },
+        h('div', { class: 'rank-head dim' }, h('span', {}, 'candidate'), h('span', {}, 'error removed'), h('span', { class: 'num' }, '× noise'), h('span', {})),
+        document.ranking.map((row) => this.candidate(row, best, document))),
+      errorTable(document.before), parameterTable(document), this.records(found));
+    const first = document.effect ?? document.ranking[0]?.effect;
+    if (first && document.verdict !== 'adequate') this.previewOf(first);
+  }
+
+  candidate(row, best, document) {
+    const share = row.reduction ?? row.expected_reduction ?? 0;
+    const bar = h('i', { class: 'fill' });
+    bar.style.width = `${Math.max(0, Math.min(1, share)) * 100}%`;
+    const fitted = row.reduction !== undefined;
+    const tie = document.indistinguishable.includes(row.effect);
+    const add = h('button', { class: 'small add', title: `stagecad add ${row.effect}`, onclick: (event) => { event.stopPropagation(); this.start('add', { effects: [row.law ?? row.effect] }); } }, 'Add');
+    const details = h('div', { class: 'values dim' }, Object.entries(row.parameters ?? {}).map(([key, value]) => h('span', {}, `${words(key.split('.').at(-1))} ${quantity(value)}`)), row.implausible ? h('span', { class: 'warn' }, row.implausible) : null);
+    const element = h('div', {
+      class: `candidate${row.effect === document.effect ? ' named' : ''}${tie ? ' tie' : ''}${fitted ? '' : ' estimated'}`, role: 'option', tabindex: '0', dataset: { effect: row.effect },
+      title: fitted ? 'Show its prediction over the record' : 'Estimated from the sensitivity; not fitted in full',
+      onclick: () => { if (fitted) this.previewOf(row.effect); }, onkeydown: (event) => { if (event.key === 'Enter' && event.target === element) { if (fitted) this.previewOf(row.effect); } },
+    }, h('span', { class: 'name' }, words(row.effect), tie ? h('em', {}, ' tie') : null), h('span', { class: 'track' }, bar), h('span', { class: 'num' }, fitted ? times(row.over_noise) : `≈${Math.round(100 * share)} %`), add, details);
+    this.candidates.set(row.effect, element);
+    return element;
+  }
+
+  previewOf(effect) {
+    this.preview = this.preview === effect ? null : effect;
+    for (const [name, element] of this.candidates) element.setAttribute('aria-selected', String(name === this.preview));
+    this.overlay.compareWith(this.preview);
+  }
+
+  records(found) {
+    return h('div', { class: 'card' }, h('h3', {}, 'Records'), h('table', {}, found.records.map((record) => h('tr', { title: record.notes.join('\n') },
+      h('td', {}, record.name), h('td', { class: 'dim' }, record.role === 'fit' ? 'fit' : 'held out'), h('td', { class: 'num' }, `${record.rows} rows`), h('td', { class: 'num' }, `${number(record.seconds, 3)} s`)))),
+    h('p', { class: 'dim' }, `${words(found.rig.kind)}${found.rig.rotary ? ', rotary' : ''}. Noise: ${found.noise}`));
+  }
+
+  showSuggestion(found) {
+    this.ranking.querySelector('.suggestion')?.remove();
+    const best = found.document.slice(0, 6);
+    this.ranking.prepend(h('div', { class: 'card suggestion' }, h('h3', {}, 'Next measurement'), found.statements.map((text) => h('p', {}, text)),
+      h('table', {}, h('thead', {}, h('tr', {}, h('th', {}, 'motion'), h('th', { class: 'num' }, 'time'), h('th', { class: 'num' }, 'separates'))),
+        h('tbody', {}, best.map((row) => h('tr', { title: `${row.reason}\n${row.file}` }, h('td', {}, row.motion), h('td', { class: 'num' }, `${number(row.seconds, 3)} s`), h('td', { class: 'num' }, row.deviations ? `${number(row.deviations, 3)} σ` : '–')))))));
+    this.ranking.scrollTop = 0;
+  }
+
+  async demo() {
+    try {
+      const { name } = await post('/api/demo');
+      await this.readList();
+      await this.choose(name);
+      if (this.found && this.rungs.length < 2) return;
+      this.start('compare');
+    } catch (error) { say(error.message, 'bad'); }
+  }
+
+  async take(files) {
+    this.section.classList.remove('dropping');
+    if (!files.length) return;
+    const name = await importFiles(files).catch((error) => { say(error.message, 'bad'); return null; });
+    if (name) { await this.readList(); this.choose(name); }
+  }
+
+  key(event) {
+    if (this.section.hidden || document.querySelector('dialog[open]') || event.target.closest?.('input, select, textarea') || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.key === 'd' && !this.diagnose.disabled) this.start('diagnose', { all_effects: false });
+  }
+}
+
+const path = (name) => name.split('/').map(encodeURIComponent).join('/');
+const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
+
+function errorTable(errors) {
+  const rows = [['fit', 'fit'], ['validate', 'held out']].flatMap(([role, title]) => Object.entries(errors[role] ?? {}).map(([channel, m]) => [title, channel, m]));
+  return h('div', { class: 'card' }, h('h3', {}, 'Error of the model'), h('table', { class: 'errors' },
+    h('thead', {}, h('tr', {}, h('th', {}, 'records'), h('th', {}, 'channel'), h('th', { class: 'num' }, 'rms'), h('th', { class: 'num' }, '× noise'))),
+    h('tbody', {}, rows.map(([title, channel, m]) => h('tr', { title: m.fit_percent === null ? '' : `fit ${m.fit_percent.toFixed(1)} %` }, h('td', {}, title), h('td', {}, words(channel)), h('td', { class: 'num' }, quantity(m.rms)), h('td', { class: 'num' }, times(m.over_noise)))))));
+}
+
+function parameterTable(document) {
+  return h('div', { class: 'card' }, h('h3', {}, 'Fitted values'), h('table', { class: 'fitted' },
+    h('tbody', {}, Object.entries(document.parameters).map(([key, q]) => h('tr', {}, h('td', {}, words(key).replace('.', ' · ')), h('td', { class: 'num' }, quantity(q)),
+      h('td', { class: 'num dim' }, q.at_bound ? 'at its bound' : q.std === null || q.std === undefined ? 'not determined' : `± ${quantity({ value: 1.96 * q.std, unit: q.unit }, 2)}`))))),
+  (document.not_identifiable ?? []).map((text) => h('p', { class: 'dim' }, text)));
+}
+
+export async function open(section) {
+  const measurement = new Measurement(section);
+  await measurement.start_();
+  return measurement;
+}

@@ -1,0 +1,138 @@
+// Model over measurement: signal and residual with linked zoom, or force over velocity and position.
+import { curves } from './api.js';
+import { h, fill, say, scaleOf, swatch, words } from './dom.js';
+import { INKS, LinePlot, XyPlot, scaled } from './plot.js';
+
+export class Overlay {
+  constructor() {
+    this.record = h('select', { 'aria-label': 'record and channel', onchange: () => this.choose(Number(this.record.value)) });
+    this.abscissa = h('select', { 'aria-label': 'abscissa', onchange: () => this.build() });
+    this.legend = h('span', { class: 'legend' });
+    this.signal = h('div', { class: 'plot' });
+    this.residual = h('div', { class: 'plot' });
+    this.element = h('div', { class: 'overlay', title: '' },
+      h('div', { class: 'plot-head' }, this.record, 'over', this.abscissa, this.legend),
+      this.signal, this.residual);
+    this.plots = [];
+    this.range = null;
+  }
+
+  /** Overlays of a job; the same record and channel as before where there is one. */
+  show(job, overlays) {
+    const before = this.one && `${this.one.record} ${this.one.channel}`;
+    this.job = job;
+    this.overlays = overlays;
+    this.other = null;
+    fill(this.record, overlays.map((one, k) => h('option', { value: String(k) }, `${one.record} (${one.role === 'fit' ? 'fit' : 'held out'}): ${words(one.channel)}`)));
+    const k = Math.max(overlays.findIndex((one) => `${one.record} ${one.channel}` === before), 0);
+    this.record.value = String(k);
+    this.choose(k, overlays[k] && before === `${overlays[k].record} ${overlays[k].channel}`);
+  }
+
+  choose(k, keep = false) {
+    this.one = this.overlays[k];
+    if (!this.one) return;
+    if (!keep) this.range = null;
+    const chosen = this.abscissa.value;
+    fill(this.abscissa, h('option', { value: '' }, 'time'), Object.keys(this.one.motion).map((name) => h('option', { value: name }, name)));
+    this.abscissa.value = chosen in this.one.motion ? chosen : '';
+    this.build();
+  }
+
+  /** Draw the prediction of a candidate beside that of the model; null: the model alone. */
+  compareWith(effect) {
+    this.other = effect && this.one?.models.includes(effect) ? effect : null;
+    this.build();
+  }
+
+  get lines() {
+    const inks = INKS();
+    const models = this.other ? [['model', inks[3]], [this.other, inks[0]]] : [['model', inks[0]]];
+    return models.map(([name, ink]) => ({ name, ink, label: name === 'model' ? 'model' : `with ${words(name)}` }));
+  }
+
+  async build() {
+    const turn = this.turn = (this.turn ?? 0) + 1;
+    const lines = this.lines;
+    fill(this.legend, h('span', {}, swatch('var(--measured)'), 'measured'), lines.map(({ ink, label }) => h('span', {}, swatch(ink), label)));
+    try {
+      if (this.abscissa.value) await this.overMotion(lines, turn); else await this.overTime(lines, turn);
+    } catch (error) { say(error.message, 'bad'); }
+  }
+
+  /** Remove what is drawn, once the values of the next plots are there. */
+  clear() {
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+    fill(this.signal, ''); fill(this.residual, '');
+  }
+
+  row(name) { return this.one.series.indexOf(name); }
+
+  async overTime(lines, turn) {
+    const { one, job } = this;
+    const whole = [one.from, one.to];
+    const common = { sync: 'overlay', whole: () => whole, onzoom: (range) => { this.range = range; this.load().catch((error) => say(error.message, 'bad')); }, onresize: () => {} };
+    const measured = { label: 'measured', ink: 'measured', width: 2.4 };
+    // The scale of the ordinate is that of the whole record, and of the typical residual.
+    const [, all] = await curves(job, one.curves, [this.row('measured')], { columns: 600 });
+    const { factor, unit } = scaleOf(largest(all), one.unit);
+    const [, rest] = await curves(job, one.curves, [this.row('residual:model')], { columns: 600 });
+    const usual = quantile(rest, 0.97) || one.noise;
+    const small = scaleOf(Math.max(usual, 2 * one.noise), one.unit);
+    if (turn !== this.turn) return;
+    this.clear();
+    this.scales = [factor, small.factor];
+    const reach = Math.max(2.2 * usual, 4 * one.noise) * small.factor;
+    this.plots = [
+      new LinePlot(this.signal, { ...common, x: '', y: `${words(one.channel)} (${unit})`, series: [measured, ...lines.map(({ label, ink }) => ({ label, ink, width: 1.2 }))] }),
+      new LinePlot(this.residual, { ...common, x: 'time (s)', y: `residual (${small.unit})`, band: 2 * one.noise * small.factor, series: lines.map(({ label, ink }) => ({ label, ink, width: 1 })),
+        yRange: (low, high) => { const top = Math.min(Math.max(Math.abs(low), Math.abs(high)) * 1.1 || reach, reach); return [-Math.max(top, 3 * one.noise * small.factor), Math.max(top, 3 * one.noise * small.factor)]; } }),
+    ];
+    await this.load();
+  }
+
+  async load() {
+    this.aborter?.abort();
+    const aborter = this.aborter = new AbortController();
+    const [start, stop] = this.range ?? [null, null];
+    const lines = this.lines;
+    const rows = [['measured', ...lines.map(({ name }) => name)], lines.map(({ name }) => `residual:${name}`)];
+    const { plots } = this;
+    try {
+      await Promise.all(plots.map(async (plot, k) => {
+        const data = await curves(this.job, this.one.curves, rows[k].map((name) => this.row(name)), { start, stop, columns: plot.columns }, aborter.signal);
+        if (plots === this.plots) plot.set([data[0], ...data.slice(1).map((y) => scaled(y, this.scales[k]))], this.range);
+      }));
+    } catch (error) { if (error.name !== 'AbortError') throw error; }
+  }
+
+  async overMotion(lines, turn) {
+    const { one, job } = this;
+    const motion = this.abscissa.value;
+    const names = [`motion:${motion}`, 'measured', ...lines.flatMap(({ name }) => [name, `residual:${name}`])];
+    const [start, stop] = this.range ?? [null, null];
+    const [, x, measured, ...rest] = await curves(job, one.curves, names.map((name) => this.row(name)), { start, stop, columns: 8000, pairs: true });
+    if (turn !== this.turn) return;
+    const sx = scaleOf(largest(x), one.motion[motion]);
+    const sy = scaleOf(largest(measured), one.unit);
+    const residuals = lines.map((_, k) => rest[2 * k + 1]);
+    const small = scaleOf(quantile(residuals[0], 0.97), one.unit);
+    const label = `${motion} (${sx.unit})`;
+    this.clear();
+    const top = new XyPlot(this.signal, { x: label, y: `${words(one.channel)} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });
+    const bottom = new XyPlot(this.residual, { x: label, y: `residual (${small.unit})`, xFactor: sx.factor, yFactor: small.factor });
+    this.plots = [top, bottom];
+    top.set([{ x, y: measured, ink: 'measured', points: true, width: 2.6 }, ...lines.map(({ ink }, k) => ({ x, y: rest[2 * k], ink, points: true, width: 1.6 }))]);
+    // A few samples next to reversals would set the scale and hide all others.
+    const reach = Math.max(2.2 * quantile(residuals[0], 0.97), 4 * one.noise);
+    const ends = x.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+    bottom.set(residuals.map((y, k) => ({ x, y, ink: lines[k].ink, points: true, width: 1.6 })), [...ends, -reach, reach]);
+  }
+}
+
+const largest = (values) => values.reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), 0);
+function quantile(values, share) {
+  const sizes = Float64Array.from(values.filter((v) => !Number.isNaN(v)), Math.abs).sort();
+  return sizes.length ? sizes[Math.min(sizes.length - 1, Math.floor(share * sizes.length))] : 0;
+}

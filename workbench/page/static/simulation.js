@@ -1,0 +1,267 @@
+// The simulations: the path of the tip at once, the experiments on one body with friction as jobs.
+import { curves, get, jobs, post, result } from './api.js';
+import { h, fill, number, quantity, say, scaleOf, swatch, unitText, words, eachFrame } from './dom.js';
+import { sliderRange, valueText } from './parameters.js';
+import { DASHES, INKS, LinePlot, XyPlot, scaled } from './plot.js';
+
+const TURN = 2400;
+
+/** Quantities shown first: over the abscissa, and one over another. */
+const USUAL = {
+  'stick-slip': [['position [m]', 'spring_force [N]'], ['velocity [m/s]', 'spring_force [N]']],
+  presliding: [['position [m]', 'drive_force [N]'], ['position [m]', 'drive_force [N]']],
+  hysteresis: [['friction_force [N]', 'velocity [m/s]'], ['velocity [m/s]', 'friction_force [N]']],
+  passivity: [['core_work [J]', 'velocity [m/s]'], ['velocity [m/s]', 'friction_force [N]']],
+  'stage-steps': [['x [m]', 'tip_force_z [N]'], ['tip_x [m]', 'tip_z [m]']],
+  'stage-coupling': [['x [m]', 'y [m]'], ['tip_x [m]', 'tip_z [m]']],
+  'stage-positioning': [['x [m]', 'error [m]'], ['x [m]', 'error [m]']],
+  'stage-hunting': [['x [m]', 'error [m]'], ['x [m]', 'error [m]']],
+};
+
+class Simulation {
+  constructor(section) {
+    this.section = section;
+    this.changes = {};
+    this.left = h('div', { class: 'panel' });
+    this.middle = h('div', { class: 'panel' });
+    this.right = h('div', { class: 'panel' });
+    fill(section, this.left, this.middle, this.right);
+  }
+
+  async start() {
+    this.info = await get('/api/simulation');
+    this.models = new Set(['lugre', 'lugre_causal']);
+    this.choice = h('select', { 'aria-label': 'experiment', onchange: () => this.choose(this.choice.value) },
+      h('option', { value: 'tip' }, 'tip'), Object.keys(this.info.experiments).map((name) => h('option', { value: name }, name)));
+    this.body = h('div', { class: 'scroll' });
+    fill(this.left, h('div', { class: 'head' }, h('h2', {}, 'Experiment'), h('span', { class: 'space' }), this.choice), this.body);
+    const last = [...jobs.values()].filter((job) => job.task === 'simulate' && job.state === 'done').at(-1);
+    this.choice.value = last?.subject ?? 'stick-slip';
+    this.choose(this.choice.value, last);
+  }
+
+  async shown() { /* keeps its state */ }
+
+  choose(name, job = null) {
+    this.name = name;
+    this.window = null;
+    cancelAnimationFrame(this.animation);
+    for (const plot of this.plots ?? []) plot.destroy();
+    this.plots = [];
+    if (name === 'tip') this.openTip(); else this.openExperiment(job);
+  }
+
+  slider(p, onchange, live = false) {
+    const range = p.range ?? sliderRange({ ...p, kind: 'number', low: p.low ?? 0, high: null });
+    const field = h('input', { type: 'text', value: p.text, 'aria-label': p.key, spellcheck: 'false' });
+    const slider = h('input', { type: 'range', 'aria-label': `${p.key}, slider` });
+    Object.assign(slider, { min: range.low, max: range.high, step: range.step, value: p.number });
+    slider.addEventListener('input', () => { field.value = valueText(p, slider.valueAsNumber, range.step); if (live) onchange(field.value, slider.valueAsNumber); });
+    slider.addEventListener('change', () => onchange(field.value, slider.valueAsNumber));
+    slider.addEventListener('dblclick', () => { field.value = p.text; slider.value = p.number; onchange(p.text, p.number); });
+    field.addEventListener('change', () => { const v = Number.parseFloat(field.value); slider.value = v; onchange(field.value, v); });
+    return h('div', { class: 'row' }, h('span', { class: 'name', title: p.meaning }, words(p.title ?? p.key.split('.').at(-1))), slider, field);
+  }
+
+  // The tip -----------------------------------------------------------------------------------------------------------
+
+  openTip() {
+    const { tip } = this.info;
+    const spacing = tip['actuator.piezo_spacing'];
+    const height = tip['actuator.tip_height'];
+    const stroke = tip['actuator.stroke_amplitude'];
+    const phase = tip['actuator.phase'];
+    this.tip = { piezo_spacing: spacing.si, tip_height: height.si, stroke: stroke.si, phase: phase.si };
+    const draw = eachFrame(() => this.drawTip());
+    const set = (name, p) => (_, value) => { if (Number.isFinite(value)) { this.tip[name] = value * (p.si / p.number); draw(); } };
+    fill(this.body, h('div', { class: 'card rows' },
+      this.slider({ ...spacing, title: 'piezo spacing D' }, set('piezo_spacing', spacing), true),
+      this.slider({ ...height, title: 'tip height h' }, set('tip_height', height), true),
+      this.slider({ ...stroke, title: 'piezo amplitude' }, set('stroke', stroke), true),
+      this.slider({ ...phase, title: 'phase', range: { low: -180, high: 180, step: 1 } }, set('phase', phase), true)),
+    h('div', { class: 'card dim' }, h('p', {}, 'Two piezos extend by sines with a phase between them; the tip above them moves on an ellipse and pushes the stage along.')));
+    const title = h('div', { class: 'head' }, h('h2', {}, 'Path of the tip'), h('span', { class: 'dim' }, 'x along the travel, y towards the stage; the same scale on both axes'));
+    const place = h('div', { class: 'plot grow' });
+    fill(this.middle, title, place);
+    const plot = new XyPlot(place, { x: 'x (µm)', y: 'y (µm)', xFactor: 1e6, yFactor: 1e6, equal: true });
+    this.plots = [plot];
+    this.features = h('div', { class: 'scroll' });
+    fill(this.right, h('div', { class: 'head' }, h('h2', {}, 'Ellipse')), this.features);
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    const move = (time) => {
+      if (!this.section.hidden && this.path) {
+        const n = this.path.x.length;
+        const k = still ? 0 : Math.floor(((time % TURN) / TURN) * n);
+        plot.marks = [{ x: this.path.x[k], y: this.path.y[k], ink: '#e69f00' }];
+        plot.draw();
+      }
+      if (!still) this.animation = requestAnimationFrame(move);
+    };
+    this.animation = requestAnimationFrame(move);
+    this.tipPlot = plot;
+    this.limits = null;
+    this.drawTip();
+  }
+
+  async drawTip() {
+    if (this.asking) { this.again = true; return; }
+    this.asking = true;
+    try {
+      do {
+        this.again = false;
+        this.path = await post('/api/simulation/tip', this.tip);
+      } while (this.again);
+      if (this.name !== 'tip') return;
+      // The frame follows the amplitude in steps, so that the ellipse is seen to change and not the axes.
+      const reach = Math.max(...this.path.x.map(Math.abs), ...this.path.y.map(Math.abs));
+      const round = (v) => { const d = 10 ** Math.floor(Math.log10(v)); return [1, 2, 5, 10].map((k) => k * d).find((s) => s >= v); };
+      const frame = round(reach * 1.15);
+      this.tipPlot.set([{ x: this.path.x, y: this.path.y, ink: INKS()[0], width: 2, closed: true }], [-frame, frame, -frame, frame]);
+      const { semi_major: major, semi_minor: minor, tilt } = this.path.features;
+      fill(this.features, h('div', { class: 'card' }, h('table', {}, [
+        ['semi-major axis', quantity(major)], ['semi-minor axis', quantity(minor)], ['tilt', `${number(tilt.value * 180 / Math.PI, 3)}°`],
+        ['amplitude in x', quantity({ value: Math.max(...this.path.x.map(Math.abs)), unit: 'm' })],
+        ['amplitude in y', quantity({ value: Math.max(...this.path.y.map(Math.abs)), unit: 'm' })],
+      ].map(([name, value]) => h('tr', {}, h('td', {}, name), h('td', { class: 'num' }, value))))));
+    } catch (error) { say(error.message, 'bad'); } finally { this.asking = false; }
+  }
+
+  // Experiments on one body -------------------------------------------------------------------------------------------
+
+  get stage() { return this.name.startsWith('stage-'); }
+
+  openExperiment(job) {
+    const models = Object.entries(this.info.models).map(([name, title]) => {
+      const box = h('input', { type: 'checkbox', checked: this.models.has(name), onchange: () => { if (box.checked) this.models.add(name); else this.models.delete(name); this.run(); } });
+      return h('label', { class: 'model', title }, box, words(name));
+    });
+    fill(this.body,
+      h('div', { class: 'card dim' }, h('p', {}, this.info.experiments[this.name])),
+      this.stage ? null : h('div', { class: 'card' }, h('h3', {}, 'Friction model'), models),
+      h('div', { class: 'card rows' }, h('h3', {}, 'Parameters'), this.info.parameters[this.stage ? 'stage' : 'body'].map((p) =>
+        this.slider({ ...p, text: this.changes[p.key] ?? p.text }, (text) => { this.changes[p.key] = text; this.run(); }))));
+    this.features = h('div', { class: 'scroll' });
+    fill(this.right, h('div', { class: 'head' }, h('h2', {}, 'Features')), this.features);
+    fill(this.middle, h('p', { class: 'empty' }, 'simulating …'));
+    if (job) result(job).then((found) => this.draw(job.number, found)).catch(() => this.run());
+    else if (this.stage) fill(this.middle, h('p', { class: 'empty' }, 'This study takes a minute or more. ', h('button', { class: 'main', onclick: () => this.run() }, 'Simulate')));
+    else this.run();
+  }
+
+  async run() {
+    if (!this.models.size) { say('choose at least one friction model', 'bad'); return; }
+    const name = this.name;
+    try {
+      const job = await post('/api/simulation/run', { experiment: name, models: [...this.models], changes: this.changes });
+      this.latest = job.number;
+      const found = await result(job);
+      if (this.name === name && this.latest === job.number) { this.draw(job.number, found); say(''); }
+    } catch (error) { if (error.name !== 'Cancelled') say(error.message, 'bad'); }
+  }
+
+  draw(job, found) {
+    this.found = found;
+    this.job = job;
+    const columns = found.curves[0].series;
+    const cases = [...new Set(found.curves.map((one) => one.title))];
+    const quantities = columns.slice(1);
+    const [over, pair] = USUAL[found.experiment] ?? [quantities.slice(0, 2), [quantities[0], quantities[1] ?? quantities[0]]];
+    this.pick ??= {};
+    const pick = this.pick[found.experiment] ??= { y: [...over], phase: [...pair] };
+    for (const plot of this.plots) plot.destroy();
+    this.plots = [];
+    const selector = (value, set) => { const s = h('select', { onchange: () => { set(s.value); this.draw(job, found); } }, quantities.map((name) => h('option', { value: name }, title(name)))); s.value = value; return s; };
+    const inks = INKS();
+    const inkOf = (k) => inks[k % inks.length];
+    const legend = h('span', { class: 'legend' }, cases.map((name, k) => h('span', {}, swatch(inkOf(k)), words(name))));
+    const places = pick.y.map(() => h('div', { class: 'plot' }));
+    const phase = h('div', { class: 'plot' });
+    fill(this.middle,
+      h('div', { class: 'head' }, h('h2', {}, words(found.experiment)), legend),
+      pick.y.map((name, k) => h('div', { class: 'plot-box' }, h('div', { class: 'plot-head' }, selector(name, (v) => { pick.y[k] = v; }), null), places[k])),
+      h('div', { class: 'plot-box' }, h('div', { class: 'plot-head' }, selector(pick.phase[1], (v) => { pick.phase[1] = v; }), 'over', selector(pick.phase[0], (v) => { pick.phase[0] = v; })), phase));
+    this.middle.classList.add('stack');
+    this.linePlots(pick.y, places, columns, inkOf);
+    this.phasePlot(phase, pick.phase, columns, inkOf);
+    this.showFeatures(found.document[found.experiment]);
+  }
+
+  async linePlots(names, places, columns, inkOf) {
+    const shown = this.found.curves.slice(0, 8);
+    const whole = [Math.min(...shown.map((one) => one.from)), Math.max(...shown.map((one) => one.to))];
+    let range = null;
+    const { job } = this;
+    const plots = names.map((name, k) => new LinePlot(places[k], {
+      x: k === names.length - 1 ? title(columns[0]) : '', y: title(name), sync: 'simulation', whole: () => whole, series: shown.map((one, i) => ({ label: one.title, ink: inkOf(i), width: 1.5, dash: DASHES[i % 4] })),
+      onzoom: (next) => { range = next; load(); },
+    }));
+    this.plots.push(...plots);
+    const load = async () => {
+      const [start, stop] = range ?? [null, null];
+      try {
+        await Promise.all(plots.map(async (plot, k) => {
+          const row = columns.indexOf(names[k]);
+          const found = await Promise.all(shown.map((one) => curves(job, one.curves, [row], { start, stop, columns: plot.columns })));
+          const joined = found.every(([x]) => same(x, found[0][0])) ? [found[0][0], ...found.map(([, y]) => y)] : join(found);
+          const peak = joined.slice(1).reduce((m, y) => y.reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), m), 0);
+          const { factor, unit } = scaleOf(peak, unitOf(names[k]));
+          plot.plot.axes[1].label = `${words(names[k].split(' [')[0])} (${unit})`;
+          plot.options.yFactor = factor;
+          plot.set([joined[0], ...joined.slice(1).map((y) => scaled(y, factor))], range);
+        }));
+      } catch (error) { say(error.message, 'bad'); }
+    };
+    await load();
+  }
+
+  async phasePlot(place, [xName, yName], columns, inkOf) {
+    const rows = [columns.indexOf(xName), columns.indexOf(yName)];
+    const found = await Promise.all(this.found.curves.slice(0, 8).map((one) => curves(this.job, one.curves, rows, { columns: 6000, pairs: true })));
+    const peak = (k) => found.reduce((m, f) => f[k].reduce((a, v) => (Math.abs(v) > a ? Math.abs(v) : a), m), 0);
+    const [sx, sy] = [scaleOf(peak(1), unitOf(xName)), scaleOf(peak(2), unitOf(yName))];
+    const plot = new XyPlot(place, { x: `${words(xName.split(' [')[0])} (${sx.unit})`, y: `${words(yName.split(' [')[0])} (${sy.unit})`, xFactor: sx.factor, yFactor: sy.factor });
+    this.plots.push(plot);
+    plot.set(found.map(([, x, y], k) => ({ x, y, ink: inkOf(k), width: 1.4, dash: DASHES[k % 4] })));
+  }
+
+  showFeatures(features) {
+    const rows = [];
+    const walk = (node, path) => {
+      for (const [name, value] of Object.entries(node)) {
+        if (value !== null && typeof value === 'object' && !('unit' in value)) walk(value, [...path, name]);
+        else rows.push([path, name, value]);
+      }
+    };
+    walk(features, []);
+    const groups = new Map();
+    for (const [path, name, value] of rows) groups.set(path.join(' '), [...(groups.get(path.join(' ')) ?? []), [name, value]]);
+    fill(this.features, [...groups].map(([path, members]) => h('div', { class: 'card' }, h('h3', {}, words(path)),
+      h('table', {}, members.map(([name, value]) => h('tr', {}, h('td', {}, words(name)), h('td', { class: 'num' }, quantity(value, 5))))))));
+  }
+}
+
+const unitOf = (name) => name.slice(name.indexOf('[') + 1, -1);
+const title = (name) => `${words(name.split(' [')[0])} (${unitText(unitOf(name)) || '1'})`;
+const same = (a, b) => a.length === b.length && a[0] === b[0] && a.at(-1) === b.at(-1) && a[a.length >> 1] === b[b.length >> 1];
+
+/** Series over different abscissas as one table with gaps, for uPlot. */
+function join(found) {
+  const all = Float64Array.from(new Set(found.flatMap(([x]) => [...x]))).sort();
+  return [all, ...found.map(([x, y]) => {
+    const out = new Array(all.length);
+    let k = 0;
+    for (let i = 0; i < all.length; i++) {
+      while (k < x.length - 1 && x[k + 1] <= all[i]) k++;
+      const next = Math.min(k + 1, x.length - 1);
+      const share = x[next] > x[k] ? (all[i] - x[k]) / (x[next] - x[k]) : 0;
+      out[i] = all[i] < x[0] || all[i] > x.at(-1) ? null : y[k] + share * (y[next] - y[k]);
+    }
+    return out;
+  })];
+}
+
+export async function open(section) {
+  const simulation = new Simulation(section);
+  await simulation.start();
+  return simulation;
+}
