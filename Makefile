@@ -17,6 +17,7 @@ demo: $(READY) system
 test: $(READY) system lint
 	MPLBACKEND=Agg $(BIN)/python -m pytest -n 2 --dist loadgroup -m "not slow"
 
+# The long runs of tests/robustness print their counts; STAGECAD_ROBUSTNESS=0.01 runs a hundredth of them.
 test-slow: $(READY) system
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -m slow
 

@@ -90,7 +90,9 @@ def test_killed_at_random_times(tmp_path: Path, name: str, capsys: pytest.Captur
         slide(folder / "rig", 1.5 * SIGN + 20.0 * VELOCITY, '"coulomb"', held_out=True)
         (folder / "stage.toml").write_text(STAGE)
         if case.before:
-            assert begin(folder, case.before).wait() == 0
+            preparing = begin(folder, case.before)
+            error = preparing.communicate()[1]
+            assert preparing.returncode == 0, error
         return folder
 
     began = time.monotonic()
