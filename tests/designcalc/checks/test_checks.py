@@ -92,7 +92,7 @@ def test_margin_and_verdict(value, limit, at_most, margin, verdict):
 
 
 def test_a_calculator_out_of_its_range_says_so_and_the_rest_goes_on():
-    checks = run_checks(load("teeth.gap=0.02 mm"))
+    checks = run_checks(load("teeth.gap=0.03 mm"))
     troubled = [check for check in checks if check.verdict == "out_of_range"]
     assert troubled and all("gap over pitch" in check.note for check in troubled)
     assert any(check.subject == "sensors" and check.verdict == "passes" for check in checks)
