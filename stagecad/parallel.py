@@ -32,6 +32,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from stagecad.cluster import map_on_cluster
+from stagecad.parameters.errors import LostProcessError
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -95,7 +96,7 @@ def parallel_map(
 
     Raises:
         TimeoutError: an item exceeded the limit, and with the fallback again.
-        RuntimeError: two processes ended without a result of the same item (as after a segmentation fault).
+        LostProcessError: two processes ended without a result of the same item (as after a segmentation fault).
         InputError: the cluster cannot be used.
         Exception: that of an item, with the traceback in its process as a note.
     """
@@ -221,7 +222,7 @@ class _Pool:
                 raise TimeoutError(f"{reprlib.repr(item)} took more than {self.limit.seconds:g} s")
             return replace(task, late=True)
         if task.lost:
-            raise RuntimeError(f"{reprlib.repr(item)}: its process ended without a result, twice")
+            raise LostProcessError(f"{reprlib.repr(item)}: its process ended without a result, twice")
         return replace(task, lost=True)
 
     def apply(self, item: Any, late: bool) -> bytes:

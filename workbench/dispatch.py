@@ -14,7 +14,7 @@ from importlib import import_module
 import click
 
 from stagecad import __version__
-from stagecad.parameters.errors import InputError, PartError, ViolationsError, nearest, one_line
+from stagecad.parameters.errors import InputError, LostProcessError, PartError, ViolationsError, nearest, one_line
 
 COMMANDS = {
     "make": "Everything from the parameter file: parts, drawings, checks, simulations, one HTML report.",
@@ -113,6 +113,9 @@ def run_line(arguments: Sequence[str]) -> int:
         if line is None:
             raise
         sys.stderr.write(f"stagecad: {one_line(line)}\n")
+        return 2
+    except LostProcessError as error:
+        sys.stderr.write(f"stagecad: {one_line(str(error))}; is there enough memory?\n")
         return 2
     except MemoryError:
         sys.stderr.write("stagecad: there is not enough memory; give shorter records, or fewer of them\n")

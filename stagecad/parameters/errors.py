@@ -76,6 +76,10 @@ class PartError(ValueError):
         return PartError, (self.part, self.design, self.reason)
 
 
+class LostProcessError(RuntimeError):
+    """A process that ended without a result, twice: as by a segmentation fault, or for lack of memory."""
+
+
 def nearest(name: str, allowed: Iterable[str]) -> str:
     """Ending of an error message that names the nearest valid name, or all of them when none is near.
 
