@@ -60,7 +60,7 @@ def neck_stress(r: DesignInputs) -> Check:
         "stress of the clamp's neck",
         at_most(held.stress, limit / 1.5, "Pa"),
         source=_SOURCE + "; factor 1.5; largest play",
-        formula="K_t 6 m/t^2 + F/(t H) (1 + 12 e^2/H^2) <= strength/1.5",
+        formula="K_t [6 (m + v x)/t^2 + n/t] <= strength/1.5",
         substituted=f"t = {show(r('base.clamp_neck'), 'm')}, gap {show(held.gap, 'm')}: {show(held.stress, 'Pa')}",
         proposal="a closer fit of the holder, or a longer finger",
     )

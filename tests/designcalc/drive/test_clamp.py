@@ -35,6 +35,24 @@ def test_model_agrees_with_finite_elements(case):
     assert finger.stress(5e3, case["grip"]) == pytest.approx(case["grip_stress"], rel=0.2)
 
 
+def test_the_packaged_clamp_is_one_of_the_cases():
+    packaged, case = clamp_finger(inputs()), clamp_finger(inputs(*CASES[-1]["overrides"]))
+    assert packaged.closure == pytest.approx(case.closure, rel=1e-6)
+    assert packaged.stress(1.0) == pytest.approx(case.stress(1.0), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_the_reference_is_what_the_elements_give():
+    """A coarser mesh than that of the reference."""
+    pytest.importorskip("gmsh")
+    pytest.importorskip("skfem")
+    from benchmarks.clamp_finite_elements import solve
+
+    found = solve(load_design(None, tuple(CASES[-1]["overrides"]), rules=False), 2.0)
+    for key, error in (("closure", 0.05), ("give", 0.05), ("free_stress", 0.1), ("grip_stress", 0.1)):
+        assert found[key] == pytest.approx(CASES[-1][key], rel=error), key
+
+
 def test_the_neck_carries_the_moment_of_the_screw():
     """Statics: its moments over the depth add up to force times lever, wherever the screw is."""
     finger = clamp_finger(inputs())
