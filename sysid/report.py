@@ -24,6 +24,7 @@ from sysid.experiment_design.t_optimal_design import Suggestion
 from sysid.prediction.effect_terms import split_channel
 from sysid.prediction.problem import Problem
 from sysid.prediction.simulation_error import SimulationErrors, SimulationMisfit, simulation_errors
+from sysid.validation.information_criteria import information_criteria
 
 SCHEMA = 1
 LEAST_P = 0.001
@@ -187,6 +188,7 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["over_noise"] = after.over_noise
         row["p_value"] = p_value_json(trial.gain.p_value)
         row["expected_reduction"] = 1.0 - float(np.sqrt(max(0.0, 1.0 - trial.predicted_reduction)))
+        row |= _information_changes(diagnosis, trial)
         row["loss_reduction"] = 1.0 - trial.error / max(root_mean_huber(diagnosis.base.residual), 1e-300)
         if trial.blocked_reduction >= WORTH_SAYING:
             row["unphysical_reduction"] = 1.0 - float(np.sqrt(1.0 - min(trial.blocked_reduction, 1.0)))
@@ -201,6 +203,14 @@ def ranking_json(diagnosis: Diagnosis, most: int = 12) -> list[dict[str, Any]]:
             row["angle"] = as_json(angle, "rad")
         rows.append(row)
     return rows
+
+
+def _information_changes(diagnosis: Diagnosis, trial: Candidate) -> dict[str, float]:
+    """Changes of the information criteria with a candidate; none where its samples are other ones."""
+    before, after = information_criteria(diagnosis.base.fitted), information_criteria(trial.fitted)
+    if before.samples != after.samples:
+        return {}
+    return {"aic_change": after.aic - before.aic, "bic_change": after.bic - before.bic}
 
 
 def angle_to_best(diagnosis: Diagnosis, trial: Candidate) -> float | None:
@@ -245,6 +255,7 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         if after is not None
         else {"fit": {}, "validate": {}},
         **simulation_json(problem, simulation_errors(problem, diagnosis.base.fitted.model)),
+        "information": information_criteria(diagnosis.base.fitted).to_json(),
         "ranking": ranking_json(diagnosis),
         "parameters": parameters_json(problem, fitted, found),
         **identifiability_json(fitted, found),
@@ -275,6 +286,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "before": both_json(problem, comparison.fit, comparison.validate),
         **simulation_json(problem, comparison.simulation),
         "parameters": parameters_json(problem, base.fitted, found),
+        "information": information_criteria(base.fitted).to_json(),
         **identifiability_json(base.fitted, found),
         "at_bound": [public_key(k) for k in base.fitted.fit.at_bound],
         "dead": [public_key(k) for k in base.fitted.fit.inactive],

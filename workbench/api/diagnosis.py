@@ -66,8 +66,8 @@ class Diagnosis(FittedResult):
     def ranking(self) -> pd.DataFrame:
         """The effects tried, best first; index `effect`.
 
-        Columns: `rms` on the held-out records (SI), `over_noise`, `reduction` of the rms, `p_value`, `law` where a
-        variant fits best.
+        Columns: `law`, the variant that fits best; `rms` on the held-out records (SI), `over_noise`, `reduction` of the
+        rms, `p_value`; `aic_change` and `bic_change`, of the information criteria on the records of the fit.
         """
         import pandas as pd
 
@@ -83,9 +83,11 @@ class Diagnosis(FittedResult):
                     "over_noise": row.get("over_noise"),
                     "reduction": row.get("reduction"),
                     "p_value": p["below"] if isinstance(p, dict) else p,
+                    "aic_change": row.get("aic_change"),
+                    "bic_change": row.get("bic_change"),
                 }
             )
-        columns = ["effect", "law", "rms", "unit", "over_noise", "reduction", "p_value"]
+        columns = ["effect", "law", "rms", "unit", "over_noise", "reduction", "p_value", "aic_change", "bic_change"]
         return pd.DataFrame(rows, columns=columns).set_index("effect")
 
     @property

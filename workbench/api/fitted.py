@@ -3,19 +3,30 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from workbench.api.experiment import Experiment
 from workbench.api.result import Result, finite_json
-from workbench.api.series import PARTS, overlay_table, part_of
+from workbench.api.series import (
+    PARTS,
+    channel_named,
+    free_run_table,
+    overlay_table,
+    part_of,
+    prediction_error_table,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from sysid.estimation.fit import FittedModel
     from sysid.prediction.problem import Problem
+    from sysid.validation.information_criteria import InformationCriteria
+    from workbench.api.correlation import Correlation
+
+Part = Literal["fit", "validate"]
 
 
 class FittedResult(Result):
@@ -56,6 +67,54 @@ class FittedResult(Result):
     def parameters(self) -> pd.DataFrame:
         """Fitted values, SI, with standard deviation and 95 % interval; index `parameter`."""
         return parameter_frame(self.to_json()["parameters"])
+
+    @property
+    def criteria(self) -> InformationCriteria:
+        """AIC and BIC on the records of the fit."""
+        from sysid.validation.information_criteria import information_criteria
+
+        return information_criteria(self.fitted)
+
+    def correlation(self, channel: str | None = None, part: Part = "fit", lags: int = 25) -> Correlation:
+        """Autocorrelation of the residual, and its cross-correlation with the inputs.
+
+        Args:
+            channel: the force, or the first one measured, when left out.
+            part: `fit`, or `validate` for the held-out records.
+            lags: largest lag, in samples.
+
+        Raises:
+            InputError: no such channel.
+        """
+        from sysid.validation.residual_correlation import residual_correlation
+        from workbench.api.correlation import Correlation
+
+        name = channel_named(self.problem, channel)
+        return Correlation(residual_correlation(self.problem, self.fitted.model, name, part, lags))
+
+    @cached_property
+    def free_run(self) -> pd.DataFrame:
+        """Records simulated from their inputs alone: `CHANNEL` as logged and `CHANNEL_simulated`, SI.
+
+        Raises:
+            InputError: an effect that cannot be integrated in time.
+        """
+        return free_run_table(self.problem, self.fitted.model)
+
+    def prediction_errors(self, horizons: Sequence[float] = (0.1, 1.0)) -> pd.DataFrame:
+        """Errors of k-step predictions: simulations from measured states, evenly spread over the records.
+
+        Args:
+            horizons: lengths, s; k is the length over the sampling time. A free run is added.
+
+        Returns:
+            rms (SI) and fit percent; index `horizon`, `records`, `channel`. Where the prediction along the inputs is
+            the simulation, all horizons are the free run.
+
+        Raises:
+            InputError: an effect that cannot be integrated in time.
+        """
+        return prediction_error_table(self.problem, self.fitted.model, horizons)
 
     @property
     def warnings(self) -> list[str]:

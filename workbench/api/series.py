@@ -52,6 +52,49 @@ def overlay_table(problem: Problem, model: Model) -> pd.DataFrame:
     return table
 
 
+def free_run_table(problem: Problem, model: Model) -> pd.DataFrame:
+    """Logged and simulated channels of every record, `CHANNEL` and `CHANNEL_simulated`."""
+    import pandas as pd
+
+    from sysid.prediction.simulation_error import free_runs
+
+    tables = {}
+    for name, (time, run) in free_runs(problem, model).items():
+        columns = {}
+        for channel, (logged, simulated) in run.items():
+            columns[channel], columns[f"{channel}_simulated"] = logged, simulated
+        tables[name] = pd.DataFrame(columns, index=pd.Index(time, name="time"))
+    return pd.concat(tables, names=["record"])
+
+
+def prediction_error_table(problem: Problem, model: Model, horizons: Sequence[float]) -> pd.DataFrame:
+    """Errors of simulations over each horizon (s) and of the free run; index `horizon`, `records`, `channel`."""
+    import pandas as pd
+
+    from stagecad.parameters.errors import InputError
+    from sysid.prediction.simulation_error import simulation_errors
+
+    if any(not length > 0.0 for length in horizons):
+        raise InputError(f"prediction_errors: horizons {list(horizons)}: lengths above zero are wanted, in s")
+    found = simulation_errors(problem, model, {f"{length:g} s": length for length in horizons})
+    if found.note:
+        raise InputError(found.note)
+    rows = [
+        {
+            "horizon": horizon,
+            "records": PARTS[part],
+            "channel": channel,
+            "rms": error.rms,
+            "fit_percent": error.fit_percent,
+        }
+        for horizon, errors in {**found.horizon, "free run": found.free_run}.items()
+        for part, channels in errors.items()
+        for channel, error in channels.items()
+    ]
+    columns = ["horizon", "records", "channel", "rms", "fit_percent"]
+    return pd.DataFrame(rows, columns=columns).set_index(columns[:3])
+
+
 def part_of(table: pd.DataFrame, problem: Problem, ending: str) -> pd.DataFrame:
     """The columns `CHANNEL_ENDING` of an overlay under the names of their channels."""
     columns = {f"{channel}_{ending}": channel for channel in channels_of(problem)}

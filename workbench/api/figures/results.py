@@ -14,6 +14,7 @@ from sysid.prediction.actuator_tip import TipRecord
 from sysid.prediction.model import Model
 from sysid.prediction.problem import Problem
 from sysid.report import channel_unit
+from sysid.validation.residual_correlation import ResidualCorrelation
 from workbench.api.figures.plot import COLUMN, WIDTH, Plot, new_plot, style
 from workbench.api.series import channel_named, record_named
 from workbench.report.figures import (
@@ -168,6 +169,25 @@ def maps_figure(maps: Sequence[ResidualMap], problem: Problem) -> Plot:
         named = [p for p, m in zip(axes.flat, drawn) if m.coordinate not in ("frequency", "direction")]
         if named and not tip:
             figure.legend(*named[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    return figure
+
+
+def correlation_figure(found: ResidualCorrelation) -> Plot:
+    """Autocorrelation and cross-correlations of a residual over their lags; bands: 99 % of independent series."""
+    panels = {"residual": (found.lags, found.autocorrelation, found.bound)}
+    panels |= {name: (found.cross_lags, r, found.cross_bound[name]) for name, r in found.cross.items()}
+    figure, axes = new_plot(1, len(panels), min(WIDTH, 2.4 * max(len(panels), 2)), 2.2, sharey=True)
+    with style():
+        for panel, (name, (lags, r, bound)) in zip(axes[0], panels.items()):
+            factor, unit = axis_scale(lags, "s")
+            panel.axhspan(-bound, bound, color=FAINT, alpha=0.8, linewidth=0)
+            panel.axhline(0.0, color="#5d6d7e", linewidth=0.6)
+            panel.vlines(lags * factor, 0.0, r, color=MODEL, linewidth=1.0)
+            panel.plot(lags * factor, r, "o", color=MODEL, markersize=2.0)
+            words = name.replace("_", " ")
+            title = "autocorrelation" if name == "residual" else f"with {words}"
+            panel.set(title=title, xlabel=f"lag ({unit})")
+        axes[0, 0].set_ylabel(f"residual of {found.channel.replace('_', ' ')}")
     return figure
 
 
