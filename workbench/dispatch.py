@@ -33,6 +33,7 @@ COMMANDS = {
     "suggest": "The next measurement that would best separate the competing effects.",
     "new": "Write a template to start from.",
     "workbench": "A local web page for machine, simulation and measurement.",
+    "docs": "The documentation, built and served on this machine.",
     "demo": "Compare, diagnose and add on packaged records with hidden effects, start to end.",
 }
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stagecad.parameters.errors import InputError
 from stagecad.parameters.load import load_design as read_design
 from workbench.api.result import Result
 from workbench.options import Run
@@ -49,7 +51,11 @@ class Design(Result):
         >>> load_design().with_values({"stage.thickness": "14 mm"}).si("stage.thickness")
         0.014
         """
-        return Design(self.path, (*self.overrides, *(f"{key}={value}" for key, value in values.items())))
+        try:
+            return Design(self.path, (*self.overrides, *(f"{key}={value}" for key, value in values.items())))
+        except InputError as error:
+            # The option of the commands, which is not here.
+            raise InputError(re.sub(r"^--set:? ?", "", str(error))) from None
 
     def run(self, out: str | Path = "build") -> Run:
         """The common options of the commands, for this design."""
@@ -101,8 +107,8 @@ def load_design(path: str | Path | None = None, values: Mapping[str, str | float
     Raises:
         InputError: one line with file, key, value, and what is allowed.
 
-    >>> load_design()
-    <Design 'thesis.toml': 262 parameters>
+    >>> load_design()  # doctest: +ELLIPSIS
+    <Design 'thesis.toml': ... parameters>
     """
     overrides = tuple(f"{key}={value}" for key, value in (values or {}).items())
     return Design(None if path is None else Path(path), overrides)

@@ -108,8 +108,7 @@ class Experiment(Result):
             "noise": dict(noise or {}),
         }
         arrays = {label: record.arrays(label) for label, record in stated.items()}
-        own = tuple(effect for effect in model.own)
-        return cls(experiment_in_memory(document, arrays, own, design_source(design), name), design)
+        return cls(experiment_in_memory(document, arrays, model.own, design_source(design), name), design)
 
     @property
     def name(self) -> str:
@@ -132,10 +131,11 @@ class Experiment(Result):
     @property
     def model(self) -> Model:
         """The model as stated."""
-        own = {e.name: e for e in self.problem.custom}
         stated = model_of(self.stated.text)
-        effects = [own.get(name, name) for name in stated.get("effects", ())]
-        return Model(effects, stated.get("parameters", {}))
+        names = list(stated.get("effects", ()))
+        own = {effect.name: effect for effect in self.stated.custom if isinstance(effect, Effect)}
+        rest = [effect for name, effect in own.items() if name not in names]
+        return Model([own.get(name, name) for name in names], stated.get("parameters", {}), rest)
 
     @cached_property
     def problem(self) -> Problem:

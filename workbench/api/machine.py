@@ -89,19 +89,22 @@ class Checks(Result):
         return f"<Checks of '{self.design.values.file}': {counts['passes']} pass, {counts['fails']} fail{rest}>"
 
 
-def checks(design: Design | None = None, solids: bool = True) -> Checks:
-    """Run every check on a design; the changes that the failed ones propose are evaluated.
+def checks(design: Design | None = None, solids: bool = True, proposals: bool = True) -> Checks:
+    """Run every check on a design.
 
     Args:
         design: the packaged machine when left out.
         solids: take the masses from the solids, which are made where the cache lacks them, or from plain volumes.
+        proposals: evaluate the changes that failed checks propose, which takes some seconds.
     """
+    from designcalc.checks import run_checks
     from workbench.commands.check import masses_of_solids
     from workbench.machine.margin_studies import evaluated_checks
 
     design = design or load_design()
     run = design.run()
-    return Checks(design, evaluated_checks(run, masses_of_solids(run) if solids else None))
+    masses = masses_of_solids(run) if solids else None
+    return Checks(design, evaluated_checks(run, masses) if proposals else run_checks(design.values, masses))
 
 
 class Parts(Result):

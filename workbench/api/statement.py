@@ -50,6 +50,7 @@ class Model:
     Args:
         effects: names of effects of the library (`"stribeck"`, `"presliding:lugre"`), and `Effect` objects.
         parameters: by `effect.parameter`: a start with its unit, or a table with `start`, `low`, `high`, `fixed`.
+        custom: effects of the user's own that are not in the model, but that `diagnose` tries and `add` can add.
 
     A model and further effects are a model: `Model(["coulomb"]) + "viscous"`.
 
@@ -59,6 +60,7 @@ class Model:
 
     effects: Sequence[str | Effect] = ()
     parameters: Mapping[str, Setting] = field(default_factory=dict)
+    custom: Sequence[Effect] = ()
 
     def __post_init__(self) -> None:
         if isinstance(self.effects, str | Effect):
@@ -70,7 +72,8 @@ class Model:
 
     def __add__(self, other: str | Effect | Model) -> Model:
         if isinstance(other, Model):
-            return Model((*self.effects, *other.effects), {**self.parameters, **other.parameters})
+            parameters = {**self.parameters, **other.parameters}
+            return Model((*self.effects, *other.effects), parameters, (*self.custom, *other.custom))
         return replace(self, effects=(*self.effects, other))
 
     @property
@@ -80,8 +83,8 @@ class Model:
 
     @property
     def own(self) -> tuple[Effect, ...]:
-        """Effects of the user's own."""
-        return tuple(effect for effect in self.effects if isinstance(effect, Effect))
+        """Effects of the user's own, in the model or not."""
+        return (*(effect for effect in self.effects if isinstance(effect, Effect)), *self.custom)
 
     def table(self) -> dict[str, Any]:
         """The table `[model]` of an `experiment.toml`."""

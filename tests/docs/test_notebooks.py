@@ -1,0 +1,60 @@
+"""The notebooks of the Python interface: their code runs, and arrives at the answers that are known."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "notebooks"
+
+
+def _design(names: dict[str, Any]) -> None:
+    margins = names["margins"]
+    sag = "sag of the drive surface over the travel"
+    assert margins["16 mm"][sag] > margins["12 mm"][sag] > margins["8 mm"][sag]
+
+
+def _measurement(names: dict[str, Any]) -> None:
+    # The two effects that the records of the demo hide.
+    assert names["diagnosis"].effect == "stribeck" and names["again"].effect == "magnetic_cogging"
+    held_out = names["second"].errors.loc[("after", "held out", "friction_force"), "over_noise"]
+    assert held_out < 1.2
+
+
+def _law(names: dict[str, Any]) -> None:
+    assert names["diagnosis"].effect == "eyring"
+    assert min(names["rows"], key=lambda name: names["rows"][name]["BIC"]) == "Eyring alone"
+    assert min(names["rows"], key=lambda name: names["rows"][name]["over noise"]) == "Eyring alone"
+    parameters = names["found"].parameters
+    for key, true in (("eyring.strength", 1.5), ("eyring.speed", 0.002)):
+        assert parameters.loc[key, "low"] < true < parameters.loc[key, "high"]
+
+
+KNOWN: dict[str, Callable[[dict[str, Any]], None]] = {
+    "design_and_checks": _design,
+    "measurement_to_model": _measurement,
+    "new_friction_law": _law,
+}
+
+
+def test_every_notebook_has_its_answer() -> None:
+    assert {page.stem for page in FOLDER.glob("*.ipynb")} == set(KNOWN)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_a_notebook_arrives_at_the_known_answer(name: str) -> None:
+    spec = importlib.util.spec_from_file_location("run_notebook", FOLDER.parent / "run_notebook.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    file = FOLDER / f"{name}.ipynb"
+    document = json.loads(file.read_text(encoding="utf-8"))
+    code = [cell for cell in document["cells"] if cell["cell_type"] == "code"]
+    assert sum(bool(cell["outputs"]) for cell in code) > len(code) // 2, f"run 'python docs/run_notebook.py {file}'"
+    assert file.stat().st_size < 300_000
+    KNOWN[name](module.run(document))

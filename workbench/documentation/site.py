@@ -1,0 +1,157 @@
+"""The documentation site: the pages of `docs/` and the reference pages in one folder, built by Sphinx.
+
+A link to a file that does not exist, or to a heading that does not exist, is an error of the build.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
+
+CONTENTS: dict[str, tuple[str, ...]] = {
+    "Start": ("readme", "examples"),
+    "Tutorials": (
+        "tutorial",
+        "notebooks/design_and_checks",
+        "notebooks/measurement_to_model",
+        "notebooks/new_friction_law",
+    ),
+    "How to": ("checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
+    "Reference": ("reference_python", "reference_commands", "reference_parameters", "effects"),
+    "Theory": ("theory", "diagnosis_step_by_step", "physical_model", "simulation", "causal_friction_model"),
+    "Project": ("glossary", "decisions"),
+}
+"""Pages by part of the site; pages of `docs/` that are not listed are put under "More"."""
+
+CONFIGURATION = """\
+project = "stagecad"
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+html_theme = "furo"
+html_title = "stagecad"
+html_copy_source = False
+html_show_sphinx = False
+nb_execution_mode = "off"
+myst_heading_anchors = 4
+myst_enable_extensions = ["colon_fence"]
+autodoc_typehints = "description"
+autodoc_member_order = "bysource"
+autodoc_class_signature = "separated"
+napoleon_use_rtype = False
+default_role = "code"
+# Lexers that meet shell output and cut TOML.
+suppress_warnings = ["misc.highlighting_failure", "myst.header"]
+"""
+
+
+def documentation_source() -> Path:
+    """The folder `docs` beside the packages.
+
+    Raises:
+        InputError: the program was installed without it.
+    """
+    folder = ROOT / "docs"
+    if not (folder / "index.md").is_file():
+        raise InputError(
+            f"{folder}: the pages of the documentation are not installed; they are in the source of stagecad"
+        )
+    return folder
+
+
+def build_site(folder: Path, generated: Mapping[str, str]) -> Path:
+    """Build the site; returns its folder of HTML pages.
+
+    Args:
+        folder: to build in; its `source` is written anew, pages that have not changed are not built again.
+        generated: text of the reference pages, by name.
+
+    Raises:
+        InputError: Sphinx is not installed, or a page has a fault, such as a link to nowhere.
+    """
+    try:
+        from sphinx.cmd.build import build_main
+    except ImportError:
+        raise InputError("the documentation is built by Sphinx: pip install 'stagecad[docs]'") from None
+    source, html, log = folder / "source", folder / "html", folder / "warnings.txt"
+    write_source(source, generated)
+    arguments = ["-q", "-b", "html", "-d", str(folder / "doctrees"), "-w", str(log), str(source), str(html)]
+    status = build_main(arguments)
+    faults = [line for line in log.read_text("utf-8").splitlines() if line.strip()] if log.is_file() else []
+    if status or faults:
+        raise InputError(f"documentation: {faults[0] if faults else 'was not built'} ({len(faults)} faults in {log})")
+    return html
+
+
+def write_source(folder: Path, generated: Mapping[str, str]) -> None:
+    """Put pages, pictures and configuration into one folder, their links adapted to it."""
+    docs = documentation_source()
+    texts = {page.relative_to(docs).as_posix(): page.read_text("utf-8") for page in sorted(docs.rglob("*.md"))}
+    texts["readme.md"] = (ROOT / "README.md").read_text("utf-8")
+    texts["examples.md"] = (ROOT / "examples" / "README.md").read_text("utf-8")
+    texts |= {f"{name}.md": text for name, text in generated.items()}
+    texts = {name: site_links(text) for name, text in texts.items()}
+    notebooks = {page.relative_to(docs).as_posix() for page in docs.rglob("*.ipynb")}
+    pages = {name.rpartition(".")[0] for name in (*texts, *notebooks)} - {"index"}
+    texts["index.md"] += contents(pages)
+    texts["conf.py"] = CONFIGURATION
+    for name, text in texts.items():
+        _write_changed(folder / name, text)
+    for file in docs.rglob("*"):
+        if file.suffix in (".png", ".svg", ".ipynb"):
+            target = folder / file.relative_to(docs)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            if not target.is_file() or target.read_bytes() != file.read_bytes():
+                shutil.copyfile(file, target)
+    kept = {folder / name for name in texts}
+    for file in [*folder.rglob("*.md"), *folder.rglob("*.ipynb")]:
+        if file not in kept and not (docs / file.relative_to(folder)).is_file():
+            file.unlink()
+
+
+def contents(pages: set[str]) -> str:
+    """The tables of contents of the first page.
+
+    Raises:
+        InputError: a page in `CONTENTS` does not exist.
+    """
+    listed = [page for group in CONTENTS.values() for page in group]
+    missing = [page for page in listed if page not in pages]
+    if missing:
+        raise InputError(f"documentation: page '{missing[0]}' of the contents does not exist")
+    groups = {**CONTENTS, "More": tuple(sorted(pages - set(listed)))}
+    return "".join(
+        f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n" + "\n".join(names) + "\n```\n"
+        for title, names in groups.items()
+        if names
+    )
+
+
+LINK = re.compile(r"(?P<text>\[[^\]\n]*\])\((?P<target>[^)\s]+)\)")
+
+
+def site_links(text: str) -> str:
+    """A page with links as in the site: `docs/` is the root, and files that are no pages are only named."""
+
+    def adapted(link: re.Match[str]) -> str:
+        target = link["target"]
+        if re.match(r"[a-z]+:|#", target):
+            return link[0]
+        path, mark, anchor = target.partition("#")
+        path = re.sub(r"^(\.\./)?README\.md$", "readme.md", path).removeprefix("docs/").removeprefix("../docs/")
+        path = "examples.md" if path in ("examples", "../examples", "../examples/README.md") else path
+        if not path.endswith((".md", ".ipynb", ".png", ".svg")) or path.startswith("../"):
+            return f"{link['text'][1:-1]} (`{path}`)"
+        return f"{link['text']}({path}{mark}{anchor})"
+
+    return LINK.sub(adapted, text)
+
+
+def _write_changed(file: Path, text: str) -> None:
+    if not file.is_file() or file.read_text("utf-8") != text:
+        atomic_write_text(file, text)
