@@ -12,6 +12,11 @@ if TYPE_CHECKING:
 MOST_ROWS = 20
 """Rows of the table that a notebook shows."""
 
+STYLE = (
+    "<style>.stagecad table{border-collapse:collapse;margin:.4em 0}"
+    ".stagecad th,.stagecad td{padding:.15em .9em .15em 0;text-align:left;vertical-align:top}</style>"
+)
+
 
 class Result(ABC):
     """A result: `print` shows one line, a notebook a table, `to_dataframe` gives the data, `to_json` the document."""
@@ -38,12 +43,10 @@ class Result(ABC):
     def _repr_html_(self) -> str:
         title = html.escape(repr(self).strip("<>"))
         facts = "".join(
-            f"<tr><th style='text-align:left;vertical-align:top'>{html.escape(name)}</th>"
-            f"<td style='text-align:left'>{html.escape(text)}</td></tr>"
-            for name, text in self.summary()
+            f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>" for name, text in self.summary()
         )
         table = self._table().to_html(max_rows=MOST_ROWS, border=0, float_format=lambda value: f"{value:.4g}")
-        return f"<div><b>{title}</b>{f'<table>{facts}</table>' if facts else ''}{table}</div>"
+        return f"<div class='stagecad'>{STYLE}<b>{title}</b>{f'<table>{facts}</table>' if facts else ''}{table}</div>"
 
 
 def finite_json(document: Any) -> Any:

@@ -37,12 +37,12 @@ html_theme = "furo"
 html_title = "stagecad"
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
 nb_execution_mode = "off"
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
-autodoc_class_signature = "separated"
 napoleon_use_rtype = False
 default_role = "code"
 # Lexers that meet shell output and cut TOML.

@@ -1,4 +1,4 @@
-"""The documentation: all pages in the contents, links that lead somewhere, reference pages of all names and commands."""
+"""The documentation: pages in the contents, links that lead somewhere, reference pages of all names and commands."""
 
 from __future__ import annotations
 
