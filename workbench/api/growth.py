@@ -94,11 +94,12 @@ class Ladder(Result):
         """A row for each rung, set of records and channel: what was added, rms (SI), over noise, fit percent."""
         import pandas as pd
 
-        tables = {(r["rung"], self._change(r)): error_frame(r["before"]) for r in self.rungs}
-        if not tables:
-            empty = error_frame({}).reset_index()
-            return empty.assign(rung=[], change=[]).set_index(["rung", "change", "records", "channel"])
-        return pd.concat(tables, names=["rung", "change"])
+        tables = [
+            error_frame(rung["before"]).reset_index().assign(rung=rung["rung"], change=self._change(rung))
+            for rung in self.rungs
+        ]
+        empty = error_frame({}).reset_index().assign(rung=[], change=[])
+        return pd.concat(tables or [empty]).set_index(["rung", "change", "records", "channel"])
 
     @staticmethod
     def _change(rung: dict[str, Any]) -> str:

@@ -97,8 +97,10 @@ def prediction_error_table(problem: Problem, model: Model, horizons: Sequence[fl
 
 def part_of(table: pd.DataFrame, problem: Problem, ending: str) -> pd.DataFrame:
     """The columns `CHANNEL_ENDING` of an overlay under the names of their channels."""
+    import pandas as pd
+
     columns = {f"{channel}_{ending}": channel for channel in channels_of(problem)}
-    found = table[list(columns)].rename(columns=columns)
+    found = pd.DataFrame({channel: table[label] for label, channel in columns.items()})
     found.attrs.update(table.attrs)
     return found
 

@@ -68,7 +68,7 @@ class Simulation(Result):
         from workbench.api.figures.results import motion_figure
 
         shown = {
-            name: columns[[label for label in columns if not label.endswith("[J]")]]
+            name: columns.drop(columns=[label for label in columns if str(label).endswith("[J]")])
             for name, columns in self.tables.items()
         }
         return motion_figure(shown, table)

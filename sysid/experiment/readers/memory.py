@@ -46,7 +46,7 @@ class MemoryFile(RecordFile):
         found = hashlib.sha256()
         for label, values in self.table.columns.items():
             found.update(label.encode())
-            found.update(np.ascontiguousarray(values))
+            found.update(np.ascontiguousarray(values).data)
         return found.hexdigest()
 
     def columns(self, indices: Sequence[int]) -> list[np.ndarray]:

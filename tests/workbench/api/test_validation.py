@@ -12,7 +12,7 @@ from stagecad import Comparison, Diagnosis, Experiment, InputError, Rig
 def test_the_correlation_of_a_residual(comparison: Comparison, addition: stagecad.Addition) -> None:
     before, after = comparison.correlation(), addition.correlation(part="validate")
     assert not before.is_white and "not white" in repr(before)
-    assert before.to_dataframe().loc[("residual", 0.0), "correlation"] == 1.0
+    assert before.to_dataframe().loc[("residual", 0.0), "correlation"] == pytest.approx(1.0, abs=1e-12)
     # Only the few samples at reversals are left.
     assert abs(after.found.autocorrelation[1]) < 0.3 < before.found.autocorrelation[1]
     assert len(before.plot().axes) == 3

@@ -13,7 +13,7 @@ WIDTH = 7.0
 COLUMN = 3.4
 """Inches of a figure over one column (86 mm)."""
 
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.family": "sans-serif",
     "font.sans-serif": ["Arial", "Helvetica", "Liberation Sans", "DejaVu Sans"],
     "font.size": 8.0,

@@ -194,20 +194,21 @@ def correlation_figure(found: ResidualCorrelation) -> Plot:
 def ranking_figure(found: Diagnosis) -> Plot:
     """Error over noise on held-out records with each effect tried, and without any."""
     table = found.ranking.dropna(subset=["over_noise"])[:MOST_BARS]
+    names, over = [str(name) for name in table.index], table["over_noise"].to_numpy(dtype=float)
     before = max((m.over_noise for m in found.found.before_validate.values()), default=float("nan"))
     figure, axes = new_plot(width=COLUMN * 1.5, height=0.7 + 0.2 * len(table))
     panel = axes[0, 0]
     with style():
-        inks = [AFTER if name == found.effect else MODEL for name in table.index]
-        at = np.arange(len(table))
-        panel.barh(at, table["over_noise"], color=inks, height=0.66)
+        inks = [AFTER if name == found.effect else MODEL for name in names]
+        at = np.arange(over.size)
+        panel.barh(at, over, color=inks, height=0.66)
         panel.axvline(before, color=BEFORE, linewidth=1.0)
         panel.axvline(1.0, color="#5d6d7e", linewidth=0.8, linestyle=(0, (4, 2)))
-        most = max(before, float(table["over_noise"].max())) if len(table) else before
+        least, most = float(np.min(over, initial=1.0)), float(np.max(over, initial=before))
         panel.set_xscale("log")
-        panel.set_xlim(min(0.8, 0.8 * float(table["over_noise"].min())) if len(table) else 0.8, 1.6 * most)
+        panel.set_xlim(0.8 * least, 1.6 * most)
         panel.xaxis.set_major_formatter("{x:g}")
-        panel.set_yticks(at, [name.replace("_", " ") for name in table.index])
+        panel.set_yticks(at, [name.replace("_", " ") for name in names])
         panel.invert_yaxis()
         panel.grid(axis="y", visible=False)
         for x, text, ink in ((before, "without", BEFORE), (1.0, "noise", "#5d6d7e")):
