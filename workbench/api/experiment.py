@@ -135,7 +135,10 @@ class Experiment(Result):
         names = list(stated.get("effects", ()))
         own = {effect.name: effect for effect in self.stated.custom if isinstance(effect, Effect)}
         rest = [effect for name, effect in own.items() if name not in names]
-        return Model([own.get(name, name) for name in names], stated.get("parameters", {}), rest)
+        effects: list[str | Effect] = list(names)
+        for place, name in enumerate(names):
+            effects[place] = own.get(name, effects[place])
+        return Model(effects, stated.get("parameters", {}), rest)
 
     @cached_property
     def problem(self) -> Problem:

@@ -194,7 +194,7 @@ def correlation_figure(found: ResidualCorrelation) -> Plot:
 def ranking_figure(found: Diagnosis) -> Plot:
     """Error over noise on held-out records with each effect tried, and without any."""
     table = found.ranking.dropna(subset=["over_noise"])[:MOST_BARS]
-    names, over = [str(name) for name in table.index], table["over_noise"].to_numpy(dtype=float)
+    names, over = [str(name) for name in table.index], np.asarray(table["over_noise"], dtype=float)
     before = max((m.over_noise for m in found.found.before_validate.values()), default=float("nan"))
     figure, axes = new_plot(width=COLUMN * 1.5, height=0.7 + 0.2 * len(table))
     panel = axes[0, 0]
