@@ -23,7 +23,7 @@ CONTENTS: dict[str, tuple[str, ...]] = {
         "notebooks/measurement_to_model",
         "notebooks/new_friction_law",
     ),
-    "How to": ("checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
+    "How to": ("workbench", "checks", "drawings", "step_ap242", "parts_and_parameters", "stage_simulation"),
     "Reference": ("reference_python", "reference_commands", "reference_parameters", "effects"),
     "Theory": ("theory", "diagnosis_step_by_step", "physical_model", "simulation", "causal_friction_model"),
     "Project": ("glossary", "decisions"),
