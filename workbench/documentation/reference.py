@@ -9,11 +9,21 @@ import click
 GROUPS: dict[str, tuple[str, ...]] = {
     "A design": ("load_design", "Design", "checks", "Checks", "parts", "Parts", "drawings", "Drawings"),
     "An experiment": ("Experiment", "Record", "Rig", "Model", "Effect", "Parameter", "Scan"),
-    "A measurement and its model": ("compare", "Comparison", "diagnose", "Diagnosis", "add", "Addition", "ladder",
-                                    "Ladder", "suggest", "Suggestion"),
+    "A measurement and its model": (
+        "compare",
+        "Comparison",
+        "diagnose",
+        "Diagnosis",
+        "add",
+        "Addition",
+        "ladder",
+        "Ladder",
+        "suggest",
+        "Suggestion",
+    ),
     "Simulation": ("simulate", "Simulation", "SimulatedRecords"),
     "Errors": ("InputError",),
-}  # fmt: skip
+}
 """Public names of `stagecad` by section of their page."""
 
 INTRODUCTION = """\
