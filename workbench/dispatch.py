@@ -38,7 +38,11 @@ COMMANDS = {
 }
 
 
-MODULES = {"diff": "workbench.commands.design.diff", "workbench": "workbench.page.command"}
+MODULES = {
+    "diff": "workbench.commands.design.diff",
+    "docs": "workbench.documentation.command",
+    "workbench": "workbench.page.command",
+}
 """Modules of commands that are not `workbench.commands.NAME`."""
 
 
