@@ -59,6 +59,8 @@ addEventListener('keydown', (event) => {
 document.getElementById('theme').addEventListener('click', toggleTheme);
 document.getElementById('help').addEventListener('click', showKeys);
 addEventListener('hashchange', show);
+// A refused request says why; what was shown before stays.
+addEventListener('unhandledrejection', (event) => { say(event.reason?.message ?? String(event.reason), 'bad'); event.preventDefault(); });
 
 get('/api/about').then((about) => {
   document.getElementById('folder').textContent = about.folder.split(/[\\/]/).filter(Boolean).at(-1);

@@ -86,7 +86,12 @@ class Measurement {
     fill(this.ranking, '');
     fill(this.progress, '');
     this.found = null;
-    await this.readLadder();
+    try {
+      await this.readLadder();
+    } catch (error) {
+      fill(this.statement, h('span', { class: 'bad' }, error.message));
+      return;
+    }
     const mine = [...jobs.values()].filter((job) => job.subject === name && TASKS.has(job.task));
     const active = mine.filter((job) => job.state === 'running' || job.state === 'waiting').at(-1);
     const done = mine.filter((job) => job.state === 'done' && job.task !== 'suggest').at(-1);
