@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 import pytest
@@ -19,9 +19,9 @@ def test_extremes_keep_a_spike_of_one_sample_among_a_million(tmp_path: Path) -> 
     described = write_curves(tmp_path, 0, {"time": time, "force": values})
     assert described["rows"] == 1_000_000 and described["series"] == ["time", "force"]
     curves = read_curves(tmp_path, 0)
-    began = perf_counter()
+    began = process_time()
     found = extremes(curves, [1], None, None, 1200)
-    seconds = perf_counter() - began
+    seconds = process_time() - began
     assert found.shape == (2, 2400)
     assert found[1].max() == 50.0 and found[1].min() == -40.0
     assert np.all(np.diff(found[0]) > 0.0)
