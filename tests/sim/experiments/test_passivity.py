@@ -56,6 +56,18 @@ def test_heat_never_falls_in_a_passive_model(core, motion):
     assert np.diff(heat).min() > -1e-9 * heat[-1]
 
 
+@pytest.mark.parametrize(
+    "core, heat, peak",
+    [("lugre", 26.617e-6, 62.21), ("lugre_undamped", 109.41e-6, 0.574), ("lugre_causal", 102.44e-6, 1.065)],
+)
+def test_heat_and_peak_force_are_those_of_a_separate_integration(core, heat, peak):
+    """Solved with Radau by other code; the least heat of LuGre is -33.967 uJ."""
+    start = audit(FRICTION, core, "start")
+    assert start.heat[-1] == pytest.approx(heat, rel=1e-3)
+    assert start.least_heat == pytest.approx(-33.967e-6 if core == "lugre" else 0.0, rel=1e-3, abs=1e-12)
+    assert audit(FRICTION, core, "tip").peak_force == pytest.approx(peak, rel=2e-3)
+
+
 def test_lugre_gives_energy_back_in_a_fast_start_and_not_in_a_slow_one():
     result = audit(FRICTION, "lugre", "start")
     assert result.least_heat < -1e-5
