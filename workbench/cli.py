@@ -34,7 +34,17 @@ def main() -> None:
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115
-    sys.exit(run(sys.argv[1:]))
+    status = run(sys.argv[1:])
+    if status == 130:
+        # A library in C that met the interrupt first may have told the interpreter to end itself by the signal.
+        import atexit
+        from contextlib import suppress
+
+        atexit._run_exitfuncs()
+        with suppress(OSError, AttributeError):
+            sys.stdout.flush()
+        os._exit(status)
+    sys.exit(status)
 
 
 if __name__ == "__main__":
