@@ -143,7 +143,7 @@ def test_the_ladder_of_the_demo_to_its_end(tmp_path: Path) -> None:
         assert len(levels) == 3 and levels[0] > 50.0 and levels[0] > levels[1] > levels[2]
         assert levels[2] < 1.2
         page.get_by_role("button", name="Diagnose", exact=True).click()
-        page.get_by_text("Nothing is missing").wait_for()
+        page.locator(".verdict b", has_text="Nothing is missing").wait_for()
         page.get_by_role("button", name="Undo").click()
         page.locator(".rung >> nth=2").wait_for(state="detached")
 
