@@ -22,7 +22,7 @@ from stagecad.parameters.atomic import atomic_write_bytes
 IMAGES = Path(__file__).parent / "images"
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
-SIZE = {"width": 1440, "height": 900}
+WIDTH, HEIGHT = 1440, 900
 COLOURS = 200
 PATIENCE = 180_000
 
@@ -49,7 +49,7 @@ def main() -> None:
             try:
                 with sync_playwright() as started:
                     chromium = started.chromium.launch(executable_path=program, args=FLAGS)
-                    page = chromium.new_page(viewport=SIZE)
+                    page = chromium.new_page(viewport={"width": WIDTH, "height": HEIGHT})
                     page.set_default_timeout(PATIENCE)
                     for name in chosen:
                         views[name](page, address[0])
