@@ -170,8 +170,12 @@ class JobRunner:
                 return
             if kind == "result":
                 text = json.dumps(finite(content), allow_nan=False)
-                atomic_write_text(self.job_folder(job) / "result.json", text)
-                self._end(job, "done", "")
+                try:
+                    atomic_write_text(self.job_folder(job) / "result.json", text)
+                except OSError as error:
+                    self._end(job, "failed", f"its result cannot be written: {error.strerror or error}")
+                else:
+                    self._end(job, "done", "")
             else:
                 message, _, details = content.replace(f"{self.working}{os.sep}", "").partition("\n")
                 job.details = details
@@ -229,6 +233,10 @@ class _Lane:
         try:
             if self._process is None or not self._process.is_alive():
                 self._start()
+        except (OSError, RuntimeError) as error:
+            self._process = None
+            return "failure", f"no process can be started: {error}"
+        try:
             if job.state != "running":
                 return "failure", "cancelled"
             self._pipe.send((job.task, arguments))

@@ -133,6 +133,31 @@ def test_closing_ends_all_processes(runner: JobRunner) -> None:
     assert job.state == "cancelled"
 
 
+def test_a_lane_survives_that_no_process_can_be_started(runner: JobRunner, tmp_path: Path) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    here = Path.cwd()
+    os.chdir(gone)
+    gone.rmdir()
+    try:
+        failed = _ended(_submit(runner, "double", value=1))
+    finally:
+        os.chdir(here)
+    assert failed.state == "failed" and "no process can be started" in failed.error
+    assert runner.result(_ended(_submit(runner, "double", value=4)).number)["value"] == 8
+
+
+def test_a_result_that_cannot_be_written_is_a_failure(runner: JobRunner) -> None:
+    job = _submit(runner, "work")
+    _running(job)
+    after = _submit(runner, "double", value=1)
+    # A file stands where the folder of the job belongs.
+    runner.folder.mkdir(exist_ok=True)
+    runner.job_folder(after).write_text("")
+    runner.cancel(job.number)
+    assert "cannot be written" in _ended(after).error
+
+
 def test_every_task_exists() -> None:
     from importlib import import_module
 
