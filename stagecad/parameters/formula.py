@@ -100,6 +100,8 @@ def _rounding(function: Callable[[float], float]) -> Callable[..., Value]:
     return apply
 
 
+Functions = Mapping[str, tuple[int, int, Callable[..., Value]]]
+
 FUNCTIONS: dict[str, tuple[int, int, Callable[..., Value]]] = {
     "min": (1, 20, lambda *v: Value(min(x.si for x in v), _same(v, "min"))),
     "max": (1, 20, lambda *v: Value(max(x.si for x in v), _same(v, "max"))),
@@ -147,7 +149,7 @@ class Formula:
             InputError: units that do not match, or no finite value.
         """
         try:
-            found = self._evaluate(self._tree, parameter)
+            found = self.evaluate(parameter)
         except FormulaError as error:
             raise InputError(f"{place} = '{SIGN}{self.text}': {error}") from None
         except (OverflowError, ZeroDivisionError, ValueError, TypeError) as error:
@@ -161,18 +163,33 @@ class Formula:
             raise InputError(f"{place} = '{SIGN}{self.text}': has no finite value")
         return found.si
 
-    def _evaluate(self, node: ast.expr, parameter: Callable[[str], Value]) -> Value:
+    def evaluate(self, parameter: Callable[[str], Value], functions: Functions | None = None) -> Value:
+        """The formula's value with its dimension, also of arrays (n,) as the numbers of `parameter`.
+
+        Args:
+            parameter: value of a parameter by its key.
+            functions: in place of `FUNCTIONS`, for arrays.
+
+        Raises:
+            InputError: units that do not match.
+        """
+        return self._evaluate(self._tree, parameter, FUNCTIONS if functions is None else functions)
+
+    def _evaluate(self, node: ast.expr, parameter: Callable[[str], Value], functions: Functions) -> Value:
         if isinstance(node, ast.Name):
             return self._constants[node.id] if node.id in self._constants else parameter(self.keys[int(node.id[1:])])
         if isinstance(node, ast.UnaryOp):
-            operand = self._evaluate(node.operand, parameter)
+            operand = self._evaluate(node.operand, parameter, functions)
             return operand if isinstance(node.op, ast.UAdd) else Value(-operand.si, operand.dimension)
         if isinstance(node, ast.Call):
             assert isinstance(node.func, ast.Name)
-            return _named(FUNCTIONS[node.func.id][2], *(self._evaluate(item, parameter) for item in node.args))
+            arguments = (self._evaluate(item, parameter, functions) for item in node.args)
+            return _named(functions[node.func.id][2], *arguments)
         assert isinstance(node, ast.BinOp)
         return _named(
-            _OPERATORS[type(node.op)], self._evaluate(node.left, parameter), self._evaluate(node.right, parameter)
+            _OPERATORS[type(node.op)],
+            self._evaluate(node.left, parameter, functions),
+            self._evaluate(node.right, parameter, functions),
         )
 
 

@@ -206,6 +206,11 @@ def nearest_symbol(symbol: str) -> str:
     return max(SYMBOLS, key=likeness)
 
 
+def written_out(symbol: str) -> str | None:
+    """The symbol of a unit written in another way, such as `sec` or `newtons`; None if it is not known."""
+    return _INTENDED.get(symbol.lower())
+
+
 def unit_dimension(unit: str) -> Dimension:
     """Dimension of a unit; an empty text is dimensionless.
 
@@ -278,6 +283,24 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
         raise InputError(f"{place}{shown} has the wrong dimension; wanted '{unit}' or a multiple of it")
     offset = ABSOLUTE_ZERO if unit == "degC" and _plain(written).strip() in ("K", "mK") else 0.0
     return to_si(number, written) + offset, None if std is None else to_si(std, written)
+
+
+def parse_any(text: Any, where: str = "") -> tuple[float, float | None, Dimension]:
+    """Read a quantity of whatever dimension, with an optional standard deviation.
+
+    Returns:
+        The value and its standard deviation (or None), both in SI, and the dimension.
+
+    Raises:
+        InputError: no number, or an unknown symbol.
+    """
+    place, shown = _place(where), quoted(text)
+    number, std, written = _split(text, shown, place)
+    try:
+        dimension = unit_dimension(written)
+    except InputError as error:
+        raise InputError(f"{place}{shown}: {error}") from None
+    return to_si(number, written), None if std is None else to_si(std, written), dimension
 
 
 def quoted(text: Any) -> str:

@@ -8,12 +8,20 @@ from dataclasses import dataclass
 from functools import cache
 
 from stagecad.parameters.errors import InputError, nearest
-from stagecad.parameters.units import parse_quantity, unit_dimension
-from sysid.experiment.rigs import CHANNELS, RigKind
+from stagecad.parameters.units import parse_quantity, to_si, unit_dimension
+from sysid.experiment.columns.settings import ChannelSettings, ColumnSetting
+from sysid.experiment.columns.units import column_unit
+from sysid.experiment.readers.base import Header
+from sysid.experiment.rigs import Channel, RigKind
 
 LONGEST_LABEL = 200
 """Longest header cell that may hold a unit; the pattern takes a time that grows with the square of the length."""
 _LABEL = re.compile(r"\s*(?P<name>[^\[\]]*?)\s*(?:\[\s*(?P<unit>[^\[\]]*?)\s*\]\s*)?")
+_OTHER_LABELS = (
+    re.compile(r"(?P<name>.*?)\s*\((?P<unit>[^()]*)\)\s*"),
+    re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>[^\s/][^\s]*)\s*"),
+    re.compile(r"(?P<name>.*?),?\s+in\s+(?P<unit>\S+)\s*"),
+)
 
 
 @dataclass(frozen=True)
@@ -24,7 +32,7 @@ class Column:
         index: position in the file, from 0.
         label: header as written.
         name: text before the unit.
-        unit: text in brackets; none without brackets.
+        unit: text of the unit; none without one.
     """
 
     index: int
@@ -34,23 +42,47 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Source:
-    """Column of a channel, and the conversion of its cells to SI units (value * factor + offset)."""
+class Term:
+    """A column and the conversion of its cells to the SI unit of a channel (value * factor + offset), with the
+    relative standard deviation of the factor."""
 
-    channel: str
     column: Column
     unit: str
-    si_unit: str
     factor: float
-    offset: float
+    offset: float = 0.0
+    deviation: float = 0.0
+
+
+@dataclass(frozen=True)
+class Source:
+    """Columns of a channel, whose converted values are added; none for a time that is made of the sampling rate."""
+
+    channel: str
+    terms: tuple[Term, ...]
+    si_unit: str
+
+    @property
+    def label(self) -> str:
+        """The columns as written, for a message."""
+        return " + ".join(term.column.label.strip() for term in self.terms)
 
 
 def parse_label(index: int, label: str) -> Column:
-    """Name and unit of a header cell `name [unit]`; unclosed brackets are part of the name."""
-    match = _LABEL.fullmatch(label) if len(label) <= LONGEST_LABEL else None
-    if match is None:
+    """Name and unit of a header cell: `name [unit]`, `name (unit)`, `name/unit` or `name in unit`.
+
+    Brackets hold the unit whatever it is; in the other forms it must be a known one, else it is part of the name. So
+    are unclosed brackets.
+    """
+    if len(label) > LONGEST_LABEL:
         return Column(index, label, label.strip(), None)
-    return Column(index, label, match["name"], match["unit"])
+    match = _LABEL.fullmatch(label)
+    if match is not None and match["unit"] is not None:
+        return Column(index, label, match["name"], match["unit"])
+    for form in _OTHER_LABELS:
+        found = form.fullmatch(label.strip())
+        if found is not None and found["name"] and column_unit(found["unit"]) is not None:
+            return Column(index, label, found["name"], found["unit"])
+    return Column(index, label, label.strip(), None)
 
 
 @cache
@@ -91,99 +123,190 @@ def unit_for(unit: str, linear: str, rotary: str, where: str) -> tuple[str, bool
 
 
 def choose_columns(
-    labels: Sequence[str],
+    header: Header,
     rig: RigKind,
     file: str,
-    renamed: Mapping[str, str],
+    settings: ChannelSettings,
     units: Mapping[str, str],
     where: str,
+    untimed: bool = False,
 ) -> tuple[dict[str, Source], dict[str, bool], list[str]]:
     """Assign the columns of a file to the channels of the rig.
 
     Args:
-        labels: header cells, or variable names.
+        header: labels of the file.
         rig: kind of rig.
         file: shown in messages.
-        renamed: `columns` of the record, channel to column name.
-        units: `units` of the record, channel (or column name) to unit.
-        where: the record's place in the experiment file, for messages about `columns` and `units`.
+        settings: of the channels, by the experiment.
+        units: by channel or column name, which come before those in `settings`.
+        where: the record's place in the experiment file, for messages about `units`.
+        untimed: whether the time is made of the sampling rate.
 
     Returns:
         The source of each channel; whether the axis is rotary, for channels whose unit determines it; notes on unused
-        columns.
+        columns and on names that were not written as the channel's.
 
     Raises:
         InputError: a required channel is missing, or a column has no unit or one of another dimension.
     """
-    columns = [parse_label(index, label) for index, label in enumerate(labels)]
+    columns = [parse_label(index, label) for index, label in enumerate(header.labels)]
     notes: list[str] = []
-    _check_keys(renamed, units, rig, columns, where)
-    by_channel: dict[str, Column] = {}
-    for channel in rig.channels:
-        wanted = renamed.get(channel, channel)
-        found = [column for column in columns if wanted in (column.name, column.label.strip())]
-        # A variable inside a MAT structure may also be named by its full path.
-        found = found or [column for column in columns if column.name and wanted.endswith(f".{column.name}")]
-        if channel in renamed and not found:
-            raise InputError(
-                f"{where}.columns: {channel} = '{wanted}', but {file} has no such column"
-                f"{nearest(wanted, [column.name for column in columns])}"
-            )
-        if len(found) > 1:
-            notes.append(f"column '{wanted}' is given {len(found)} times; the first is used")
-        if found:
-            by_channel[channel] = found[0]
-    _check_present(by_channel, rig, columns, file)
-    used = {column.index for column in by_channel.values()}
-    for column in columns:
-        if column.index not in used and column.name not in by_channel:
-            what = "is not used by this kind of rig" if column.name in CHANNELS else "is not known"
-            notes.append(f"column '{column.label.strip()}' {what}; left out")
-    sources: dict[str, Source] = {}
-    rotary: dict[str, bool] = {}
-    for channel, column in by_channel.items():
-        unit = units.get(channel, units.get(column.name, column.unit))
-        if not unit:
-            example = CHANNELS[channel].unit
-            raise InputError(
-                f"{file}: column '{column.label.strip()}' has no unit; write '{column.name} [{example}]' in the header"
-                f', or units = {{{channel} = "{example}"}} in the experiment'
-            )
-        declared = CHANNELS[channel]
-        place = f"{file}: column '{column.label.strip()}'"
-        # A load on a rotary axis may be a force or a torque: its unit does not determine the kind of axis.
-        torque = "N*m" if channel == "normal_load" else declared.rotary_unit
-        si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
-        if is_rotary is not None and declared.shows_axis:
-            rotary[channel] = is_rotary
-        factor, offset = conversion(unit, si_unit)
-        sources[channel] = Source(channel, column, unit, si_unit, factor, offset)
-    return sources, rotary, notes
-
-
-def _check_keys(
-    renamed: Mapping[str, str], units: Mapping[str, str], rig: RigKind, columns: list[Column], where: str
-) -> None:
-    for channel in renamed:
-        if channel not in rig.channels:
-            raise InputError(
-                f"{where}.columns: '{channel}' is no channel of {rig.name}{nearest(channel, rig.channels)}"
-            )
     names = {column.name for column in columns}
     for channel in units:
         if channel not in rig.channels and channel not in names:
             raise InputError(f"{where}.units: '{channel}' is no channel of {rig.name}{nearest(channel, rig.channels)}")
+    chosen: dict[str, list[tuple[Column, ColumnSetting]]] = {}
+    for channel in rig.channels:
+        if channel == "time" and untimed:
+            continue
+        for setting in settings.get(channel, (ColumnSetting(),)):
+            found = _find(channel, setting, columns, rig, file, notes)
+            if found is not None:
+                chosen.setdefault(channel, []).append((found, setting))
+    _check_present(chosen, rig, columns, file, header.numbered, untimed)
+    used = {column.index: channel for channel, terms in chosen.items() for column, _ in terms}
+    for column in columns:
+        if column.index not in used and column.name and column.name not in chosen:
+            what = "is not used by this kind of rig" if column.name in rig.all_channels else "is not known"
+            notes.append(f"column '{column.label.strip()}' {what}; left out")
+    sources: dict[str, Source] = {}
+    rotary: dict[str, bool] = {}
+    if untimed:
+        sources["time"] = Source("time", (), "s")
+    for channel, terms in chosen.items():
+        declared = rig.declared(channel)
+        converted = [_term(declared, column, setting, header, units, file) for column, setting in terms]
+        if len({unit for _, unit, _ in converted}) > 1:
+            unlike = " and ".join(unit for _, unit, _ in converted)
+            raise InputError(f"{terms[0][1].where}: the columns of '{channel}' are {unlike}, which cannot be added")
+        sources[channel] = Source(channel, tuple(term for term, _, _ in converted), converted[0][1])
+        if converted[0][2] is not None and declared.shows_axis:
+            rotary[channel] = converted[0][2]
+        notes += [_uncertain(channel, term) for term, _, _ in converted if term.deviation]
+    return sources, rotary, notes
 
 
-def _check_present(found: Mapping[str, Column], rig: RigKind, columns: list[Column], file: str) -> None:
+def _find(
+    channel: str, setting: ColumnSetting, columns: Sequence[Column], rig: RigKind, file: str, notes: list[str]
+) -> Column | None:
+    """The column of a channel; None where the file has none of its name and the experiment names none."""
+    if isinstance(setting.column, int):
+        if setting.column > len(columns):
+            raise InputError(f"{setting.where}: column {setting.column}, but {file} has {len(columns)} columns")
+        return columns[setting.column - 1]
+    wanted = channel if setting.column is None else setting.column
+    found = [column for column in columns if wanted in (column.name, column.label.strip())]
+    # A variable inside a MAT structure may also be named by its full path.
+    found = found or [column for column in columns if column.name and wanted.endswith(f".{column.name}")]
+    if len(found) > 1:
+        notes.append(f"column '{wanted}' is given {len(found)} times; the first is used")
+    if not found:
+        declared = rig.declared(channel)
+        found = [other for column in columns if (other := _written_otherwise(column, wanted, declared)) is not None]
+        if len(found) > 1:
+            labels = " and ".join(f"'{column.label.strip()}'" for column in found)
+            raise InputError(
+                f"{file}: columns {labels} may both be '{wanted}'; write which: "
+                f'[channels] {channel} = "{found[0].label.strip()}"'
+            )
+        notes += [f"column '{column.label.strip()}' is taken as '{wanted}'" for column in found]
+    if not found and setting.column is not None:
+        raise InputError(
+            f"{setting.where}: {channel} = '{wanted}', but {file} has no such column"
+            f"{nearest(wanted, [column.name for column in columns])}"
+        )
+    return found[0] if found else None
+
+
+def _written_otherwise(column: Column, wanted: str, declared: Channel) -> Column | None:
+    """The column if its name is the wanted one in other letters, or with a unit of the channel's dimension behind."""
+
+    def plain(text: str) -> str:
+        return re.sub(r"[\s_-]+", "_", text.strip()).casefold()
+
+    if plain(column.name) == plain(wanted):
+        return column
+    parts = re.split(r"[\s_]+", column.name.strip())
+    for k in range(1, len(parts) if column.unit is None else 0):
+        unit = column_unit("/".join(part for part in parts[k:] if part != "per"))
+        fits = unit is not None and any(same_dimension(unit, si) for si in (declared.unit, declared.rotary_unit))
+        if fits and plain("_".join(parts[:k])) == plain(wanted):
+            return Column(column.index, column.label, "_".join(parts[:k]), unit)
+    return None
+
+
+def _term(
+    declared: Channel, column: Column, setting: ColumnSetting, header: Header, units: Mapping[str, str], file: str
+) -> tuple[Term, str, bool | None]:
+    """A column of a channel, the SI unit it is converted to, and whether the axis is rotary (None if not told)."""
+    channel, place = declared.name, f"{file}: column '{column.label.strip()}'"
+    stated = units.get(channel, units.get(column.name, setting.unit))
+    stated = stated or header.units.get(column.label, header.units.get(channel)) or column.unit
+    sign = setting.sign or 1
+    # A load on a rotary axis may be a force or a torque: its unit does not determine the kind of axis.
+    torque = "N*m" if channel == "normal_load" else declared.rotary_unit
+    if column.label in header.texts:
+        raise InputError(
+            f"{place} holds text, such as '{header.texts[column.label]}'; if these are time stamps, name their "
+            'form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
+        )
+    if not stated and setting.scale is None:
+        raise InputError(
+            f"{place} has no unit; write '{column.name} [{declared.unit}]' in the header, or "
+            f'[channels] {channel} = {{column = {_key(column, header)}, unit = "{declared.unit}"}} in the experiment'
+        )
+    unit = column_unit(stated) or stated if stated else "count"
+    if setting.scale is None:
+        si_unit, is_rotary = unit_for(unit, declared.unit, torque, place)
+        factor, offset = conversion(unit, si_unit)
+        return Term(column, unit, sign * factor, sign * offset), si_unit, is_rotary
+    try:
+        dimension = tuple(a + b for a, b in zip(unit_dimension(unit), setting.scale.dimension, strict=True))
+    except InputError as error:
+        raise InputError(f"{place}: {error}") from None
+    for si_unit, is_rotary in ((declared.unit, False), (torque, True)):
+        if dimension == unit_dimension(si_unit):
+            factor = sign * to_si(1.0, unit) * setting.scale.value
+            deviation = (setting.scale.std or 0.0) / abs(setting.scale.value)
+            told = None if declared.unit == torque else is_rotary
+            return Term(column, unit, factor, 0.0, deviation), si_unit, told
+    raise InputError(
+        f"{setting.where}: '{unit}' times scale = '{setting.scale.text}' is no '{declared.unit}'"
+        + (f" or '{torque}'" if torque != declared.unit else "")
+    )
+
+
+def _key(column: Column, header: Header) -> str:
+    return str(column.index + 1) if header.numbered else f'"{column.name}"'
+
+
+def _uncertain(channel: str, term: Term) -> str:
+    return (
+        f"the scale of '{channel}' is known to {100.0 * term.deviation:.2g} %, and so is every value that is "
+        "proportional to it; the intervals do not contain this"
+    )
+
+
+def _check_present(
+    found: Mapping[str, object], rig: RigKind, columns: list[Column], file: str, numbered: bool, untimed: bool
+) -> None:
     names = [column.name for column in columns]
-    for group in (("time",), *rig.inputs, *rig.measured):
-        if not any(channel in found for channel in group):
-            wanted = " or ".join(f"'{channel}'" for channel in group)
-            spare = [name for name in names if name and name not in found]
-            near = [nearest(channel, spare) for channel in group] if spare else []
-            near = [text for text in near if "did you mean" in text]
-            has = f"; it has: {', '.join(names[:12])}" if any(names) else ""
-            if has and spare:
-                has += f'; if one is it under another name: columns = {{{group[0]} = "NAME"}}'
-            raise InputError(f"{file}: no column {wanted}, which {rig.name} needs{near[0] if near else has}")
+    for group in ((("time",),) if not untimed else ()) + (*rig.inputs, *rig.measured):
+        if any(channel in found for channel in group):
+            continue
+        wanted = " or ".join(f"'{channel}'" for channel in group)
+        if numbered:
+            needed = [name for name in ("time", *(g[0] for g in (*rig.inputs, *rig.measured))) if name not in found]
+            units = {name: rig.declared(name).unit for name in needed}
+            entries = ", ".join(f'{n} = {{column = {k}, unit = "{u}"}}' for k, (n, u) in enumerate(units.items(), 1))
+            raise InputError(
+                f"{file}: has no header, and {len(columns)} columns; name them by their numbers: [channels] {entries}"
+            )
+        spare = [name for name in names if name and name not in found]
+        near = [nearest(channel, spare) for channel in group] if spare else []
+        near = [text for text in near if "did you mean" in text]
+        has = f"; it has: {', '.join(names[:12])}" if any(names) else ""
+        if has and spare:
+            has += f'; if one is it under another name: [channels] {group[0]} = "NAME"'
+        has += '; without one: [format] sample_rate = "1 kHz"' if group == ("time",) else ""
+        raise InputError(f"{file}: no column {wanted}, which {rig.name} needs{near[0] if near else has}")

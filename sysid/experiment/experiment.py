@@ -15,7 +15,9 @@ from sysid.experiment.known import DesignValues, Known, known_axes, read_known
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.record_spec import RecordSpec, read_record_specs
-from sysid.experiment.rigs import CHANNELS, RigKind, find_rig
+from sysid.experiment.rig_kinds.balance import balance_of
+from sysid.experiment.rig_kinds.declaration import find_rig
+from sysid.experiment.rigs import CHANNELS, RigKind, find_base
 from sysid.experiment.settings import Setting, check_effects, read_settings
 from sysid.experiment.toml_table import TomlTable, quantity, read_toml, shown
 
@@ -30,7 +32,7 @@ class Rig:
     """The rig of an experiment.
 
     Args:
-        kind: name of the kind of rig (`sysid.experiment.rigs`).
+        kind: name of the kind of rig (`sysid.experiment.rigs`); of a declared kind, that of its base.
         known: known quantities by key; `inertia` has the key `mass`.
         rotary: whether the axis is rotary.
         input_hold: interpolation of the logged input between rows: held, or linear.
@@ -44,7 +46,7 @@ class Rig:
     @property
     def declaration(self) -> RigKind:
         """The kind of rig with its channels."""
-        return find_rig(self.kind, "rig.kind")
+        return find_base(self.kind)
 
 
 @dataclass(frozen=True)
@@ -150,20 +152,24 @@ def read_experiment(
         own: the user's own effects, besides those in files.
     """
     name = top.file
-    top.allow(("schema", "rig", "model", "record", "noise"))
+    top.allow(("schema", "rig", "format", "channels", "model", "record", "noise"))
     _check_schema(top)
     for key, example in (("rig", "[rig]"), ("model", "[model]"), ("record", "[[record]]")):
         if key not in top.data:
             raise InputError(f"{name}: '{key}' is missing; write {example}")
     rig_table = top.table("rig")
     rig_table.allow(("kind", "known", "input_hold"))
-    kind = find_rig(rig_table.text("kind"), rig_table.where("kind"))
+    kind = find_rig(rig_table.text("kind"), rig_table.where("kind"), file.parent)
     hold: Any = rig_table.choice("input_hold", ("zero", "linear"), "zero")
     records, axes = read_record_specs(top, kind, file, in_memory)
     known_table = rig_table.table("known")
-    rotary = _axis(axes + known_axes(known_table, kind), name)
+    told = [] if kind.rotary is None else [(f"rig.kind = '{kind.name}'", kind.rotary)]
+    rotary = _axis(told + axes + known_axes(known_table, kind), name)
     known = read_known(known_table, kind, rotary, design)
-    measured = {channel for record in records for channel in record.sources}
+    measured = {channel for record in records for channel in record.sources} | kind.balance.keys()
+    if kind.base:
+        balance, known = balance_of(kind, known, rotary, name)
+        records, kind = tuple(replace(record, balance=balance) for record in records), find_base(kind.base)
     noise = _read_noise(top.table("noise"), kind, rotary)
     records = tuple(_with_noise(record, table, kind, rotary) for record, table in zip(records, top.tables("record")))
     model = top.table("model")

@@ -9,13 +9,21 @@ from typing import Literal
 import numpy as np
 
 from stagecad.parameters.errors import InputError
+from stagecad.parameters.units import format_quantity
+from sysid.experiment.columns.repeated_time import RepeatedTime, without_repeats
 from sysid.experiment.experiment import Experiment, RecordSpec
-from sysid.experiment.readers.base import MOST_ROWS, RecordFile, shown_path
-from sysid.experiment.readers.open import open_record_file
+from sysid.experiment.readers.base import MOST_ROWS, shown_path
+from sysid.experiment.readers.open import RecordFile, open_record_file
+from sysid.experiment.record_spec import Bound
 from sysid.experiment.rigs import RigKind
 
 MINIMUM_ROWS = 10
 """Least number of rows of a record."""
+LONG_AGO = 1e8
+"""Time of the first row, s, from which it is a time stamp and the record's time is counted from that row: three years.
+A float resolves Unix times to 0.2 us only."""
+LEAST_JITTER = 0.05
+"""Part of the time step by which the others must differ from it to be reported as uneven."""
 HELD_OUT_SHARE = 0.3
 """Share of a record's time that is held out if no record has the role `validate`."""
 
@@ -28,7 +36,8 @@ class Record:
         name: unique.
         role: `fit` or `validate`.
         file: as written in the experiment.
-        time: s, shape (n,), strictly increasing, as logged (not necessarily from zero).
+        time: s, shape (n,), strictly increasing, as logged (not necessarily from zero); time stamps are counted from
+            the first row.
         channels: SI values of shape (n,) by channel, NaN in gaps; `time` is not among them.
         units: SI unit by channel.
         rotary: whether the axis is rotary.
@@ -87,40 +96,40 @@ def load_record(spec: RecordSpec, rig: RigKind, rotary: bool, noise: Mapping[str
     """Read one record with the columns that a kind of rig has; `noise` is that of the experiment. Raises as
     `load_records`."""
     name = shown_path(str(spec.path))
-    opened = open_record_file(spec.path, name)
-    sources = spec.sources
-    if any(source.column.index >= len(opened.labels) for source in sources.values()):
-        raise InputError(f"{name}: changed while it was read; run again")
-    arrays = opened.columns([source.column.index for source in sources.values()])
-    values: dict[str, np.ndarray] = {}
-    for (channel, source), array in zip(sources.items(), arrays):
-        factor = source.factor * spec.sign.get(channel, 1)
-        # No rounding for a factor of one: the values are those logged.
-        converted = array if factor == 1.0 and source.offset == 0.0 else array * factor
-        values[channel] = converted + source.offset * spec.sign.get(channel, 1) if source.offset else converted
-    time = values.pop("time")
-    _check_rows(time.size, name)
-    _check_time(time, opened, name, sources["time"].column.label.strip())
+    opened = open_record_file(spec.path, name, spec.settings)
     notes = list(spec.notes)
-    time, values = _window(time, values, spec, name, notes)
+    time, values, origin = _read_columns(spec, opened, name, notes)
+    _check_rows(time.size, name)
+    time, values = _check_time(time, values, opened, spec, name, notes)
+    if spec.balance is not None:
+        values = spec.balance.channels(time, values)
+    time, values = _window(time, values, spec, origin, name, notes)
     values = _check_values(values, spec, rig, name, notes)
     steps = np.diff(time)
     step = float(np.median(steps))
+    uniform = bool(np.all(np.abs(steps - step) <= 0.01 * step))
+    notes += [] if uniform else _jitter(steps, step)
     return Record(
         name=spec.name,
         role=spec.role,
         file=spec.file,
         time=time,
         channels=values,
-        units={channel: sources[channel].si_unit for channel in values},
+        units={channel: _si_unit(channel, spec, rig, rotary) for channel in values},
         rotary=rotary,
         notes=tuple(notes),
-        sha256=opened.sha256(),
+        sha256=opened.sha256,
         step=step,
-        uniform=bool(np.all(np.abs(steps - step) <= 0.01 * step)),
+        uniform=uniform,
         continues=spec.continues,
         noise={**(noise or {}), **spec.noise},
     )
+
+
+def _si_unit(channel: str, spec: RecordSpec, rig: RigKind, rotary: bool) -> str:
+    """SI unit of a channel that was recorded or computed."""
+    computed = spec.balance is not None and channel in spec.balance.kind.balance
+    return rig.declared(channel).si_unit(rotary) if computed else spec.sources[channel].si_unit
 
 
 def _check_rows(rows: int, name: str) -> None:
@@ -131,38 +140,108 @@ def _check_rows(rows: int, name: str) -> None:
         raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read, so keep every n-th one")
 
 
-def _check_time(time: np.ndarray, opened: RecordFile, name: str, label: str) -> None:
+def _read_columns(
+    spec: RecordSpec, opened: RecordFile, name: str, notes: list[str]
+) -> tuple[np.ndarray, dict[str, np.ndarray], float]:
+    """Time and channels in SI units, and the origin (s) from which a time stamp is counted."""
+    indices = list(dict.fromkeys(term.column.index for source in spec.sources.values() for term in source.terms))
+    if any(index >= len(opened.header.labels) for index in indices):
+        raise InputError(f"{name}: changed while it was read; run again")
+    columns = dict(zip(indices, opened.columns(indices), strict=True))
+    last = {term.column.index: channel for channel, source in spec.sources.items() for term in source.terms}
+    values: dict[str, np.ndarray] = {}
+    origin = 0.0
+    for channel, source in spec.sources.items():
+        for term in source.terms:
+            column = columns[term.column.index]
+            part = column.values
+            if column.origin and channel != "time":
+                part = part + column.origin
+            # No rounding for a factor of one: the values are those logged.
+            part = part if term.factor == 1.0 else part * term.factor
+            part = part + term.offset if term.offset else part
+            values[channel] = values[channel] + part if channel in values else part
+            if channel == "time" and column.origin:
+                origin = column.origin * term.factor
+                notes.append(column.said)
+        for term in source.terms:
+            if last[term.column.index] == channel:
+                # Long columns are not kept twice.
+                columns.pop(term.column.index, None)
+    if spec.settings.sample_rate is not None:
+        values["time"] = np.arange(next(iter(values.values())).size) / spec.settings.sample_rate
+        notes.append(f"time of a sampling rate of {spec.settings.sample_rate:g} Hz")
+    time = values.pop("time")
+    if time.size and not origin and abs(time[0]) > LONG_AGO:
+        origin = float(time[0])
+        time = time - origin
+        notes.append(f"time is counted from its first row, {origin:.6f} s")
+    return time, values, origin
+
+
+def _check_time(
+    time: np.ndarray, values: dict[str, np.ndarray], opened: RecordFile, spec: RecordSpec, name: str, notes: list[str]
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Time and channels without repeated times, as far as the experiment says how; every other fault is refused."""
+    label = spec.sources["time"].label
     empty = np.flatnonzero(np.isnan(time))
     if empty.size:
         raise InputError(
             f"{name}: {opened.row_name(int(empty[0]))}, column '{label}': is empty; every row needs its time"
         )
-    wrong = np.flatnonzero(np.diff(time) <= 0.0)
-    if wrong.size:
-        row = int(wrong[0]) + 1
-        what = "repeats" if time[row] == time[row - 1] else "falls below"
+    falls = np.flatnonzero(np.diff(time) < 0.0)
+    if falls.size:
+        row = int(falls[0]) + 1
         raise InputError(
-            f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s {what} the row before "
+            f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s falls below the row before "
             f"({time[row - 1]:.9g} s); time must increase from row to row"
         )
+    try:
+        return without_repeats(time, values, spec.settings.repeated_time, notes)
+    except RepeatedTime as repeat:
+        row = repeat.row
+        raise InputError(
+            f"{name}: {opened.row_name(row)}, column '{label}': time {time[row]:.9g} s repeats the row before "
+            f"({time[row - 1]:.9g} s) with other values; write what is meant: [format] repeated_time = "
+            '"first", "mean" or "spread"'
+        ) from None
+
+
+def _jitter(steps: np.ndarray, step: float) -> list[str]:
+    low, high = np.quantile(steps, (0.005, 0.995))
+    if max(high - step, step - low) < LEAST_JITTER * step:
+        return []
+    return [
+        f"rows are unevenly spaced in time: {format_quantity(float(low), 's', 3)} to "
+        f"{format_quantity(float(high), 's', 3)} (99 %), median {format_quantity(step, 's', 3)}"
+    ]
 
 
 def _window(
-    time: np.ndarray, values: dict[str, np.ndarray], spec: RecordSpec, name: str, notes: list[str]
+    time: np.ndarray, values: dict[str, np.ndarray], spec: RecordSpec, origin: float, name: str, notes: list[str]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     if spec.start is None and spec.stop is None:
         return time, values
-    low = -np.inf if spec.start is None else spec.start
-    high = np.inf if spec.stop is None else spec.stop
+    low = -np.inf if spec.start is None else _place(spec.start, time, origin)
+    high = np.inf if spec.stop is None else _place(spec.stop, time, origin)
     inside = slice(int(np.searchsorted(time, low, "left")), int(np.searchsorted(time, high, "right")))
     kept = time[inside]
     if kept.size < MINIMUM_ROWS:
+        counted = ", counted from its first row" if origin else ""
         raise InputError(
             f"{spec.where}: the window from {low:g} s to {high:g} s holds {kept.size} rows of {name}, which runs from "
-            f"{time[0]:g} s to {time[-1]:g} s; at least {MINIMUM_ROWS} are wanted"
+            f"{time[0]:g} s to {time[-1]:g} s{counted}; at least {MINIMUM_ROWS} are wanted"
         )
     notes.append(f"{kept.size} of {time.size} rows lie in the window")
     return kept, {channel: array[inside] for channel, array in values.items()}
+
+
+def _place(bound: Bound, time: np.ndarray, origin: float) -> float:
+    """A bound on `time`, s, which is counted from `origin`; an absolute one may be given with the origin in it."""
+    if bound.relative:
+        # A sum of decimal numbers is rounded: a row at the bound itself belongs to the window.
+        return float(time[0]) + bound.value
+    return bound.value - origin if origin and abs(bound.value) > 0.5 * abs(origin) else bound.value
 
 
 def _check_values(
@@ -170,7 +249,7 @@ def _check_values(
 ) -> dict[str, np.ndarray]:
     kept: dict[str, np.ndarray] = {}
     for channel, array in values.items():
-        label = spec.sources[channel].column.label.strip()
+        label = spec.sources[channel].label if channel in spec.sources else channel
         gaps = int(np.count_nonzero(np.isnan(array)))
         if gaps == array.size:
             # An optional channel may be empty; a required one only if its alternative is recorded.
@@ -183,7 +262,7 @@ def _check_values(
         kept[channel] = array
     for group in (*rig.inputs, *rig.measured):
         if not any(channel in kept for channel in group):
-            columns = " and ".join(f"'{spec.sources[c].column.label.strip()}'" for c in group if c in spec.sources)
+            columns = " and ".join(f"'{spec.sources[c].label}'" for c in group if c in spec.sources)
             raise InputError(f"{name}: column {columns}: contains no numbers; {rig.name} needs it")
     return kept
 

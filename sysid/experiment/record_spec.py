@@ -1,19 +1,35 @@
-"""`[[record]]` tables: file, role, column names, units, signs and time window of each record."""
+"""`[[record]]` tables: file, role, columns of the channels and time window of each record."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from stagecad.parameters.errors import InputError, nearest
 from sysid.experiment.channels import Source, choose_columns
+from sysid.experiment.columns.settings import (
+    ChannelSettings,
+    read_channel_settings,
+    read_record_settings,
+    units_by_key,
+)
 from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.format import Format, read_format
 from sysid.experiment.readers.memory import MemoryTable
 from sysid.experiment.readers.open import open_record_file
+from sysid.experiment.rig_kinds.balance import Balance
 from sysid.experiment.rigs import RigKind
-from sysid.experiment.toml_table import TomlTable, quantity, shown
+from sysid.experiment.toml_table import TomlTable, quantity
+
+
+@dataclass(frozen=True)
+class Bound:
+    """An end of the time window: s on the time column, or from its first row if it is relative (`"+2 s"`)."""
+
+    value: float
+    relative: bool = False
 
 
 @dataclass(frozen=True)
@@ -25,12 +41,13 @@ class RecordSpec:
         file: as written.
         path: of the file, or its table in memory.
         role: `fit` or `validate`.
-        sources: channel to column.
-        sign: channel to 1 or -1.
-        start, stop: window on the time column, s; None if unbounded.
+        sources: channel to its columns.
+        settings: `[format]` of the experiment.
+        start, stop: window on the time column; None if unbounded.
         continues: name of the record that this one continues.
         noise: standard deviations of the noise of this record, SI.
         notes: on unused columns.
+        balance: of a declared kind of rig, whose channels are computed of the columns.
         where: position in the experiment file, for messages.
     """
 
@@ -39,12 +56,13 @@ class RecordSpec:
     path: Path | MemoryTable
     role: Literal["fit", "validate"]
     sources: Mapping[str, Source]
-    sign: Mapping[str, int] = field(default_factory=dict)
-    start: float | None = None
-    stop: float | None = None
+    settings: Format = field(default_factory=Format)
+    start: Bound | None = None
+    stop: Bound | None = None
     continues: str | None = None
     noise: Mapping[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    balance: Balance | None = None
     where: str = ""
 
 
@@ -67,42 +85,63 @@ def read_record_specs(
         raise InputError(f"{top.file}: there is no record; write [[record]] with file and role")
     records: list[RecordSpec] = []
     axes: list[tuple[str, bool]] = []
+    settings = read_format(top.table("format"))
+    common = read_channel_settings(top.table("channels"), kind)
+
+    def source_of(written: str) -> Path | MemoryTable:
+        return file.parent / written if in_memory is None else in_memory[written]
+
     for table in tables:
-        table.allow(("file", "role", "name", "columns", "units", "sign", "from", "to", "continues", "noise"))
-        written = table.text("file")
-        role: Any = table.choice("role", ("fit", "validate"))
-        source = file.parent / written if in_memory is None else in_memory[written]
-        shown_name = shown_path(str(source))
-        opened = open_record_file(source, shown_name)
-        renamed, units = _texts_by_key(table.table("columns")), _texts_by_key(table.table("units"))
-        # Units inside the file are used where the experiment gives none.
-        units = {key: unit for key, unit in opened.units.items() if key in (*kind.channels, *opened.labels)} | units
-        sources, rotary, notes = choose_columns(opened.labels, kind, shown_name, renamed, units, table.where())
-        axes += [
-            (f"column '{sources[channel].column.label.strip()}' of {written}", turns)
-            for channel, turns in rotary.items()
-        ]
-        records.append(
-            RecordSpec(
-                name=_unique_name(table, written, [record.name for record in records]),
-                file=written,
-                path=source,
-                role=role,
-                sources=sources,
-                sign=_signs(table.table("sign"), kind),
-                start=quantity(table, "from", "s") if "from" in table.data else None,
-                stop=quantity(table, "to", "s") if "to" in table.data else None,
-                continues=table.text("continues") if "continues" in table.data else None,
-                notes=tuple(notes),
-                where=table.where(),
-            )
-        )
-        last = records[-1]
-        if last.start is not None and last.stop is not None and last.start >= last.stop:
-            raise InputError(f"{table.where()}: from = '{table.data['from']}' is not before to = '{table.data['to']}'")
+        spec, turns = _read_spec(table, kind, source_of, settings, common)
+        records.append(replace(spec, name=_unique_name(table, spec.file, [record.name for record in records])))
+        axes += turns
     if all(record.role != "fit" for record in records):
         raise InputError(f"{top.file}: no record has role = 'fit'; the fit needs one")
     return _resolve_continues(records), axes
+
+
+def _read_spec(
+    table: TomlTable,
+    kind: RigKind,
+    source_of: Callable[[str], Path | MemoryTable],
+    settings: Format,
+    common: ChannelSettings,
+) -> tuple[RecordSpec, list[tuple[str, bool]]]:
+    """One record, not yet named, and whether the units of its columns are those of a rotary axis."""
+    table.allow(("file", "role", "name", "channels", "columns", "units", "sign", "from", "to", "continues", "noise"))
+    written = table.text("file")
+    role: Any = table.choice("role", ("fit", "validate"))
+    source = source_of(written)
+    shown_name = shown_path(str(source))
+    opened = open_record_file(source, shown_name, settings)
+    channels = read_record_settings(table, kind, common)
+    units = units_by_key(table.table("units"))
+    untimed = settings.sample_rate is not None
+    sources, rotary, notes = choose_columns(opened.header, kind, shown_name, channels, units, table.where(), untimed)
+    if opened.header.remarks:
+        notes.insert(0, f"read as: {', '.join(opened.header.remarks)}")
+    start, stop = (_bound(table, key) if key in table.data else None for key in ("from", "to"))
+    if start and stop and start.relative == stop.relative and start.value >= stop.value:
+        raise InputError(f"{table.where()}: from = '{table.data['from']}' is not before to = '{table.data['to']}'")
+    spec = RecordSpec(
+        name=written,
+        file=written,
+        path=source,
+        role=role,
+        sources=sources,
+        settings=settings,
+        start=start,
+        stop=stop,
+        continues=table.text("continues") if "continues" in table.data else None,
+        notes=tuple(notes),
+        where=table.where(),
+    )
+    return spec, [(f"column '{sources[channel].label}' of {written}", turns) for channel, turns in rotary.items()]
+
+
+def _bound(table: TomlTable, key: str) -> Bound:
+    value = quantity(table, key, "s")
+    return Bound(value, table.text(key).lstrip().startswith("+"))
 
 
 def _unique_name(table: TomlTable, written: str, taken: list[str]) -> str:
@@ -142,18 +181,3 @@ def _resolve_continues(records: list[RecordSpec]) -> tuple[RecordSpec, ...]:
             record = replace(record, continues=other)
         resolved.append(record)
     return tuple(resolved)
-
-
-def _texts_by_key(table: TomlTable) -> dict[str, str]:
-    return {key: table.text(key) for key in table.data}
-
-
-def _signs(table: TomlTable, kind: RigKind) -> dict[str, int]:
-    signs = {}
-    for key, value in table.data.items():
-        if key not in kind.channels:
-            raise InputError(f"{table.where()}: '{key}' is no channel of {kind.name}{nearest(key, kind.channels)}")
-        if isinstance(value, bool) or value not in (1, -1):
-            raise InputError(f"{table.where(key)}: {shown(value)} is not allowed; 1 or -1 is wanted")
-        signs[key] = int(value)
-    return signs

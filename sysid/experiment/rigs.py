@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.formula import Formula
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,12 @@ class RigKind:
         measured: groups of measured channels; of each group at least one must be recorded.
         optional_measured: further measured channels that may be recorded.
         known: permitted keys of `[rig.known]`.
+        own: channels that only this kind has.
+        base: name of the kind whose channels are made of its own by `balance`; empty for a kind that is its own base.
+        balance: formulas of the base's channels.
+        constants: formulas of the base's known quantities.
+        defaults: quantities for channels that are not recorded and known quantities that are not given, as written.
+        rotary: whether the axis is rotary, where the units of the channels do not tell.
     """
 
     name: str
@@ -91,6 +98,21 @@ class RigKind:
     measured: tuple[tuple[str, ...], ...]
     optional_measured: tuple[str, ...]
     known: dict[str, KnownQuantity]
+    own: Mapping[str, Channel] = field(default_factory=dict)
+    base: str = ""
+    balance: Mapping[str, Formula] = field(default_factory=dict)
+    constants: Mapping[str, Formula] = field(default_factory=dict)
+    defaults: Mapping[str, str] = field(default_factory=dict)
+    rotary: bool | None = None
+
+    def declared(self, channel: str) -> Channel:
+        """The declaration of one of its channels."""
+        return self.own[channel] if channel in self.own else CHANNELS[channel]
+
+    @property
+    def all_channels(self) -> tuple[str, ...]:
+        """Names of the channels of all kinds, and its own."""
+        return (*CHANNELS, *self.own)
 
     @property
     def input_channels(self) -> tuple[str, ...]:
@@ -150,12 +172,6 @@ RIGS: dict[str, RigKind] = {
 }
 
 
-def find_rig(name: str, where: str) -> RigKind:
-    """The rig kind called `name`.
-
-    Raises:
-        InputError: names `where`, the value and the most similar kind.
-    """
-    if name not in RIGS:
-        raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, RIGS)}")
+def find_base(name: str) -> RigKind:
+    """The kind called `name`, which is its own base."""
     return RIGS[name]

@@ -37,6 +37,22 @@ def test_records_of_the_own_effect_are_what_their_script_makes(tmp_path: Path) -
         assert (tmp_path / name).read_bytes() == (EXAMPLES / "own_effect" / name).read_bytes()
 
 
+def test_records_of_the_own_rig_are_what_their_script_makes(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, EXAMPLES / "own_rig" / "make_records.py", tmp_path], check=True)
+    for name in ("fit.csv", "validate.csv"):
+        assert (tmp_path / name).read_bytes() == (EXAMPLES / "own_rig" / name).read_bytes()
+
+
+def test_own_rig_gives_the_friction_of_its_script() -> None:
+    found = compare(EXAMPLES / "own_rig")
+    assert found.validate["drive_force"].over_noise < 1.1
+    values = found.base.fitted.model.values
+    # The script's own numbers.
+    assert values["coulomb.force"] == pytest.approx(0.4, rel=0.01)
+    assert values["viscous.coefficient"] == pytest.approx(3.0, rel=0.05)
+    assert any(note.endswith("read as: semicolon, decimal comma, units in row 2") for note in found.problem.notes)
+
+
 def test_own_effect_is_under_twenty_lines() -> None:
     text = (EXAMPLES / "own_effect" / "bellows.py").read_text(encoding="utf-8")
     assert len(text.splitlines()) < 25

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -33,11 +33,14 @@ STYLE: Any = {
 }
 
 
-def styled(draw: Callable[..., list[Path]]) -> Callable[..., list[Path]]:
+Drawn = TypeVar("Drawn")
+
+
+def styled(draw: Callable[..., Drawn]) -> Callable[..., Drawn]:
     """Decorator: draw in this module's style, and leave matplotlib's own settings alone."""
 
     @functools.wraps(draw)
-    def drawn(*arguments: Any) -> list[Path]:
+    def drawn(*arguments: Any) -> Drawn:
         from matplotlib import rc_context
 
         with rc_context(STYLE):

@@ -1,17 +1,18 @@
-"""The interface of record files: labels first, then the columns that are asked for."""
+"""What every reader of record files offers: two pure functions of a path, one for the labels, one for the columns."""
 
 from __future__ import annotations
 
 import hashlib
 import stat
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError, nearest
+from sysid.experiment.readers.format import Format
 
 MOST_BYTES = 2 * 1024**3
 """Largest record file, bytes."""
@@ -19,42 +20,64 @@ MOST_COLUMNS = 10_000
 """Largest number of columns of a record file."""
 MOST_ROWS = 20_000_000
 """Largest number of rows of a record file."""
-SUFFIXES = {".csv": "CSV", ".parquet": "Parquet", ".pq": "Parquet", ".mat": "MAT"}
 
 
-class RecordFile(ABC):
-    """An open record file: its labels, and its columns as arrays on demand.
+@dataclass(frozen=True)
+class Header:
+    """What a file says of its columns.
 
     Args:
-        path: the file.
-        name: shown in messages.
-
-    Raises:
-        InputError: no such file, another format, nothing in it, not readable in the format of its suffix.
+        labels: of the columns, as written.
+        units: by label, where the file has them apart from the labels.
+        remarks: how the file is read where it is not the plain form of its format, for one line to the user.
+        texts: the first cell, by label, of columns that hold text.
+        numbered: the file has no labels; they are made of the columns' numbers.
+        layout: where the reader finds the columns.
     """
 
-    labels: list[str]
-
-    def __init__(self, path: Path, name: str) -> None:
-        self.path = path
-        self.name = name
-        self.data = _read_bytes(path, name)
-        self.units: dict[str, str] = {}
-
-    def sha256(self) -> str:
-        """Hash of the file's bytes."""
-        return hashlib.sha256(self.data).hexdigest()
-
-    @abstractmethod
-    def columns(self, indices: Sequence[int]) -> list[np.ndarray]:
-        """The columns at `indices` as floats of shape (n,), NaN where a cell is empty."""
-
-    def row_name(self, row: int) -> str:
-        """Name under which a user finds row `row` (from 0) of the columns in the file."""
-        return f"row {row + 1}"
+    labels: tuple[str, ...]
+    units: Mapping[str, str] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+    texts: Mapping[str, str] = field(default_factory=dict)
+    numbered: bool = False
+    layout: Any = None
 
 
-def _read_bytes(path: Path, name: str) -> bytes:
+class Column(NamedTuple):
+    """The numbers of one column, (n,), NaN in gaps, and the number that was subtracted from them (`origin`), which
+    is only other than zero in time stamps; `said` tells the user of it."""
+
+    values: np.ndarray
+    origin: float = 0.0
+    said: str = ""
+
+
+class Reader(Protocol):
+    """The reader of one format. Its functions take what they need and keep nothing.
+
+    Args of the functions:
+        path: the file.
+        name: shown in messages.
+        settings: `[format]` of the experiment.
+    """
+
+    def read_header(self, path: Path, name: str, settings: Format) -> Header:
+        """The labels. InputError: not readable in this format."""
+        ...
+
+    def read_columns(
+        self, path: Path, name: str, header: Header, indices: Sequence[int], settings: Format
+    ) -> list[Column]:
+        """The columns at `indices`. InputError: a cell that is no number, with its row and column."""
+        ...
+
+    def row_number(self, path: Path, name: str, header: Header, row: int, settings: Format) -> int:
+        """Number under which a user finds row `row` (from 0) of the columns in the file."""
+        ...
+
+
+def check_file(path: Path, name: str, suffixes: Sequence[str]) -> None:
+    """Refuse a path that is not a file with something in it; `suffixes` are those of record files."""
     if is_folder(path):
         raise InputError(f"{name}: is a folder, a CSV, Parquet or MAT file is wanted")
     try:
@@ -65,19 +88,25 @@ def _read_bytes(path: Path, name: str) -> bytes:
             raise InputError(
                 f"{shown_path(name)}: is larger than {MOST_BYTES / 1024**3:g} GB; split it, or keep every n-th row"
             )
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            start = file.read(4096)
     except InputError:
         raise
     except (FileNotFoundError, NotADirectoryError):
         folder = path.parent
-        beside = [file.name for file in folder.iterdir() if file.suffix in SUFFIXES] if folder.is_dir() else []
+        beside = [file.name for file in folder.iterdir() if file.suffix in suffixes] if folder.is_dir() else []
         raise InputError(f"{shown_path(name)}: no such file{nearest(path.name, beside) if beside else ''}") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise InputError(f"{shown_path(name)}: cannot be read: {reason}") from None
-    if not data.strip():
+    if not start.strip():
         raise InputError(f"{name}: the file is empty; one header row and at least two rows of numbers are wanted")
-    return data
+
+
+def file_sha256(path: Path) -> str:
+    """SHA-256 of a file, read in pieces."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def shown_path(name: str) -> str:
@@ -104,13 +133,14 @@ def check_finite(array: np.ndarray, file: str, label: str) -> None:
 
 def to_numpy(column: Any) -> np.ndarray:
     """A chunked column of floats as one array, off its buffers: pyarrow's own conversion loads pandas, 0.3 s."""
-    parts = [np.empty(0)]
+    values = np.empty(len(column))
+    start = 0
     for chunk in column.chunks:
         validity, data = chunk.buffers()
         rows = slice(chunk.offset, chunk.offset + len(chunk))
-        values = np.frombuffer(data, dtype=np.float64)[rows] if data is not None else np.full(len(chunk), np.nan)
+        part = values[start : start + len(chunk)]
+        part[:] = np.frombuffer(data, dtype=np.float64)[rows] if data is not None else np.nan
         if validity is not None:
-            valid = np.unpackbits(np.frombuffer(validity, dtype=np.uint8), bitorder="little")[rows]
-            values = np.where(valid, values, np.nan)
-        parts.append(values)
-    return np.concatenate(parts)
+            part[~np.unpackbits(np.frombuffer(validity, dtype=np.uint8), bitorder="little")[rows].astype(bool)] = np.nan
+        start += len(chunk)
+    return values

@@ -1,127 +1,195 @@
-"""CSV files: pyarrow reads them; where it fails, a slower reader finds the cell at fault."""
+"""Text files with columns: pyarrow reads them; where it fails, a slower reader finds the cell at fault."""
 
 from __future__ import annotations
 
-import csv
+import array
+import gzip
 import io
 import math
 import re
-from collections.abc import Sequence
+import zlib
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import RecordFile, to_numpy
+from sysid.experiment.readers.base import Column, Header, to_numpy
+from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, number, split
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.text import HEAD, SingleBlanks, encoding_of, is_gzip, lines_of, open_bytes, read_head
+from sysid.experiment.readers.time_stamps import seconds
 from sysid.experiment.toml_table import shown
 
-_EMPTY = ("", "nan", "NaN", "NAN", "-nan", "NA", "null")
+LONG_DIGITS = 10
+"""Digits before the decimal sign from which a number (a Unix time) is read exactly and counted from its first row."""
+
+_STAMP = re.compile(r"\d+[./-]\d+[./-]\d+|\d:\d\d")
 
 
-class CsvFile(RecordFile):
-    """Comma-separated values with one header row."""
+def read_header(path: Path, name: str, settings: Format) -> Header:
+    """The labels of a text file; its form is `layout`, a `Dialect`."""
+    head, more = read_head(path, name)
+    encoding = encoding_of(head, settings, name)
+    text = head.decode(encoding, errors="replace" if encoding == "cp1252" or len(head) == HEAD else "strict")
+    lines = re.split(r"\r\n|\r|\n", text)
+    found = find_dialect(lines, encoding, settings, name, complete=not more)
+    if found.header_row and not any(label.strip() for label in found.labels):
+        raise InputError(f"{name}: row {found.header_row}: the header is empty; wanted: time [s], position [m], ...")
+    units = {}
+    for label, unit in zip(found.labels, found.units):
+        if unit:
+            units[label] = unit
+    units |= {found.labels[k]: "s" for k in found.stamps}
+    remarks = (*(["gzip"] if is_gzip(path) else []), *found.remarks)
+    return Header(found.labels, units, remarks, found.texts, found.numbered, found)
 
-    def __init__(self, path: Path, name: str) -> None:
-        super().__init__(path, name)
-        if self.data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-            raise InputError(f"{name}: is UTF-16; save it as UTF-8")
-        if self.data[:4] == b"PAR1":
-            raise InputError(f"{name}: is a Parquet file; give it the suffix .parquet")
-        if b"\x00" in self.data[:4096]:
-            raise InputError(f"{name}: holds binary data, no CSV text")
-        self.data = self.data.removeprefix(b"\xef\xbb\xbf")
-        ends = [place for place in (self.data.find(b"\n"), self.data.find(b"\r")) if place >= 0]
-        first = self.data[: min(ends)] if ends else self.data
-        try:
-            header = first.decode("utf-8")
-        except UnicodeDecodeError as error:
-            raise InputError(f"{name}: row 1: byte {error.start + 1} is not UTF-8; save the file as UTF-8") from None
-        for separator, word in ((";", "semicolons"), ("\t", "tabs"), ("|", "bars")):
-            if separator in header and "," not in header:
-                raise InputError(
-                    f"{name}: row 1: columns are separated by {word}; "
-                    "commas are wanted between columns, and a point as decimal sign"
-                )
-        self.labels = next(csv.reader([header]), [])
-        if not any(label.strip() for label in self.labels):
-            raise InputError(f"{name}: row 1: the header is empty; wanted: time [s], position [m], ...")
-        if header.lstrip().startswith(("#", "%", "//")):
-            raise InputError(f"{name}: row 1: is a comment, the header is wanted there: time [s], position [m], ...")
-        if all(_number(label) is not None for label in self.labels):
-            raise InputError(f"{name}: row 1: holds numbers, a header is wanted: time [s], position [m], ...")
 
-    def columns(self, indices: Sequence[int]) -> list[np.ndarray]:
-        """Columns as floats; see `RecordFile.columns`."""
-        import pyarrow
-        from pyarrow import csv as arrow
+def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
+    """Columns of a text file; see `Reader`."""
+    dialect: Dialect = header.layout
+    wanted = list(dict.fromkeys(indices))
+    try:
+        table = _arrow_table(path, dialect, wanted)
+    except (EOFError, gzip.BadGzipFile, zlib.error):
+        raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
+    found: dict[int, Column] = {}
+    if table is not None:
+        for index in wanted:
+            column = _from_arrow(table.column(f"c{index}"), dialect, index, settings, name)
+            if column is None:
+                table = None
+                break
+            found[index] = column
+            table = table.drop_columns([f"c{index}"])
+    if table is None:
+        found = dict(zip(wanted, _columns_slowly(path, name, dialect, wanted, settings)))
+    return [found[index] for index in indices]
 
-        names = [f"c{place}" for place in range(len(self.labels))]
-        wanted = [names[index] for index in indices]
-        try:
-            table = arrow.read_csv(
-                io.BytesIO(self.data),
-                read_options=arrow.ReadOptions(skip_rows=1, column_names=names),
-                parse_options=arrow.ParseOptions(newlines_in_values=False),
+
+def row_number(path: Path, name: str, header: Header, row: int, settings: Format) -> int:
+    """Row number as an editor or spreadsheet shows it."""
+    for k, (place, _) in enumerate(_rows(path, name, header.layout)):
+        if k == row:
+            return place
+    return header.layout.first_row + row
+
+
+def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int]) -> Any:
+    """The columns as pyarrow reads them; None where it cannot."""
+    import pyarrow
+    from pyarrow import csv as arrow
+
+    names = [f"c{place}" for place in range(dialect.width)]
+    types = {f"c{k}": pyarrow.string() if k in dialect.stamps else pyarrow.float64() for k in indices}
+    types |= {f"c{k}": pyarrow.decimal128(32, 12) for k in _long_numbers(path, dialect) if k in indices}
+    try:
+        # pyarrow opens a plain file by its name faster.
+        plain = dialect.delimiter != " " and not is_gzip(path)
+        with nullcontext(path) if plain else open_bytes(path) as file:
+            source = io.BufferedReader(SingleBlanks(file)) if dialect.delimiter == " " else file
+            return arrow.read_csv(
+                source,
+                read_options=arrow.ReadOptions(
+                    skip_rows=dialect.first_row - 1,
+                    column_names=names,
+                    encoding="utf8" if dialect.encoding in ("utf-8", "utf-8-sig") else dialect.encoding,
+                ),
+                parse_options=arrow.ParseOptions(delimiter=dialect.delimiter, newlines_in_values=False),
                 convert_options=arrow.ConvertOptions(
-                    include_columns=list(dict.fromkeys(wanted)),
-                    column_types=dict.fromkeys(wanted, pyarrow.float64()),
-                    null_values=list(_EMPTY),
+                    include_columns=list(types),
+                    column_types=types,
+                    null_values=list(dialect.gaps),
                     strings_can_be_null=True,
+                    decimal_point=dialect.decimal,
+                    check_utf8=False,
                 ),
             )
-        except pyarrow.ArrowInvalid:
-            return self._columns_slowly(indices)
-        arrays = [to_numpy(table.column(name)) for name in wanted]
-        if any(np.isinf(array).any() for array in arrays):
-            return self._columns_slowly(indices)
-        return arrays
-
-    def _rows(self) -> list[tuple[int, list[str]]]:
-        """Every row that is not blank with its number in the file, as a spreadsheet counts it."""
-        try:
-            text = self.data.decode("utf-8")
-        except UnicodeDecodeError as error:
-            row = len(re.findall(rb"\r\n|\r|\n", self.data[: error.start])) + 1
-            raise InputError(f"{self.name}: row {row}: a byte is not UTF-8; save the file as UTF-8") from None
-        try:
-            lines = re.split(r"\r\n|\r|\n", text)
-            return [(number, cells) for number, cells in enumerate(csv.reader(lines), start=1) if cells][1:]
-        except csv.Error as error:
-            raise InputError(f"{self.name}: not readable as CSV: {error}") from None
-
-    def _columns_slowly(self, indices: Sequence[int]) -> list[np.ndarray]:
-        width = len(self.labels)
-        rows = self._rows()
-        columns: list[list[float]] = [[] for _ in indices]
-        for row, cells in rows:
-            if len(cells) != width:
-                whole = sum(re.fullmatch(r"-?\d+", cell.strip()) is not None for cell in cells)
-                # A comma too many at the end of a row is no decimal comma.
-                decimal = len(cells) > width and whole > 1 and cells[-1].strip() != ""
-                hint = "; is the decimal sign a comma? a point is wanted" if decimal else ""
-                has = f"{len(cells)} cell{'s' * (len(cells) != 1)}"
-                raise InputError(f"{self.name}: row {row}: has {has}, the header has {width}{hint}")
-            for column, index in zip(columns, indices):
-                cell = cells[index].strip()
-                value = math.nan if cell in _EMPTY else _number(cell)
-                if value is None or math.isinf(value):
-                    problem = "is no number" if value is None else "is not finite"
-                    hint = "; a point is wanted as decimal sign" if re.fullmatch(r"-?\d+,\d+", cell) else ""
-                    raise InputError(
-                        f"{self.name}: row {row}, column '{self.labels[index].strip()}': {shown(cell)} {problem}"
-                        f"{hint or '; a number is wanted, or nothing for a gap'}"
-                    )
-                column.append(value)
-        return [np.array(column, dtype=float) for column in columns]
-
-    def row_name(self, row: int) -> str:
-        """Row number as a spreadsheet or editor shows it (the header is row 1)."""
-        rows = self._rows()
-        return f"row {rows[row][0]}" if row < len(rows) else f"row {row + 2}"
-
-
-def _number(cell: str) -> float | None:
-    try:
-        return float(cell) if "_" not in cell else None
-    except ValueError:
+    except (pyarrow.ArrowInvalid, UnicodeDecodeError):
         return None
+
+
+def _long_numbers(path: Path, dialect: Dialect) -> list[int]:
+    """Columns that begin with a number of many digits."""
+    for _, cells in _rows(path, str(path), dialect):
+        if len(cells) != dialect.width:
+            return []
+        return [k for k, cell in enumerate(cells) if re.match(rf"[+-]?\d{{{LONG_DIGITS},19}}(?!\d)", cell)]
+    return []
+
+
+def _from_arrow(column: Any, dialect: Dialect, index: int, settings: Format, name: str) -> Column | None:
+    """A column off pyarrow's; None where a cell needs the slow reader."""
+    import pyarrow
+    from pyarrow import compute
+
+    label = dialect.labels[index]
+    if index in dialect.stamps:
+        return seconds(column, dialect.stamps[index], settings.time_format, name, label)
+    if pyarrow.types.is_decimal(column.type):
+        if column.null_count:
+            column = column.cast(pyarrow.float64())
+        else:
+            first = column[0]
+            counted = compute.subtract(column, first).cast(pyarrow.float64())  # type: ignore[attr-defined]
+            return Column(to_numpy(counted), float(first.as_py()), f"'{label}' is counted from its first row")
+    values = to_numpy(column)
+    return None if np.isinf(values).any() else Column(values)
+
+
+def _rows(path: Path, name: str, dialect: Dialect) -> Iterator[tuple[int, list[str]]]:
+    """Every row of numbers with its number in the file, without blank lines and comments."""
+    for row, line in enumerate(lines_of(path, dialect.encoding, name), start=1):
+        if row >= dialect.first_row and line.strip() and not is_comment(line):
+            yield row, split(line, dialect.delimiter)
+
+
+def _columns_slowly(path: Path, name: str, dialect: Dialect, indices: Sequence[int], settings: Format) -> list[Column]:
+    """The columns read line by line, or an error that names the cell at fault."""
+    width = dialect.width
+    numbers = {index: array.array("d") for index in indices}
+    texts: dict[int, list[str]] = {index: [] for index in indices if index in dialect.stamps}
+    for row, cells in _rows(path, name, dialect):
+        if len(cells) != width:
+            raise InputError(f"{name}: row {row}: {_wrong_width(cells, dialect)}")
+        for index in indices:
+            if index in texts:
+                texts[index].append(cells[index])
+            else:
+                numbers[index].append(_number_of(cells[index], name, row, index, dialect))
+    import pyarrow
+
+    found = []
+    for index in indices:
+        if index in texts:
+            column = pyarrow.chunked_array([pyarrow.array(texts[index], pyarrow.string())])
+            found.append(seconds(column, dialect.stamps[index], settings.time_format, name, dialect.labels[index]))
+        else:
+            found.append(Column(np.array(numbers[index], dtype=float)))
+    return found
+
+
+def _wrong_width(cells: Sequence[str], dialect: Dialect) -> str:
+    whole = sum(re.fullmatch(r"-?\d+", cell) is not None for cell in cells)
+    # A comma too many at the end of a row is no decimal comma.
+    decimal = dialect.delimiter == "," and len(cells) > dialect.width and whole > 1 and cells[-1] != ""
+    hint = "; is the decimal sign a comma? a point is wanted where commas separate the columns" if decimal else ""
+    other = f"the header has {dialect.width}" if dialect.header_row else f"the others have {dialect.width}"
+    return f"has {len(cells)} cell{'s' * (len(cells) != 1)}, {other}{hint}"
+
+
+def _number_of(cell: str, name: str, row: int, index: int, dialect: Dialect) -> float:
+    value = math.nan if cell in dialect.gaps else number(cell, dialect.decimal)
+    if value is not None and not math.isinf(value):
+        return value
+    problem = "is no number" if value is None else "is not finite"
+    hint = "; a number is wanted, or nothing for a gap"
+    if re.fullmatch(r"-?\d+,\d+", cell) and dialect.decimal == ".":
+        hint = '; a point is wanted as decimal sign, or [format] decimal = ","'
+    elif _STAMP.search(cell):
+        hint = '; if it is a time stamp, name its form, such as [format] time_format = "%d.%m.%Y %H:%M:%S.%f"'
+    elif value is None and not re.search(r"\d", cell):
+        hint = f'{hint}; if {shown(cell)} marks a gap: [format] missing = ["{cell}"]'
+    raise InputError(f"{name}: row {row}, column '{dialect.labels[index].strip()}': {shown(cell)} {problem}{hint}")

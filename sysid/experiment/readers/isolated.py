@@ -1,65 +1,80 @@
 """Binary record files, read by another process: one that crashes, or that a small file makes large, harms nothing here.
 
-The process reads the bytes of the file from its standard input and answers on its standard output with a line of JSON
-and the columns as raw 64-bit floats. It has limits on memory and on processor time, and ends with the process that
-started it. Nothing that it answers is run or unpickled.
+The process opens the file and answers on its standard output with a line of JSON and the columns as raw 64-bit floats.
+It has limits on memory and on processor time, and ends with the process that started it. Nothing that it answers is run
+or unpickled.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MOST_ROWS, RecordFile, check_finite
+from sysid.experiment.readers.base import MOST_ROWS, Column, Header, file_sha256
+from sysid.experiment.readers.format import Format
 
 MEMORY = 4 * 1024**3
 """Limit of the address space beyond the file's size, bytes."""
 SECONDS = 60
 """Limit of the processor time, s."""
-DAMAGED = {"MAT": "is no MAT file up to version 7, or a damaged one", "Parquet": "is no Parquet file, or a damaged one"}
-
-Answer = tuple[dict[str, Any], list[np.ndarray]]
-
-
-class IsolatedFile(RecordFile):
-    """A record file of a binary format."""
-
-    def __init__(self, path: Path, name: str, kind: str) -> None:
-        super().__init__(path, name)
-        self.kind = kind
-        self.labels, self.units = _labels(kind, self.data, name)
-
-    def columns(self, indices: Sequence[int]) -> list[np.ndarray]:
-        """Columns as floats; see `RecordFile.columns`."""
-        arrays = _ask(self.kind, self.data, self.name, list(indices))[1]
-        for index, array in zip(indices, arrays, strict=True):
-            check_finite(array, self.name, self.labels[index])
-        return arrays
+DAMAGED = {
+    "mat": "is no MAT file up to version 7.3, or a damaged one",
+    "parquet": "is no Parquet file, or a damaged one",
+    "hdf5": "is no HDF5 file, or a damaged one",
+    "npz": "is no NumPy file of numbers, or a damaged one",
+    "json": "is no JSON file of numbers, or a damaged one",
+    "tdms": "is no TDMS file, or a damaged one",
+}
+"""End of the message on a file that is damaged, by module of `sysid.experiment.readers.formats`."""
 
 
-_known: dict[tuple[str, str], tuple[list[str], dict[str, str]]] = {}
-"""Labels and units by format and sha256 of a file, which is opened for its labels first, and for its columns later."""
+@dataclass(frozen=True)
+class IsolatedReader:
+    """A `Reader` that leaves the work to the reader `module` of a binary format in another process."""
+
+    module: str
+
+    def read_header(self, path: Path, name: str, settings: Format) -> Header:
+        """The labels; see `Reader`."""
+        key = self.module, file_sha256(path)
+        if key not in _known:
+            found = _ask(self.module, path, name, settings, None)[0]
+            _known[key] = Header(
+                tuple(found["labels"]), found["units"], tuple(found["remarks"]), numbered=found["numbered"]
+            )
+        return _known[key]
+
+    def read_columns(
+        self, path: Path, name: str, header: Header, indices: Sequence[int], settings: Format
+    ) -> list[Column]:
+        """Columns; see `Reader`."""
+        found, arrays = _ask(self.module, path, name, settings, list(indices))
+        if tuple(found["labels"]) != header.labels:
+            raise InputError(f"{name}: changed while it was read; run again")
+        return [Column(array, *rest) for array, rest in zip(arrays, found["origins"], strict=True)]
+
+    def row_number(self, path: Path, name: str, header: Header, row: int, settings: Format) -> int:
+        """Rows are counted from 1."""
+        return row + 1
 
 
-def _labels(kind: str, data: bytes, name: str) -> tuple[list[str], dict[str, str]]:
-    key = kind, hashlib.sha256(data).hexdigest()
-    if key not in _known:
-        found = _ask(kind, data, name, None)[0]
-        _known[key] = found["labels"], found["units"]
-    return _known[key]
+_known: dict[tuple[str, str], Header] = {}
+"""Headers by format and sha256 of a file, which is opened for its labels first, and for its columns later."""
 
 
-def _ask(kind: str, data: bytes, name: str, indices: list[int] | None) -> Answer:
+def _ask(
+    module: str, path: Path, name: str, settings: Format, indices: list[int] | None
+) -> tuple[dict[str, Any], list[np.ndarray]]:
     """Labels and units, and the columns at `indices`, from a new process.
 
     Raises:
@@ -67,7 +82,7 @@ def _ask(kind: str, data: bytes, name: str, indices: list[int] | None) -> Answer
     """
     from stagecad.parallel import THREAD_VARIABLES
 
-    request = json.dumps([kind, name, indices, os.getpid()])
+    request = json.dumps([module, str(path.resolve()), name, asdict(settings), indices, os.getpid()])
     environment = {
         **os.environ,
         **dict.fromkeys(THREAD_VARIABLES, "1"),
@@ -76,7 +91,7 @@ def _ask(kind: str, data: bytes, name: str, indices: list[int] | None) -> Answer
     environment["ARROW_DEFAULT_MEMORY_POOL"] = "system"
     # -P: nothing is imported from the working folder, which may be the experiment's.
     command = [sys.executable, "-P", "-c", f"from {__name__} import answer; answer()", request]
-    ended = subprocess.run(command, input=data, capture_output=True, env=environment, check=False)
+    ended = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, env=environment, check=False)
     if ended.returncode == -getattr(signal, "SIGXCPU", 0):
         raise InputError(f"{name}: is not read within {SECONDS} s")
     try:
@@ -86,28 +101,27 @@ def _ask(kind: str, data: bytes, name: str, indices: list[int] | None) -> Answer
             arrays = np.frombuffer(rest, dtype=np.float64).reshape(-1 if indices else 0, found["rows"])
             return found, [arrays[place] for place in range(len(indices or ()))]
     except (ValueError, KeyError, IndexError, TypeError):
-        raise InputError(f"{name}: {DAMAGED[kind]}") from None
+        raise InputError(f"{name}: {DAMAGED[module]}") from None
     raise InputError(found["error"])
 
 
 def answer() -> None:
-    """In the process: read a file from standard input, answer on standard output."""
+    """In the process: read a file, answer on standard output."""
     from stagecad.parallel import end_with_parent
 
-    kind, name, indices, parent = json.loads(sys.argv[1])
+    module, path, name, settings, indices, parent = json.loads(sys.argv[1])
     end_with_parent(parent)
-    data = sys.stdin.buffer.read()
-    _limit(MEMORY + 2 * len(data))
+    _limit(MEMORY + 2 * Path(path).stat().st_size)
     try:
-        head, arrays = _read(kind, name, data, indices)
+        head, columns = _read(module, Path(path), name, Format(**settings), indices)
     except InputError as error:
-        head, arrays = {"error": str(error)}, []
+        head, columns = {"error": str(error)}, []
     except MemoryError:
-        head, arrays = {"error": f"{name}: takes more than {MEMORY / 1024**3:g} GB of memory to read"}, []
+        head, columns = {"error": f"{name}: takes more than {MEMORY / 1024**3:g} GB of memory to read"}, []
     out = sys.stdout.buffer
     out.write(json.dumps(head).encode() + b"\n")
-    for array in arrays:
-        out.write(np.ascontiguousarray(array, dtype=np.float64).data)
+    for column in columns:
+        out.write(np.ascontiguousarray(column.values, dtype=np.float64).data)
     out.flush()
 
 
@@ -124,13 +138,24 @@ def _limit(memory: int) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (memory, highest))
 
 
-def _read(kind: str, name: str, data: bytes, indices: list[int] | None) -> Answer:
-    from sysid.experiment.readers.mat import MatColumns
-    from sysid.experiment.readers.parquet import ParquetColumns
+def _read(
+    module: str, path: Path, name: str, settings: Format, indices: list[int] | None
+) -> tuple[dict[str, Any], list[Column]]:
+    from importlib import import_module
 
-    reader = {"MAT": MatColumns, "Parquet": ParquetColumns}[kind](data, name)
-    arrays = reader.columns(indices) if indices else []
-    rows = arrays[0].size if arrays else 0
+    reader = import_module(f"sysid.experiment.readers.formats.{module}")
+    header = reader.read_header(path, name, settings)
+    columns = reader.read_columns(path, name, header, indices, settings) if indices else []
+    rows = columns[0].values.size if columns else 0
     if rows > MOST_ROWS:
         raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read")
-    return {"error": None, "labels": reader.labels, "units": reader.units, "rows": rows}, arrays
+    head = {
+        "error": None,
+        "labels": header.labels,
+        "units": dict(header.units),
+        "remarks": header.remarks,
+        "numbered": header.numbered,
+        "origins": [[column.origin, column.said] for column in columns],
+        "rows": rows,
+    }
+    return head, columns

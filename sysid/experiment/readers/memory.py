@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import RecordFile, check_finite
+from sysid.experiment.readers.base import Column, Header, check_finite
+from sysid.experiment.readers.format import Format
 
 
 class MemoryTable:
@@ -30,34 +32,37 @@ class MemoryTable:
     def __str__(self) -> str:
         return self.name
 
-
-class MemoryFile(RecordFile):
-    """A table in memory with the interface of a record file."""
-
-    def __init__(self, table: MemoryTable) -> None:
-        self.path = Path(table.name)
-        self.name = table.name
-        self.table = table
-        self.labels = list(table.columns)
-        self.units: dict[str, str] = {}
-
     def sha256(self) -> str:
         """Hash of the labels and the values."""
         found = hashlib.sha256()
-        for label, values in self.table.columns.items():
+        for label, values in self.columns.items():
             found.update(label.encode())
             found.update(np.ascontiguousarray(values).data)
         return found.hexdigest()
 
-    def columns(self, indices: Sequence[int]) -> list[np.ndarray]:
-        """Columns as floats; see `RecordFile.columns`."""
-        arrays = []
+
+class MemoryReader:
+    """A `Reader` of tables in memory, which stand in place of the path."""
+
+    def read_header(self, path: Path | MemoryTable, name: str, settings: Format) -> Header:
+        """The labels; see `Reader`."""
+        return Header(tuple(cast(MemoryTable, path).columns))
+
+    def read_columns(
+        self, path: Path | MemoryTable, name: str, header: Header, indices: Sequence[int], settings: Format
+    ) -> list[Column]:
+        """Columns as floats; see `Reader`."""
+        found = []
         for index in indices:
-            label = self.labels[index]
-            values = self.table.columns[label]
+            label = header.labels[index]
+            values = cast(MemoryTable, path).columns[label]
             if values.dtype.kind not in "biuf":
-                raise InputError(f"{self.name}: column '{label}': holds {values.dtype}, numbers are wanted")
+                raise InputError(f"{name}: column '{label}': holds {values.dtype}, numbers are wanted")
             array = values.astype(float)
-            check_finite(array, self.name, label)
-            arrays.append(array)
-        return arrays
+            check_finite(array, name, label)
+            found.append(Column(array))
+        return found
+
+    def row_number(self, path: Path | MemoryTable, name: str, header: Header, row: int, settings: Format) -> int:
+        """Rows are counted from 1."""
+        return row + 1

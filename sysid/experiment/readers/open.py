@@ -2,32 +2,102 @@
 
 from __future__ import annotations
 
-import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from typing import cast
 
 from stagecad.parameters.errors import InputError
-from sysid.experiment.readers.base import MOST_COLUMNS, SUFFIXES, RecordFile, is_folder, shown_path
-from sysid.experiment.readers.csv import CsvFile
-from sysid.experiment.readers.isolated import IsolatedFile
-from sysid.experiment.readers.memory import MemoryFile, MemoryTable
+from sysid.experiment.readers import csv
+from sysid.experiment.readers.base import (
+    MOST_COLUMNS,
+    Column,
+    Header,
+    Reader,
+    check_file,
+    file_sha256,
+    is_folder,
+    shown_path,
+)
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.isolated import IsolatedReader
+from sysid.experiment.readers.memory import MemoryReader, MemoryTable
+
+TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".asc", ".log", ".lvm")
+"""Text files with columns, also with .gz behind."""
+
+READERS = {
+    **dict.fromkeys(TEXT_SUFFIXES, "csv"),
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".mat": "mat",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".hdf": "hdf5",
+    ".npz": "npz",
+    ".npy": "npz",
+    ".tdms": "tdms",
+    ".json": "json",
+}
+"""Module by suffix: `csv`, or one of `formats`, which another process loads and runs."""
 
 
-def open_record_file(path: Path | MemoryTable, name: str) -> RecordFile:
+@dataclass(frozen=True)
+class RecordFile:
+    """An open record file: its header, and its columns on demand.
+
+    Args:
+        path: the file, or a table in memory.
+        name: shown in messages.
+        settings: `[format]` of the experiment.
+        reader: of its format.
+        header: its labels.
+    """
+
+    path: Path | MemoryTable
+    name: str
+    settings: Format
+    reader: Reader
+    header: Header
+
+    def columns(self, indices: Sequence[int]) -> list[Column]:
+        """The columns at `indices`; see `Reader.read_columns`."""
+        return self.reader.read_columns(cast(Path, self.path), self.name, self.header, indices, self.settings)
+
+    def row_name(self, row: int) -> str:
+        """Name under which a user finds row `row` (from 0) of the columns in the file."""
+        return f"row {self.reader.row_number(cast(Path, self.path), self.name, self.header, row, self.settings)}"
+
+    @cached_property
+    def sha256(self) -> str:
+        """Of the file's bytes, or of the labels and values of a table in memory."""
+        return self.path.sha256() if isinstance(self.path, MemoryTable) else file_sha256(self.path)
+
+
+def open_record_file(path: Path | MemoryTable, name: str, settings: Format | None = None) -> RecordFile:
     """Open a record file by its suffix, or a table in memory.
 
     Raises:
-        InputError: as `RecordFile`.
+        InputError: no such file, nothing in it, another format, or not readable in the format of its suffix.
     """
+    settings = settings or Format()
     if isinstance(path, MemoryTable):
-        return MemoryFile(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES and not is_folder(path):
-        raise InputError(f"{shown_path(name)}: '{suffix}' is no record format; allowed: .csv, .parquet, .mat")
-    kind = SUFFIXES.get(suffix, "CSV")
-    try:
-        opened = CsvFile(path, name) if kind == "CSV" else IsolatedFile(path, name, kind)
-    except csv.Error as error:
-        raise InputError(f"{shown_path(name)}: not readable as CSV: {error}") from None
-    if len(opened.labels) > MOST_COLUMNS:
-        raise InputError(f"{shown_path(name)}: has {len(opened.labels)} columns; at most {MOST_COLUMNS} are read")
-    return opened
+        reader = cast(Reader, MemoryReader())
+        return RecordFile(path, name, settings, reader, reader.read_header(cast(Path, path), name, settings))
+    suffixes = [suffix.lower() for suffix in path.suffixes]
+    suffix = suffixes[-1] if suffixes else ""
+    if suffix == ".gz":
+        suffix = suffixes[-2] if len(suffixes) > 1 and suffixes[-2] in TEXT_SUFFIXES else ".csv"
+    if suffix not in READERS and not is_folder(path):
+        raise InputError(
+            f"{shown_path(name)}: '{suffix}' is no record format; allowed: {', '.join(TEXT_SUFFIXES[:4])} (also .gz), "
+            ".parquet, .mat, .h5, .npz, .tdms, .json"
+        )
+    check_file(path, name, tuple(READERS))
+    module = READERS.get(suffix, "csv")
+    reader = cast(Reader, csv) if module == "csv" else IsolatedReader(module)
+    header = reader.read_header(path, name, settings)
+    if len(header.labels) > MOST_COLUMNS:
+        raise InputError(f"{shown_path(name)}: has {len(header.labels)} columns; at most {MOST_COLUMNS} are read")
+    return RecordFile(path, name, settings, reader, header)

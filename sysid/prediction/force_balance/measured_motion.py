@@ -42,6 +42,17 @@ LATE_ROWS = 2.0
 UNRELATED = 0.5
 """Part of the derivative that no factor and lag explain, from which neither is stated."""
 
+UNIT_FACTORS = {
+    "degrees and radians": np.pi / 180.0,
+    "rpm and rad/s": np.pi / 30.0,
+    "turns and radians": 2.0 * np.pi,
+    "seconds and minutes": 60.0,
+    "inches and millimetres": 25.4,
+    "units a thousand times apart": 1e3,
+}
+"""Factors between units that are confused; a factor within `CONTRADICTION` of one of them, or of its inverse, is
+stated with it."""
+
 LONGEST_LAG = 50
 """Part of the record, one over this, up to which such a lag is searched."""
 
@@ -198,6 +209,14 @@ def motion_warnings(records: Iterable[object]) -> list[str]:
         if other is not None:
             found.append(
                 f"{record.name}: the derivative of 'position' is {other.factor:.3g} times 'velocity', which is "
-                f"{other.late * record.step:.2g} s late; one of the two columns is wrong"
+                f"{other.late * record.step:.2g} s late; one of the two columns is wrong{_unit_factor(other.factor)}"
             )
     return found
+
+
+def _unit_factor(factor: float) -> str:
+    """End of a message that names the units between which a factor is; empty if there are none."""
+    for units, known in UNIT_FACTORS.items():
+        if factor != 0.0 and abs(abs(np.log(abs(factor))) - abs(np.log(known))) < CONTRADICTION:
+            return f" ({known:.3g} is the factor of {units})"
+    return ""

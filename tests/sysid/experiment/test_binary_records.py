@@ -40,7 +40,7 @@ def test_a_reader_that_crashes_is_a_damaged_file(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(
         isolated.subprocess, "run", lambda command, **given: real([sys.executable, "-c", abort], **given)
     )
-    with pytest.raises(InputError, match=r"fit\.mat: is no MAT file up to version 7, or a damaged one"):
+    with pytest.raises(InputError, match=r"fit\.mat: is no MAT file up to version 7\.3, or a damaged one"):
         open_record_file(tmp_path / "fit.mat", "fit.mat")
 
 
@@ -61,8 +61,8 @@ def test_a_small_file_of_many_gigabytes_is_refused(tmp_path: Path, monkeypatch: 
 def test_only_the_columns_asked_for_are_read(tmp_path: Path) -> None:
     _parquet(tmp_path / "fit.parquet", time=T, text=np.array(["a" * 100] * T.size), force=-T)
     opened = open_record_file(tmp_path / "fit.parquet", "fit.parquet")
-    assert opened.labels == ["time", "text", "force"]
-    found = opened.columns([2, 0, 0])
+    assert opened.header.labels == ("time", "text", "force")
+    found = [column.values for column in opened.columns([2, 0, 0])]
     assert np.array_equal(found, [-T, T, T])
     with pytest.raises(InputError, match="column 'text': holds string, numbers are wanted"):
         opened.columns([1])
@@ -73,7 +73,8 @@ def test_columns_of_one_name_are_told_apart(tmp_path: Path) -> None:
     from pyarrow import parquet
 
     parquet.write_table(pyarrow.Table.from_arrays([pyarrow.array(T), pyarrow.array(-T)], ["a", "a"]), tmp_path / "f.pq")
-    assert np.array_equal(open_record_file(tmp_path / "f.pq", "f.pq").columns([1, 0]), [-T, T])
+    found = open_record_file(tmp_path / "f.pq", "f.pq").columns([1, 0])
+    assert np.array_equal([column.values for column in found], [-T, T])
 
 
 @pytest.mark.parametrize("kind", ["mat", "parquet"])
@@ -89,7 +90,7 @@ def test_damaged_bytes_never_end_in_a_traceback(tmp_path: Path, kind: str) -> No
         # Any other exception fails the test.
         with suppress(InputError):
             opened = open_record_file(path, path.name)
-            opened.columns(range(len(opened.labels)))
+            opened.columns(range(len(opened.header.labels)))
 
 
 def test_the_reader_imports_nothing_from_the_working_folder(tmp_path: Path) -> None:

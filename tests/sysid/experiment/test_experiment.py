@@ -71,7 +71,7 @@ def test_a_rotary_axis_is_told_by_its_units(tmp_path, key):
     assert experiment.rig.known["mass"].value == pytest.approx(4.1e-4)
     assert experiment.noise["position"] == pytest.approx(math.radians(0.001))
     assert experiment.parameters["viscous.coefficient"].fixed
-    assert experiment.records[0].sources["time"].factor == pytest.approx(1e-3)
+    assert experiment.records[0].sources["time"].terms[0].factor == pytest.approx(1e-3)
 
 
 def test_model_effects_variants_sensors_and_settings(tmp_path):

@@ -117,7 +117,10 @@ def test_rows_of_unknown_direction_are_counted_and_reported(tmp_path: Path) -> N
     assert f"not known in {share:.0%} of the rows" in motion_warnings(records)[0]
 
 
-@pytest.mark.parametrize("factor,late,warned", [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True)])
+@pytest.mark.parametrize(
+    "factor,late,warned",
+    [(1.0, 0, False), (0.5, 0, True), (-1.0, 0, True), (1.0, 12, True), (30.0 / np.pi, 0, True)],
+)
 def test_a_velocity_that_contradicts_the_position_is_reported(
     tmp_path: Path, factor: float, late: int, warned: bool
 ) -> None:
@@ -138,6 +141,7 @@ def test_a_velocity_that_contradicts_the_position_is_reported(
     if warned:
         assert f"{1.0 / factor:.3g} times 'velocity'" in lines[0] or late
         assert not late or "0.012 s late" in lines[0]
+        assert ("(0.105 is the factor of rpm and rad/s)" in lines[0]) is (factor > 2.0)
 
 
 def _coast(folder: Path, known: str, drive: float = 0.0) -> Path:

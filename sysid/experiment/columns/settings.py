@@ -1,0 +1,172 @@
+"""`[channels]` of an experiment and of a record: which column a channel is, its unit, sign and scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.units import Dimension, parse_any
+from sysid.experiment.rigs import RigKind
+from sysid.experiment.toml_table import TomlTable, kind_of, shown
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A factor from the quantity in a column to that of its channel, SI.
+
+    Args:
+        value: the factor.
+        dimension: of the factor.
+        text: as written.
+        std: standard deviation of the factor, if given.
+    """
+
+    value: float
+    dimension: Dimension
+    text: str
+    std: float | None = None
+
+
+@dataclass(frozen=True)
+class ColumnSetting:
+    """What the experiment says of one column of a channel; None is left to the file.
+
+    Args:
+        column: name in the header, or number from 1.
+        unit: of the cells.
+        sign: 1 or -1.
+        scale: from the column's quantity to the channel's.
+        where: place in the experiment file, for messages.
+    """
+
+    column: str | int | None = None
+    unit: str | None = None
+    sign: int | None = None
+    scale: Scale | None = None
+    where: str = ""
+
+    def over(self, other: ColumnSetting) -> ColumnSetting:
+        """These settings, and those of `other` where these have none."""
+        return ColumnSetting(
+            self.column if self.column is not None else other.column,
+            self.unit if self.unit is not None else other.unit,
+            self.sign if self.sign is not None else other.sign,
+            self.scale if self.scale is not None else other.scale,
+            self.where or other.where,
+        )
+
+
+ChannelSettings = Mapping[str, tuple[ColumnSetting, ...]]
+"""Columns of each channel, whose values are added; most channels have one."""
+
+
+def read_channel_settings(table: TomlTable, kind: RigKind) -> dict[str, tuple[ColumnSetting, ...]]:
+    """The settings in a table `[channels]`.
+
+    An entry is the column's name or number, a table, or a list of tables whose columns are added:
+    `position = "x"`, `position = 3`, `drive_force = {column = "i", unit = "A", scale = "0.113 N*m/A", sign = -1}`.
+
+    Raises:
+        InputError: no channel of this kind of rig, or a setting that is not allowed.
+    """
+    settings: dict[str, tuple[ColumnSetting, ...]] = {}
+    for channel, value in table.data.items():
+        _check_channel(table.where(), channel, kind)
+        items = value if isinstance(value, list) else [value]
+        if not items:
+            raise InputError(f"{table.where(channel)}: the list is empty; a column or a list of columns is wanted")
+        settings[channel] = tuple(_setting(table, channel, item) for item in items)
+    return settings
+
+
+def read_record_settings(
+    table: TomlTable, kind: RigKind, common: ChannelSettings
+) -> dict[str, tuple[ColumnSetting, ...]]:
+    """The settings of one record: `[channels]`, under the record's own `channels`, `columns`, `units` and `sign`."""
+    merged = dict(common)
+    for channel, own in read_channel_settings(table.table("channels"), kind).items():
+        single = len(own) == 1 and len(merged.get(channel, ())) == 1
+        merged[channel] = (own[0].over(merged[channel][0]),) if single else own
+    columns = table.table("columns")
+    for channel in columns.data:
+        _check_channel(columns.where(), channel, kind)
+        _put(merged, channel, ColumnSetting(column=columns.text(channel), where=columns.where()))
+    signs = table.table("sign")
+    for channel, value in signs.data.items():
+        _check_channel(signs.where(), channel, kind)
+        _put(merged, channel, ColumnSetting(sign=_sign(signs, channel, value), where=signs.where(channel)))
+    return merged
+
+
+def units_by_key(table: TomlTable) -> dict[str, str]:
+    """`units` of a record: by channel or by name of a column."""
+    return {key: table.text(key) for key in table.data}
+
+
+def _put(merged: dict[str, tuple[ColumnSetting, ...]], channel: str, setting: ColumnSetting) -> None:
+    before = merged.get(channel, (ColumnSetting(),))
+    if len(before) > 1:
+        raise InputError(
+            f"{setting.where}: '{channel}' is the sum of {len(before)} columns in [channels]; write them again under "
+            "channels of the record"
+        )
+    merged[channel] = (setting.over(before[0]),)
+
+
+def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
+    where = table.where(channel)
+    if isinstance(value, str):
+        return ColumnSetting(column=value, where=where)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return ColumnSetting(column=_column_number(value, where), where=where)
+    if not isinstance(value, dict):
+        raise InputError(
+            f"{where}: {shown(value)} is {kind_of(value)}; a column's name, its number, or a table is wanted: "
+            '{column = "NAME", unit = "A", scale = "0.113 N*m/A", sign = -1}'
+        )
+    inner = TomlTable(table.file, f"{table.name}.{channel}", value)
+    inner.allow(("column", "unit", "sign", "scale"))
+    for key in ("unit", "scale"):
+        if isinstance(inner.data.get(key), str) and inner.text(key).lstrip().startswith("?"):
+            raise InputError(f"{inner.where(key)}: {shown(inner.data[key])} is still a question; write what it is")
+    column = inner.data.get("column")
+    if isinstance(column, int) and not isinstance(column, bool):
+        column = _column_number(column, inner.where("column"))
+    elif column is not None:
+        column = inner.text("column")
+    return ColumnSetting(
+        column=column,
+        unit=inner.text("unit") if "unit" in inner.data else None,
+        sign=_sign(inner, "sign", inner.data["sign"]) if "sign" in inner.data else None,
+        scale=_scale(inner) if "scale" in inner.data else None,
+        where=where,
+    )
+
+
+def _column_number(value: int, where: str) -> int:
+    if value < 1:
+        raise InputError(f"{where}: {value} is not allowed; columns are numbered from 1")
+    return value
+
+
+def _sign(table: TomlTable, key: str, value: object) -> int:
+    if isinstance(value, bool) or not isinstance(value, int | float) or value not in (1, -1):
+        raise InputError(f"{table.where(key)}: {shown(value)} is not allowed; 1 or -1 is wanted")
+    return int(value)
+
+
+def _scale(table: TomlTable) -> Scale:
+    written = table.data["scale"]
+    value, std, dimension = parse_any(written, table.where("scale"))
+    if not math.isfinite(value) or value == 0.0:
+        raise InputError(f"{table.where('scale')}: {shown(written)} must be a finite number other than zero")
+    if std is not None and not std > 0.0:
+        raise InputError(f"{table.where('scale')}: {shown(written)}: the uncertainty must be above zero")
+    return Scale(value, dimension, str(written), std)
+
+
+def _check_channel(where: str, channel: str, kind: RigKind) -> None:
+    if channel not in kind.channels:
+        raise InputError(f"{where}: '{channel}' is no channel of {kind.name}{nearest(channel, kind.channels)}")

@@ -1,0 +1,52 @@
+"""Units as instruments write them in headers: `Nm`, `sec`, `m/s2`, `U/min`; read as the unit they can only mean."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+from stagecad.parameters.errors import InputError
+from stagecad.parameters.units import SYMBOLS, unit_dimension, written_out
+
+_SPELLINGS = {
+    "Nm": "N*m",
+    "mNm": "mN*m",
+    "uNm": "uN*m",
+    "kNm": "kN*m",
+    "Ncm": "N*cm",
+    "Nmm": "N*mm",
+    "counts": "count",
+    "cts": "count",
+    "bits": "bit",
+    "Ohm": "ohm",
+}
+_WHOLE = dict.fromkeys(("U/min", "1/min", "min^-1", "rev/min", "r/min", "RPM"), "rpm")
+
+
+@cache
+def column_unit(text: str) -> str | None:
+    """The unit meant by the text of a header, in the symbols of `stagecad.parameters.units`; None if it is no unit."""
+    written = text.strip()
+    if not written:
+        return None
+    if _known(written):
+        return written
+    if written in _WHOLE:
+        return _WHOLE[written]
+    plain = re.sub(r"(?<=[A-Za-z])(-?\d)", r"^\1", re.sub(r"(?<=[A-Za-z0-9])\s*[.·× -]\s*(?=[A-Za-z])", "*", written))
+    plain = re.sub(r"[A-Za-z%]+", lambda match: _symbol(match[0]), plain)
+    return plain if _known(plain) else None
+
+
+def _symbol(symbol: str) -> str:
+    if symbol in SYMBOLS:
+        return symbol
+    return _SPELLINGS.get(symbol) or written_out(symbol) or symbol
+
+
+def _known(unit: str) -> bool:
+    try:
+        unit_dimension(unit)
+    except InputError:
+        return False
+    return True

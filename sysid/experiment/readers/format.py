@@ -1,0 +1,107 @@
+"""`[format]` of an experiment: what its files are like, where the program should not find it out by itself."""
+
+from __future__ import annotations
+
+import codecs
+from dataclasses import dataclass
+from typing import Literal
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.toml_table import TomlTable, kind_of, quantity, shown
+
+DELIMITERS = {",": "comma", ";": "semicolon", "\t": "tab", "|": "bar", " ": "blanks"}
+"""Characters between columns, and their names; any run of blanks and tabs is one delimiter for ' '."""
+
+REPEATED_TIME = ("first", "mean", "spread")
+
+
+@dataclass(frozen=True)
+class Format:
+    """Settings of `[format]`; what is None is detected in the file.
+
+    Args:
+        delimiter: between columns, a key of `DELIMITERS`.
+        decimal: decimal sign.
+        header: number of the header's row, from 1, as an editor counts it; 0 for a file without a header.
+        units_row: number of the row of units; 0 for none.
+        first_row: number of the first row of numbers.
+        encoding: of the text.
+        missing: cells that mark a gap, besides empty ones.
+        time_format: of time stamps that are not ISO 8601, with the codes of `strptime`.
+        repeated_time: what to make of rows with the time of the row before: keep the `first` row, take the `mean`
+            of the rows, or `spread` the rows evenly up to the next time.
+        sample_rate: Hz, of a file without a time column.
+    """
+
+    delimiter: str | None = None
+    decimal: str | None = None
+    header: int | None = None
+    units_row: int | None = None
+    first_row: int | None = None
+    encoding: str | None = None
+    missing: tuple[str, ...] = ()
+    time_format: str | None = None
+    repeated_time: Literal["first", "mean", "spread"] | None = None
+    sample_rate: float | None = None
+
+
+def read_format(table: TomlTable) -> Format:
+    """The settings in a table `[format]`.
+
+    Raises:
+        InputError: an unknown key, or a value that is not allowed.
+    """
+    table.allow(Format.__dataclass_fields__)
+    delimiter = decimal = encoding = repeated = rate = None
+    if "delimiter" in table.data:
+        names = {**{sign: sign for sign in DELIMITERS}, **{name: sign for sign, name in DELIMITERS.items()}}
+        names["space"] = " "
+        written = table.text("delimiter")
+        if written not in names:
+            raise InputError(
+                f"{table.where('delimiter')}: {shown(written)} is not allowed; allowed: comma, semicolon, tab, bar, "
+                "blanks, or the character itself"
+            )
+        delimiter = names[written]
+    if "decimal" in table.data:
+        decimal = table.choice("decimal", (".", ","))
+    if decimal == "," and delimiter == ",":
+        raise InputError(f"{table.where('decimal')}: a comma cannot be both the decimal sign and the delimiter")
+    if "encoding" in table.data:
+        encoding = table.text("encoding")
+        try:
+            codecs.lookup(encoding)
+        except LookupError:
+            raise InputError(
+                f"{table.where('encoding')}: {shown(encoding)} is no encoding; such as utf-8, utf-16, cp1252"
+            ) from None
+    if "repeated_time" in table.data:
+        repeated = table.choice("repeated_time", REPEATED_TIME)
+    if "sample_rate" in table.data:
+        rate = quantity(table, "sample_rate", "Hz", positive=True)
+    return Format(
+        delimiter=delimiter,
+        decimal=decimal,
+        header=_row(table, "header", absent=True),
+        units_row=_row(table, "units_row", absent=True),
+        first_row=_row(table, "first_row"),
+        encoding=encoding,
+        missing=table.texts("missing"),
+        time_format=table.text("time_format") if "time_format" in table.data else None,
+        repeated_time=repeated,  # type: ignore[arg-type]
+        sample_rate=rate,
+    )
+
+
+def _row(table: TomlTable, key: str, absent: bool = False) -> int | None:
+    """A row number from 1; with `absent`, `false` for no such row is 0."""
+    value = table.data.get(key)
+    if value is None:
+        return None
+    if absent and value is False:
+        return 0
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        wanted = "a row number from 1, or false if there is none," if absent else "a row number from 1"
+        kind = f"{shown(value)} is {kind_of(value)}" if not isinstance(value, int) else f"{shown(value)} is not allowed"
+        raise InputError(f"{table.where(key)}: {kind}; {wanted} is wanted")
+    return value

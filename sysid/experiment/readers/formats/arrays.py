@@ -1,0 +1,81 @@
+"""Files of named arrays: what their readers have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import Column, Header, check_finite
+from sysid.experiment.readers.format import Format
+
+MOST_COLUMNS = 64
+"""Columns of a matrix up to which each is a column of the record."""
+
+
+def header_of(paths: Sequence[str], units: Mapping[str, str], name: str) -> Header:
+    """The labels of arrays by their paths in a file: the last part of the path where that is unique.
+
+    Raises:
+        InputError: there is no array.
+    """
+    if not paths:
+        raise InputError(f"{name}: holds no vector of numbers; wanted: time, position, ...")
+    leaves = [path.rsplit(".", 1)[-1] for path in paths]
+    labels = tuple(
+        leaf if leaves.count(leaf) == 1 and not leaf.isdecimal() else path for path, leaf in zip(paths, leaves)
+    )
+    by_label = {label: units[path] for label, path in zip(labels, paths) if path in units}
+    return Header(labels, {**{key: unit for key, unit in units.items() if key not in paths}, **by_label}, layout=paths)
+
+
+def columns_of(arrays: Sequence[np.ndarray], name: str, header: Header, indices: Sequence[int]) -> list[Column]:
+    """Arrays as columns.
+
+    Args:
+        arrays: those at `indices`, in that order.
+
+    Raises:
+        InputError: they differ in length, or hold infinite values.
+    """
+    if len({array.size for array in arrays}) > 1:
+        sizes = ", ".join(f"'{header.labels[index]}' {array.size}" for index, array in zip(indices, arrays))
+        raise InputError(f"{name}: variables differ in length: {sizes}")
+    for index, values in zip(indices, arrays):
+        check_finite(values, name, header.labels[index])
+    return [Column(values) for values in arrays]
+
+
+def vectors(array: np.ndarray, path: str) -> Iterator[tuple[str, np.ndarray]]:
+    """The vectors of numbers in an array by their paths: itself, its fields, or the columns of a matrix, from 1."""
+    for place, pick in vector_places(array.dtype, array.shape, path):
+        yield place, pick(array).astype(float)
+
+
+def vector_places(
+    dtype: np.dtype, shape: tuple[int, ...], path: str
+) -> Iterator[tuple[str, Callable[[np.ndarray], np.ndarray]]]:
+    """Path of each vector in an array of this type and shape, and the function that takes it from the array."""
+    if dtype.names:
+        for field in dtype.names:
+            for place, pick in vector_places(dtype[field], shape, f"{path}.{field}"):
+                yield place, lambda array, field=field, pick=pick: pick(array[field])
+    elif dtype.kind in "iufb" and max(shape, default=0) >= 2:
+        if len(shape) == 1 or (len(shape) == 2 and 1 in shape):
+            yield path, np.ravel
+        elif len(shape) == 2 and min(shape) <= MOST_COLUMNS:
+            for k in range(min(shape)):
+                upright = shape[0] >= shape[1]
+                yield f"{path}.{k + 1}", lambda array, k=k, upright=upright: array[:, k] if upright else array[k]
+
+
+def row_number(path: Path, name: str, header: Header, row: int, settings: Format) -> int:
+    """Rows are counted from 1."""
+    return row + 1
+
+
+def missing_library(name: str, library: str) -> InputError:
+    """The error for a format whose library is not installed."""
+    return InputError(f"{name}: reading this format needs {library}: pip install 'stagecad[formats]'")

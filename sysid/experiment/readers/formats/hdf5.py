@@ -1,0 +1,93 @@
+"""HDF5 files, among them MATLAB's of version 7.3: every vector of numbers by its path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import Column, Header
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.formats.arrays import (
+    columns_of,
+    header_of,
+    missing_library,
+    row_number,
+    vector_places,
+    vectors,
+)
+
+__all__ = ["is_hdf5", "read_columns", "read_header", "row_number"]
+
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether the signature of HDF5 stands at one of the first places where it may."""
+    with path.open("rb") as file:
+        head = file.read(2048 + len(_SIGNATURE))
+    return any(head[place : place + len(_SIGNATURE)] == _SIGNATURE for place in (0, 512, 1024, 2048))
+
+
+def read_header(path: Path, name: str, settings: Format) -> Header:
+    """The labels of an HDF5 file: data sets by their path, with points in place of slashes.
+
+    The unit of a data set is its attribute `unit` or `units`.
+    """
+    with _open(path, name) as file:
+        found: list[str] = []
+        units: dict[str, str] = {}
+        for place, data in _data_sets(file):
+            paths = [key for key, _ in vector_places(data.dtype, data.shape, place)]
+            found += paths
+            unit = data.attrs.get("unit", data.attrs.get("units"))
+            if isinstance(unit, bytes):
+                unit = unit.decode("utf-8", errors="replace")
+            units |= dict.fromkeys(paths, str(unit)) if unit is not None else {}
+    return header_of(found, units, name)
+
+
+def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
+    """Columns of an HDF5 file; see `Reader`."""
+    wanted = [header.layout[index] for index in indices]
+    found: dict[str, np.ndarray] = {}
+    with _open(path, name) as file:
+        for place, data in _data_sets(file):
+            if any(key == place or key.startswith(f"{place}.") for key in wanted):
+                try:
+                    found |= dict(vectors(data[()], place))
+                except OSError as error:
+                    raise InputError(f"{name}: '{place}' cannot be read: {error}") from None
+    if any(key not in found for key in wanted):
+        raise InputError(f"{name}: changed while it was read; run again")
+    return columns_of([found[key] for key in wanted], name, header, indices)
+
+
+def _open(path: Path, name: str) -> Any:
+    try:
+        import h5py
+    except ImportError:
+        raise missing_library(name, "h5py") from None
+    try:
+        return h5py.File(path, "r")
+    except OSError:
+        raise InputError(f"{name}: is no HDF5 file, or a damaged one") from None
+
+
+def _data_sets(file: Any) -> Iterator[tuple[str, Any]]:
+    """Data sets of numbers by their paths. MATLAB's own groups (`#refs#`) and texts are left out."""
+    import h5py
+
+    def inside(group: Any, prefix: str) -> Iterator[tuple[str, Any]]:
+        for key, item in group.items():
+            if key.startswith("#"):
+                continue
+            if isinstance(item, h5py.Group):
+                yield from inside(item, f"{prefix}{key}.")
+            elif isinstance(item, h5py.Dataset) and item.attrs.get("MATLAB_class", b"") not in (b"char", b"cell"):
+                yield f"{prefix}{key}", item
+
+    yield from inside(file, "")

@@ -1,0 +1,54 @@
+"""JSON files: arrays of numbers by their path, or a list of rows with named values."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import Column, Header
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.formats.arrays import columns_of, header_of, row_number, vectors
+
+__all__ = ["read_columns", "read_header", "row_number"]
+
+
+def read_header(path: Path, name: str, settings: Format) -> Header:
+    """The labels of a JSON file: arrays by their path with points, or the keys of its rows."""
+    return header_of(list(_load(path, name)), {}, name)
+
+
+def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
+    """Columns of a JSON file; see `Reader`."""
+    found = list(_load(path, name).values())
+    return columns_of([found[index] for index in indices], name, header, indices)
+
+
+@lru_cache(maxsize=1)
+def _load(path: Path, name: str) -> dict[str, np.ndarray]:
+    try:
+        held = json.loads(path.read_text(encoding="utf-8-sig"))
+        return dict(_arrays(held, ""))
+    except (ValueError, RecursionError):
+        raise InputError(f"{name}: is no JSON file of numbers, or a damaged one") from None
+
+
+def _arrays(value: Any, path: str) -> Iterator[tuple[str, np.ndarray]]:
+    if isinstance(value, dict):
+        for key, item in value.items():
+            yield from _arrays(item, f"{path}.{key}".removeprefix("."))
+    elif isinstance(value, list) and value and all(isinstance(row, dict) for row in value):
+        for key in value[0]:
+            yield from _arrays([row.get(key) for row in value], f"{path}.{key}".removeprefix("."))
+    elif isinstance(value, list) and value:
+        rows = [np.nan if item is None else item for item in value]
+        try:
+            array = np.array(rows)
+        except ValueError:
+            return
+        yield from vectors(array, path or "array")

@@ -1,0 +1,80 @@
+"""Apache Parquet files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import MOST_ROWS, Column, Header, check_finite, to_numpy
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.formats.arrays import row_number
+
+__all__ = ["read_columns", "read_header", "row_number"]
+
+
+def read_header(path: Path, name: str, settings: Format) -> Header:
+    """The labels of a Parquet file; a column of time stamps is in seconds."""
+    import pyarrow
+
+    schema = _open(path, name).schema_arrow
+    stamps = [field.name for field in schema if pyarrow.types.is_timestamp(field.type)]
+    remarks = ("time stamps in " + ", ".join(f"'{label}'" for label in stamps),) if stamps else ()
+    return Header(tuple(schema.names), dict.fromkeys(stamps, "s"), remarks)
+
+
+def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
+    """Columns of a Parquet file; see `Reader`."""
+    import pyarrow
+
+    file = _open(path, name)
+    wanted = [header.labels[index] for index in indices]
+    unique = len(set(header.labels)) == len(header.labels)
+    try:
+        # Of columns that share a name, all are read.
+        table = file.read(columns=list(dict.fromkeys(wanted)) if unique else None, use_threads=False)
+    except pyarrow.ArrowMemoryError:
+        raise
+    except (pyarrow.ArrowException, OSError, UnicodeDecodeError):
+        raise InputError(f"{name}: is a damaged Parquet file") from None
+    found = []
+    for index, label in zip(indices, wanted, strict=True):
+        column = table.column(label if unique else index)
+        if pyarrow.types.is_timestamp(column.type):
+            found.append(_seconds(column, name, label))
+            continue
+        if not (pyarrow.types.is_integer(column.type) or pyarrow.types.is_floating(column.type)):
+            raise InputError(f"{name}: column '{label}': holds {column.type}, numbers are wanted")
+        values = to_numpy(column.cast(pyarrow.float64(), safe=False))
+        check_finite(values, name, label)
+        found.append(Column(values))
+    return found
+
+
+def _seconds(column: Any, name: str, label: str) -> Column:
+    """Seconds since the first row of a column of time stamps."""
+    import pyarrow
+    from pyarrow import compute
+
+    if column.null_count:
+        raise InputError(f"{name}: column '{label}': has empty rows; every row needs its time")
+    counts = column.cast(pyarrow.timestamp("ns", column.type.tz)).cast(pyarrow.int64())
+    first = counts[0].as_py()
+    counted = compute.subtract(counts, first).cast(pyarrow.float64())  # type: ignore[attr-defined]
+    return Column(to_numpy(counted) / 1e9, first / 1e9, f"'{label}' is counted from its first row")
+
+
+def _open(path: Path, name: str) -> Any:
+    import pyarrow
+    from pyarrow import parquet
+
+    try:
+        file = parquet.ParquetFile(path)
+        # The names are decoded here.
+        rows = file.metadata.num_rows if file.schema_arrow.names else 0
+    except (pyarrow.ArrowException, OSError, UnicodeDecodeError):
+        raise InputError(f"{name}: is no Parquet file, or a damaged one") from None
+    if rows > MOST_ROWS:
+        raise InputError(f"{name}: has {rows} rows; at most {MOST_ROWS} are read")
+    return file

@@ -1,0 +1,75 @@
+"""TDMS files of LabVIEW: channels by group and name, with their units, and the time of evenly sampled ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import Column, Header
+from sysid.experiment.readers.format import Format
+from sysid.experiment.readers.formats.arrays import columns_of, header_of, missing_library, row_number
+
+__all__ = ["read_columns", "read_header", "row_number"]
+
+_UNIT_KEYS = ("unit_string", "NI_UnitDescription", "unit")
+
+
+def read_header(path: Path, name: str, settings: Format) -> Header:
+    """The labels of a TDMS file: `group.channel`, or the channel where that is unique.
+
+    Where no channel is called time and all are evenly sampled at one rate, `time` is made of the rate in the file.
+    """
+    with _open(path, name) as file:
+        channels = _channels(file)
+        units: dict[str, str] = {}
+        for key, channel in channels.items():
+            unit = next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), "")
+            units |= {key: unit} if unit else {}
+        steps = {channel.properties.get("wf_increment") for channel in channels.values()}
+        paths, remarks = list(channels), ()
+        timed = any(path.rsplit(".", 1)[-1].lower() == "time" for path in paths)
+        step = steps.pop() if len(steps) == 1 else None
+        if not timed and isinstance(step, float) and step > 0.0:
+            paths, units["time"] = [*paths, "time"], "s"
+            remarks = (f"time from the file's step of {step:g} s",)
+    found = header_of(paths, units, name)
+    return Header(found.labels, found.units, remarks, layout=paths)
+
+
+def read_columns(path: Path, name: str, header: Header, indices: Sequence[int], settings: Format) -> list[Column]:
+    """Columns of a TDMS file; see `Reader`."""
+    arrays = []
+    with _open(path, name) as file:
+        channels = _channels(file)
+        for index in indices:
+            key = header.layout[index]
+            if key in channels:
+                arrays.append(np.asarray(channels[key][:], dtype=float))
+            else:
+                arrays.append(np.asarray(next(iter(channels.values())).time_track(), dtype=float))
+    return columns_of(arrays, name, header, indices)
+
+
+def _open(path: Path, name: str) -> Any:
+    try:
+        from nptdms import TdmsFile
+    except ImportError:
+        raise missing_library(name, "npTDMS") from None
+    try:
+        return TdmsFile.open(path)
+    except Exception:  # npTDMS raises whatever struct and numpy do on damaged bytes
+        raise InputError(f"{name}: is no TDMS file, or a damaged one") from None
+
+
+def _channels(file: Any) -> dict[str, Any]:
+    """Channels of numbers by `group.channel`."""
+    return {
+        f"{group.name}.{channel.name}": channel
+        for group in file.groups()
+        for channel in group.channels()
+        if len(channel) > 1 and channel.dtype.kind in "iufb"
+    }

@@ -1,0 +1,157 @@
+"""Text files as streams: compressed or not, in any encoding, with blanks between columns made single."""
+
+from __future__ import annotations
+
+import gzip
+import io
+import re
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO, cast
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.readers.base import MOST_BYTES, shown_path
+from sysid.experiment.readers.format import Format
+
+HEAD = 1 << 18
+"""Bytes at the start of a file in which its form is looked for."""
+
+_BLOCK = 1 << 22
+_MARKS = ((b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"), (b"\xef\xbb\xbf", "utf-8-sig"))
+
+
+def is_gzip(path: Path) -> bool:
+    """Whether the file begins as gzip does, whatever its name."""
+    with path.open("rb") as file:
+        return file.read(2) == b"\x1f\x8b"
+
+
+def open_bytes(path: Path) -> BinaryIO:
+    """The bytes of a file, decompressed.
+
+    Raises:
+        InputError: while it is read, if it is larger than a record file may be once it is decompressed.
+    """
+    return cast(BinaryIO, io.BufferedReader(_Decompressed(path), _BLOCK)) if is_gzip(path) else path.open("rb")
+
+
+class _Decompressed(io.RawIOBase):
+    """The content of a gzip file: a small one may hold a very large text."""
+
+    def __init__(self, path: Path) -> None:
+        self.file = gzip.open(path, "rb")  # noqa: SIM115
+        self.name = str(path)
+        self.count = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any, /) -> int:
+        count = self.file.readinto(buffer)
+        self.count += count
+        if self.count > MOST_BYTES:
+            raise InputError(f"{shown_path(self.name)}: is larger than {MOST_BYTES / 1024**3:g} GB decompressed")
+        return count
+
+    def close(self) -> None:
+        self.file.close()
+        super().close()
+
+
+def read_head(path: Path, name: str) -> tuple[bytes, bool]:
+    """The first bytes of a file, decompressed, and whether it has more.
+
+    Raises:
+        InputError: damaged compression, or no text.
+    """
+    try:
+        with open_bytes(path) as file:
+            data = file.read(HEAD)
+            more = bool(file.read(1))
+    except (EOFError, gzip.BadGzipFile, zlib.error):
+        raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
+    if data[:4] == b"PAR1":
+        raise InputError(f"{name}: is a Parquet file; give it the suffix .parquet")
+    if b"\x00" in data[:4096] and not data.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise InputError(f"{name}: holds binary data, no CSV text")
+    return data, more
+
+
+def encoding_of(head: bytes, settings: Format, name: str) -> str:
+    """The encoding of a text by its first bytes: by its byte order mark, else UTF-8, else Windows-1252, whose numbers
+    have the same bytes.
+
+    Raises:
+        InputError: not text in the encoding of `[format]`.
+    """
+    if settings.encoding is not None:
+        try:
+            head[: len(head) // 4 * 4 - 8 if len(head) == HEAD else None].decode(settings.encoding)
+        except UnicodeDecodeError as error:
+            raise InputError(
+                f"{name}: byte {error.start + 1} is not {settings.encoding}; see [format] encoding"
+            ) from None
+        return settings.encoding
+    for mark, encoding in _MARKS:
+        if head.startswith(mark):
+            return encoding
+    try:
+        head.decode("utf-8")
+    except UnicodeDecodeError as error:
+        # A character may be cut by the end of the head.
+        if error.start < len(head) - 3 or len(head) < HEAD:
+            return "cp1252"
+    return "utf-8"
+
+
+def lines_of(path: Path, encoding: str, name: str) -> Iterator[str]:
+    """Every line of a file without its end.
+
+    Raises:
+        InputError: a byte that is not of the encoding, with its row; damaged compression.
+    """
+    with open_bytes(path) as file:
+        # Bytes that cp1252 leaves undefined stand in no number.
+        text = io.TextIOWrapper(file, encoding, errors="replace" if encoding == "cp1252" else "strict", newline=None)
+        row = 0
+        try:
+            for line in text:
+                row += 1
+                yield line.rstrip("\n")
+        except UnicodeDecodeError:
+            raise InputError(
+                f"{name}: near row {row + 1}: a byte is not {encoding.upper()}; name the encoding: "
+                '[format] encoding = "..."'
+            ) from None
+        except (EOFError, gzip.BadGzipFile, zlib.error):
+            raise InputError(f"{name}: is a damaged or incomplete gzip file") from None
+
+
+class SingleBlanks(io.RawIOBase):
+    """A stream in which each run of blanks and tabs is one blank, none at the ends of lines."""
+
+    def __init__(self, source: BinaryIO) -> None:
+        self.source = source
+        self.rest = b""
+        self.ready = b""
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any, /) -> int:
+        while not self.ready:
+            block = self.source.read(_BLOCK)
+            # A block is cut at the end of a line, so that no run of blanks is cut.
+            whole, end, rest = (self.rest + block).rpartition(b"\n")
+            self.rest = rest
+            if not block:
+                whole, end, self.rest = rest, b"", b""
+                if not whole:
+                    return 0
+            singled = re.sub(rb"[ \t]+", b" ", whole + end)
+            self.ready = re.sub(rb"(?m)^ +| +(?=\r?$)", b"", singled)
+        count = min(len(buffer), len(self.ready))
+        buffer[:count] = self.ready[:count]
+        self.ready = self.ready[count:]
+        return count

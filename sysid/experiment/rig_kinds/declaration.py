@@ -1,0 +1,205 @@
+"""Rig kinds in declaration files: a base kind, further channels and known quantities, and the balance between them.
+
+    meaning = "a motor whose current is logged"
+    base = "force-drive"
+
+    [channels]                                   # recorded, besides those of the base
+    motor_current = "A"
+
+    [known]                                      # keys of [rig.known]
+    torque_constant = "N*m/A"
+    gear_ratio = {unit = "1", default = "1"}
+
+    [balance]                                    # channels of the base by formulas
+    drive_force = "known.gear_ratio * known.torque_constant * channel.motor_current"
+
+In a formula `channel.NAME` is a channel, `known.NAME` a known quantity, `rate.NAME` and `rate2.NAME` the first and
+second derivative of a channel with respect to time. `[set]` gives known quantities of the base by formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from stagecad.parameters.errors import InputError, nearest
+from stagecad.parameters.formula import Formula, FormulaError, parse_formula
+from stagecad.parameters.units import parse_quantity, unit_dimension
+from sysid.experiment.rigs import ALWAYS_ALLOWED, CHANNELS, RIGS, Channel, KnownQuantity, RigKind
+from sysid.experiment.toml_table import TomlTable, read_toml, shown
+
+FOLDER = Path(__file__).parent
+"""Declaration files of the program, each named by its kind."""
+
+SOURCES = ("channel", "rate", "rate2", "known")
+
+
+def kinds() -> tuple[str, ...]:
+    """Names of all kinds of rig."""
+    return (*RIGS, *sorted(file.stem for file in FOLDER.glob("*.toml")))
+
+
+def find_rig(name: str, where: str, folder: Path | None = None) -> RigKind:
+    """The rig kind called `name`, or declared in the file `name` in `folder`.
+
+    Raises:
+        InputError: names `where`, the value and the most similar kind; or a fault in the declaration, with its file.
+    """
+    if name in RIGS:
+        return RIGS[name]
+    if name.endswith(".toml") and folder is not None:
+        path = folder / name
+        if not path.is_file():
+            files = [file.name for file in folder.glob("*.toml") if file.name != "experiment.toml"]
+            raise InputError(f"{where}: there is no {path}{nearest(name, files) if files else ''}")
+        return read_rig(path, str(path))
+    if name not in kinds():
+        raise InputError(f"{where}: '{name}' is no kind of rig{nearest(name, kinds())}")
+    return _packaged(name)
+
+
+@cache
+def _packaged(name: str) -> RigKind:
+    return read_rig(FOLDER / f"{name}.toml", f"{name}.toml")
+
+
+def read_rig(path: Path, shown_name: str) -> RigKind:
+    """The kind of rig in a declaration file.
+
+    Raises:
+        InputError: a fault in the file, with its key.
+    """
+    top = read_toml(path, shown_name)[2]
+    top.allow(("meaning", "base", "axis", "channels", "known", "balance", "set"))
+    top.text("meaning")
+    base = RIGS[top.choice("base", tuple(RIGS))]
+    defaults: dict[str, str] = {}
+    own = {key: _channel(top.table("channels"), key, defaults) for key in top.table("channels").data}
+    for key in own:
+        if key in base.channels or key == "time":
+            raise InputError(f"{top.where('channels')}: '{key}' is a channel of {base.name} already")
+    known = {key: _known(top.table("known"), key, defaults) for key in top.table("known").data}
+    balance = _formulas(top.table("balance"), base.channels, own, known, base)
+    if not balance:
+        raise InputError(f"{top.file}: [balance] is missing; a channel of {base.name} by a formula is wanted")
+    constants = _formulas(top.table("set"), base.known, {}, known, base)
+    optional = {key.partition(".")[2] for key in defaults if key.startswith("channel.")}
+    required = _required(balance, base, optional)
+    measured = tuple(group for group in base.measured if not set(group) & balance.keys())
+    taken = _flat(required) | _flat(measured) | balance.keys() | set(ALWAYS_ALLOWED)
+    axis = top.choice("axis", ("linear", "rotary"), "") if "axis" in top.data else ""
+    return RigKind(
+        name=path.stem,
+        inputs=required,
+        optional_inputs=tuple(name for name in (*own, *base.channels) if name not in taken),
+        measured=measured,
+        optional_measured=(),
+        known={**{key: q for key, q in base.known.items() if key not in constants}, **known},
+        own=own,
+        base=base.name,
+        balance=balance,
+        constants=constants,
+        defaults=defaults,
+        rotary={"": None, "linear": False, "rotary": True}[axis],
+    )
+
+
+def _flat(groups: Iterable[Iterable[str]]) -> set[str]:
+    return {name for group in groups for name in group}
+
+
+def _required(balance: dict[str, Formula], base: RigKind, optional: set[str]) -> tuple[tuple[str, ...], ...]:
+    """Groups of recorded channels that the formulas need, and those of the base's inputs that have no formula."""
+    groups = [group for group in base.inputs if not set(group) & balance.keys()]
+    for channel, formula in balance.items():
+        for key in formula.keys:
+            source, _, name = key.partition(".")
+            if source == "known" or name in optional or (name in balance and name != channel):
+                continue
+            # A velocity that is not recorded is the derivative of the position.
+            group = ("velocity", "position") if name == "velocity" else (name,)
+            if group not in groups:
+                groups.append(group)
+    measured = _flat(group for group in base.measured if not set(group) & balance.keys())
+    return tuple(group for group in groups if not set(group) <= measured)
+
+
+def _entry(table: TomlTable, key: str) -> TomlTable:
+    value = table.data[key]
+    return TomlTable(table.file, f"{table.name}.{key}", {"unit": value} if isinstance(value, str) else value)
+
+
+def _unit(table: TomlTable, key: str, default: str | None = None) -> str:
+    written = table.text(key, default)
+    unit = "" if written == "1" else written
+    try:
+        unit_dimension(unit)
+    except InputError as error:
+        raise InputError(f"{table.where(key)}: {error}") from None
+    return unit
+
+
+def _channel(table: TomlTable, key: str, defaults: dict[str, str]) -> Channel:
+    entry = _entry(table, key)
+    entry.allow(("unit", "rotary_unit", "default"))
+    unit = _unit(entry, "unit")
+    rotary = _unit(entry, "rotary_unit", unit)
+    if "default" in entry.data:
+        defaults[f"channel.{key}"] = _default(entry, (unit, rotary))
+    return Channel(key, unit, rotary, shows_axis=unit != rotary)
+
+
+def _known(table: TomlTable, key: str, defaults: dict[str, str]) -> KnownQuantity:
+    entry = _entry(table, key)
+    entry.allow(("unit", "rotary_unit", "default", "positive"))
+    unit = _unit(entry, "unit")
+    rotary = _unit(entry, "rotary_unit", unit)
+    if "default" in entry.data:
+        defaults[f"known.{key}"] = _default(entry, (unit, rotary))
+    return KnownQuantity(unit, rotary, entry.flag("positive") if "positive" in entry.data else True)
+
+
+def _default(entry: TomlTable, units: tuple[str, str]) -> str:
+    written = entry.text("default")
+    for unit in dict.fromkeys(units):
+        try:
+            parse_quantity(written, unit)
+            return written
+        except InputError as error:
+            problem = error
+    raise InputError(f"{entry.where('default')}: {problem}")
+
+
+def _formulas(
+    table: TomlTable, allowed: Iterable[str], own: dict[str, Channel], known: dict[str, KnownQuantity], base: RigKind
+) -> dict[str, Formula]:
+    """Formulas by key, with every name in them known."""
+    table.allow([name for name in allowed if name != "time"])
+    found = {}
+    for key in table.data:
+        try:
+            formula = parse_formula("=" + table.text(key))
+        except FormulaError as error:
+            raise InputError(f"{table.where(key)}: {shown(table.data[key])}: {error}") from None
+        for name in formula.keys:
+            source, _, rest = name.partition(".")
+            names: Any = {**known, **base.known} if source == "known" else {**own, **dict.fromkeys(base.channels)}
+            if source not in SOURCES:
+                raise InputError(f"{table.where(key)}: '{name}' begins with none of channel, rate, rate2, known")
+            if rest not in names:
+                raise InputError(f"{table.where(key)}: there is no '{name}'{nearest(rest, names)}")
+        found[key] = formula
+    return found
+
+
+def unit_of(name: str, kind: RigKind, rotary: bool) -> str:
+    """SI unit of a channel of a kind of rig."""
+    channel = kind.own[name] if name in kind.own else CHANNELS[name]
+    return channel.si_unit(rotary)
+
+
+def default_value(kind: RigKind, key: str, unit: str) -> float | None:
+    """SI value of the default of `channel.NAME` or `known.NAME`; None without one."""
+    return None if key not in kind.defaults else parse_quantity(kind.defaults[key], unit or "", key)

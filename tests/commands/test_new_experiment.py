@@ -1,0 +1,112 @@
+"""`stagecad new experiment`: what it proposes from files, what it asks, and what it leaves to the user."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.record import load_records
+from workbench import cli
+
+TIME = 0.01 * np.arange(300)
+ANGLE = np.sin(3.0 * TIME)
+SPEED = 3.0 * np.cos(3.0 * TIME)
+FORCE = np.sign(SPEED) + 0.1 * SPEED
+
+
+def _write(path: Path, header: str, *columns: np.ndarray, between: str = ",") -> None:
+    rows = "\n".join(between.join(f"{cell:.9g}" for cell in row) for row in zip(*columns, strict=True))
+    path.write_text(f"{header}\n{rows}\n" if header else f"{rows}\n")
+
+
+def _new(folder: Path, *files: Path, **options: str) -> tuple[dict, str]:
+    target = folder.parent / "out.json"
+    rest = [word for key, value in options.items() for word in (f"--{key}", value)]
+    assert cli.run(["new", "experiment", str(folder), *map(str, files), *rest, "--json", str(target)]) == 0
+    return json.loads(target.read_text()), (folder / "experiment.toml").read_text()
+
+
+def test_clear_names_are_no_questions_and_the_experiment_loads(tmp_path, capsys):
+    for name in ("one.csv", "two.csv"):
+        _write(tmp_path / name, "Time (s);position [rad];friction_force [Nm]", TIME, ANGLE, FORCE, between=";")
+    document, text = _new(tmp_path / "rig", tmp_path / "one.csv", tmp_path / "two.csv")
+    assert document["kind"] == "velocity-drive" and document["read_as"] == ["semicolon"]
+    assert document["channels"] == {
+        "time": "Time (s)",
+        "position": "position [rad]",
+        "friction_force": "friction_force [Nm]",
+    }
+    assert (tmp_path / "rig" / "columns.png").stat().st_size > 5000
+    fit, held_out = load_records(load_experiment(tmp_path / "rig"))
+    assert (fit.role, held_out.role) == ("fit", "validate") and fit.rotary
+    assert np.allclose(fit.channels["friction_force"], FORCE, atol=1e-8)
+    assert "# inertia = " in text and 'role = "validate"    # QUESTION' in text
+
+
+def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_command(tmp_path, capsys):
+    _write(tmp_path / "log.csv", "t [s],enc [deg],motor current [A],temp2", TIME, np.degrees(ANGLE), FORCE, TIME % 1.0)
+    document, text = _new(tmp_path / "rig", tmp_path / "log.csv")
+    assert document["kind"] == "force-drive"
+    assert any("how many N*m per A" in question for question in document["questions"])
+    assert "QUESTION" in next(line for line in text.splitlines() if line.startswith("position = "))
+    tomllib.loads(text)
+    capsys.readouterr()
+    assert cli.run(["compare", str(tmp_path / "rig")]) == 2
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1 and "channels.drive_force.scale: '? N*m/A'" in line and "question" in line
+    answered = text.replace("? N*m/A", "0.113 N*m/A")
+    (tmp_path / "rig" / "experiment.toml").write_text(answered)
+    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    assert np.allclose(record.channels["drive_force"], 0.113 * FORCE[: record.size], atol=1e-8)
+
+
+def test_columns_without_names_are_told_by_their_numbers(tmp_path):
+    _write(tmp_path / "log.dat", "", TIME, ANGLE, SPEED, FORCE, between=" ")
+    document, text = _new(tmp_path / "rig", tmp_path / "log.dat")
+    assert document["read_as"] == ["blanks", "no header"]
+    assert document["channels"] == {"time": "column 1", "position": "column 2", "velocity": "column 3"}
+    assert any("column 3 'column 3': it follows the derivative of column 2" in q for q in document["questions"])
+    assert "QUESTION: which column is it? friction_force" in text
+
+
+def test_an_experiment_is_never_overwritten(tmp_path, capsys):
+    _write(tmp_path / "a.csv", "time [s],position [m],friction_force [N]", TIME, ANGLE, FORCE)
+    _new(tmp_path / "rig", tmp_path / "a.csv")
+    assert cli.run(["new", "experiment", str(tmp_path / "rig"), str(tmp_path / "a.csv")]) == 2
+    assert "experiment.toml: exists already" in capsys.readouterr().err
+    _write(tmp_path / "b.csv", "time [s],x [m],friction_force [N]", TIME, ANGLE, FORCE)
+    files = [str(tmp_path / "a.csv"), str(tmp_path / "b.csv")]
+    assert cli.run(["new", "experiment", str(tmp_path / "other"), *files]) == 2
+    assert "has other columns than" in capsys.readouterr().err
+    assert not (tmp_path / "other").exists()
+
+
+@pytest.mark.parametrize(
+    "words, line",
+    [
+        (["new", "experiments"], "no template of a 'experiments'; did you mean 'experiment'?"),
+        (["new", "experiment", "rig", "none.csv"], "none.csv: no such file"),
+        (["new", "experiment", "rig", "none.csv", "--kind", "drive"], "'drive' is no kind of rig"),
+    ],
+)
+def test_a_mistake_is_one_line(tmp_path, monkeypatch, capsys, words, line):
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(words) == 2
+    printed = capsys.readouterr().err
+    assert line in printed and printed.count("\n") == 1
+
+
+def test_channels_of_a_declared_kind(tmp_path):
+    _write(tmp_path / "log.csv", "t [s],angle [deg],i [A]", TIME, np.degrees(ANGLE), FORCE)
+    document, text = _new(tmp_path / "rig", tmp_path / "log.csv", kind="motor-current")
+    assert document["channels"] == {"time": "t [s]", "position": "angle [deg]", "motor_current": "i [A]"}
+    assert '# torque_constant = "1 N*m/A"' in text
+    known = '[rig.known]\ntorque_constant = "0.2 N*m/A"'
+    (tmp_path / "rig" / "experiment.toml").write_text(text.replace("[rig.known]", known, 1))
+    record = load_records(load_experiment(tmp_path / "rig"))[0]
+    assert np.allclose(record.channels["drive_force"], 0.2 * FORCE[: record.size], atol=1e-8)

@@ -1,0 +1,129 @@
+"""MAT 5 and 7.3, HDF5, NPZ, NPY, JSON, TDMS and Parquet give the record that the arrays were."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.readers.open import open_record_file
+from sysid.experiment.record import load_records
+
+TIME = 0.001 * np.arange(80)
+POSITION = 1e-3 * np.sin(90.0 * TIME)
+FORCE = np.cos(90.0 * TIME)
+UNITS = '[channels]\ntime = {unit = "s"}\nposition = {unit = "m"}\nfriction_force = {unit = "N"}\n'
+NUMBERED = (
+    '[channels]\ntime = {column = 1, unit = "s"}\nposition = {column = 2, unit = "m"}\n'
+    'friction_force = {column = 3, unit = "N"}\n'
+)
+
+
+def _check(folder: Path, name: str, rest: str = "") -> list[str]:
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = []\n{rest}'
+        f'[[record]]\nrole = "fit"\nfile = "{name}"\n'
+    )
+    records = load_records(load_experiment(folder))
+    for key, expected in (("position", POSITION), ("friction_force", FORCE)):
+        assert np.array_equal(np.concatenate([record.channels[key] for record in records]), expected)
+    assert np.allclose(np.concatenate([record.time for record in records]), TIME, rtol=0.0, atol=1e-12)
+    return list(records[0].notes)
+
+
+def test_hdf5_with_units_as_attributes(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "fit.h5", "w") as file:
+        group = file.create_group("run/1")
+        for name, values, unit in (("time", TIME, "s"), ("position", POSITION, "m"), ("friction_force", FORCE, b"N")):
+            group.create_dataset(name, data=values).attrs["unit"] = unit
+    _check(tmp_path, "fit.h5")
+
+
+def test_mat_7_3_and_compound_data_sets(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "fit.mat", "w", userblock_size=512) as file:
+        for name, values in (("time", TIME), ("position", POSITION)):
+            file.create_dataset(f"data/{name}", data=values[None, :])
+        file.create_dataset("data/friction_force", data=FORCE[:, None])
+        note = file.create_dataset("note", data=np.frombuffer(b"hello", np.uint8))
+        note.attrs["MATLAB_class"] = np.bytes_("char")
+    assert open_record_file(tmp_path / "fit.mat", "fit.mat").header.labels == ("friction_force", "position", "time")
+    _check(tmp_path, "fit.mat", UNITS)
+    table = np.rec.fromarrays([TIME, POSITION, FORCE], names="time,position,friction_force")
+    with h5py.File(tmp_path / "fit.hdf5", "w") as file:
+        file["log"] = table
+    _check(tmp_path, "fit.hdf5", UNITS)
+
+
+def test_mat_5_with_a_matrix_and_an_array_of_structures(tmp_path):
+    from scipy.io import savemat
+
+    savemat(tmp_path / "fit.mat", {"data": np.column_stack([TIME, POSITION, FORCE])})
+    assert open_record_file(tmp_path / "fit.mat", "fit.mat").header.labels == ("data.1", "data.2", "data.3")
+    _check(tmp_path, "fit.mat", NUMBERED)
+    signals = np.empty(2, dtype=object)
+    signals[:] = [{"values": POSITION}, {"values": FORCE}]
+    savemat(tmp_path / "fit.mat", {"out": {"time": TIME, "signals": signals}})
+    names = (
+        '[channels]\ntime = {unit = "s"}\nposition = {column = "out.signals.1.values", unit = "m"}\n'
+        'friction_force = {column = "out.signals.2.values", unit = "N"}\n'
+    )
+    _check(tmp_path, "fit.mat", names)
+
+
+def test_numpy_files(tmp_path):
+    np.savez(tmp_path / "fit.npz", time=TIME, position=POSITION, friction_force=FORCE, name="run 1")
+    _check(tmp_path, "fit.npz", UNITS)
+    np.save(tmp_path / "fit.npy", np.vstack([TIME, POSITION, FORCE]))
+    _check(tmp_path, "fit.npy", NUMBERED)
+    np.save(tmp_path / "fit.npy", np.array([{}, {}]), allow_pickle=True)
+    with pytest.raises(InputError, match="is no NumPy file of numbers, or a damaged one"):
+        _check(tmp_path, "fit.npy")
+
+
+def test_json_of_arrays_and_of_rows(tmp_path):
+    (tmp_path / "fit.json").write_text(
+        json.dumps({"run": {"time": TIME.tolist(), "position": POSITION.tolist()}, "friction_force": FORCE.tolist()})
+    )
+    _check(tmp_path, "fit.json", UNITS)
+    rows = [dict(zip(("time", "position", "friction_force"), row)) for row in zip(TIME, POSITION, FORCE)]
+    (tmp_path / "fit.json").write_text(json.dumps(rows))
+    _check(tmp_path, "fit.json", UNITS)
+
+
+def test_tdms_with_a_waveform_step(tmp_path):
+    nptdms = pytest.importorskip("nptdms")
+    rest = {"wf_increment": 0.001, "wf_start_offset": 0.0, "wf_samples": TIME.size}
+    with nptdms.TdmsWriter(tmp_path / "fit.tdms") as writer:
+        writer.write_segment(
+            [
+                nptdms.ChannelObject("log", "position", POSITION, {"unit_string": "m", **rest}),
+                nptdms.ChannelObject("log", "friction_force", FORCE, {"unit_string": "N", **rest}),
+            ]
+        )
+    assert "read as: time from the file's step of 0.001 s" in _check(tmp_path, "fit.tdms")
+
+
+def test_parquet_with_time_stamps(tmp_path):
+    import pyarrow
+    from pyarrow import parquet
+
+    stamps = np.datetime64("2024-03-01T12:00:00", "ns") + (1e9 * TIME).round().astype("timedelta64[ns]")
+    table = pyarrow.table(
+        {"time": pyarrow.array(stamps), "position [m]": POSITION, "friction_force [N]": FORCE, "who": ["me"] * 80}
+    )
+    parquet.write_table(table, tmp_path / "fit.parquet")
+    assert "read as: time stamps in 'time'" in _check(tmp_path, "fit.parquet")
+
+
+@pytest.mark.parametrize("name, what", [("a.h5", "HDF5"), ("a.tdms", "TDMS"), ("a.npz", "NumPy"), ("a.json", "JSON")])
+def test_a_damaged_file_is_refused_in_one_line(tmp_path, name, what):
+    pytest.importorskip({"HDF5": "h5py", "TDMS": "nptdms"}.get(what, "numpy"))
+    (tmp_path / name).write_bytes(b"\x89HDF\r\n\x1a\nPK\x03\x04" + bytes(200))
+    with pytest.raises(InputError, match=f"{name}: is no {what} file"):
+        open_record_file(tmp_path / name, name)

@@ -1,0 +1,240 @@
+"""Text files as instruments and spreadsheets write them give the same record, and what was detected is reported.
+
+Each dialect is read without an option, or with the one setting that the message of the first attempt names.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+from collections.abc import Callable
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.readers.text import SingleBlanks
+from sysid.experiment.record import Record, load_records
+
+ROWS = 40
+TIME = 0.01 * np.arange(ROWS)
+POSITION = np.round(1e-3 * np.sin(20.0 * TIME), 7)
+FORCE = np.round(2.0 * np.sign(np.cos(20.0 * TIME)) + 0.123 * TIME, 6)
+START = datetime(2024, 3, 1, 23, 59, 59, 850_000)
+NUMBERED = (
+    '[channels]\ntime = {column = 1, unit = "s"}\nposition = {column = 2, unit = "mm"}\n'
+    'friction_force = {column = 3, unit = "N"}\n'
+)
+COLUMNS = ("time [s]", "position [mm]", "friction_force [N]")
+
+
+def _rows(between: str = ",", decimal: str = ".", time: Callable[[float], str] = "{:.2f}".format) -> str:
+    lines = [
+        between.join(cell.replace(".", decimal) for cell in (time(t), f"{1e3 * x:.7g}", f"{f:.6f}"))
+        for t, x, f in zip(TIME.tolist(), POSITION.tolist(), FORCE.tolist())
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def _table(between: str = ",", decimal: str = ".", labels: tuple[str, ...] = COLUMNS, **rest) -> str:
+    return between.join(labels) + "\n" + _rows(between, decimal, **rest)
+
+
+def _stamp(t: float) -> str:
+    return (START + timedelta(seconds=t)).isoformat(timespec="milliseconds")
+
+
+def _load(folder: Path, name: str, content: bytes, rest: str = "") -> list[Record]:
+    (folder / name).write_bytes(gzip.compress(content) if name.endswith(".gz") else content)
+    (folder / "experiment.toml").write_text(
+        'schema = 1\n[rig]\nkind = "velocity-drive"\n[model]\neffects = ["coulomb"]\n'
+        f'[[record]]\nrole = "fit"\nfile = "{name}"\n{rest}'
+    )
+    return load_records(load_experiment(folder))
+
+
+def _check(records: list[Record], origin: float = 0.0) -> None:
+    time = np.concatenate([record.time for record in records])
+    assert np.allclose(time - origin, TIME, rtol=0.0, atol=1e-9)
+    for channel, expected in (("position", POSITION), ("friction_force", FORCE)):
+        found = np.concatenate([record.channels[channel] for record in records])
+        # One rounding more than numpy's own conversion of the same digits.
+        assert np.allclose(found, expected, rtol=1e-14, atol=0.0), channel
+
+
+DIALECTS: dict[str, tuple[str, bytes, str | None]] = {
+    "plain": ("fit.csv", _table().encode(), None),
+    "semicolons": ("fit.csv", _table(";").encode(), "read as: semicolon"),
+    "decimal comma": ("fit.csv", _table(";", ",").encode(), "read as: semicolon, decimal comma"),
+    "tabs and decimal comma": ("fit.txt", _table("\t", ",").encode(), "read as: tab, decimal comma"),
+    "bars": ("fit.dat", _table("|").encode(), "read as: bar"),
+    "blanks": (
+        "fit.dat",
+        ("   time   position  friction_force\n      s         mm               N\n" + _rows("    ")).encode(),
+        "read as: blanks, units in row 2",
+    ),
+    "units in the second row": (
+        "fit.csv",
+        ("time,position,friction_force\n[s],[mm],[N]\n" + _rows()).encode(),
+        "read as: units in row 2",
+    ),
+    "lines above the header": (
+        "fit.csv",
+        ("Instrument,XYZ 12\nDate,2024-03-01\nRate,100\n\n" + _table()).encode(),
+        "read as: header in row 5",
+    ),
+    "header in a comment": (
+        "fit.dat",
+        ("# rig 7\n# time_s position_mm friction_force_N\n" + _rows(" ")).encode(),
+        "read as: blanks, header in row 2",
+    ),
+    "other names": ("fit.csv", _table(labels=("Time (s)", "POSITION/mm", "friction force in N")).encode(), None),
+    "compressed": ("fit.csv.gz", _table(";").encode(), "read as: gzip, semicolon"),
+    "UTF-16": ("fit.csv", _table("\t").encode("utf-16"), "read as: tab, UTF-16"),
+    "byte order mark, CR LF": ("fit.csv", b"\xef\xbb\xbf" + _table().replace("\n", "\r\n").encode(), None),
+    "delimiter at the end": (
+        "fit.csv",
+        ("time [s],position [mm],friction_force [N]\n" + _rows().replace("\n", ",\n")).encode(),
+        "read as: a delimiter at the end of each row",
+    ),
+    "quoted, decimal comma": (
+        "fit.csv",
+        _table('","', ",").replace("\n", '"\n"').join(('"', ""))[:-1].encode(),
+        "read as: decimal comma",
+    ),
+    "ISO time stamps": (
+        "fit.csv",
+        _table(labels=("time", *COLUMNS[1:]), time=_stamp).encode(),
+        "read as: time stamps in 'time'",
+    ),
+    "ISO time stamps with a zone": (
+        "fit.csv",
+        _table(";", ",", labels=("time", *COLUMNS[1:]), time=lambda t: _stamp(t).replace("T", " ") + "+01:00").encode(),
+        "read as: semicolon, decimal comma, time stamps in 'time'",
+    ),
+    "clock times over midnight": (
+        "fit.csv",
+        _table(labels=("time", *COLUMNS[1:]), time=lambda t: _stamp(t).partition("T")[2]).encode(),
+        "read as: time stamps in 'time'",
+    ),
+    "Unix time": ("fit.csv", _table(time=lambda t: f"{1554239502.265 + t:.3f}").encode(), None),
+    "Unix time in nanoseconds": (
+        "fit.csv",
+        _table(labels=("time [ns]", *COLUMNS[1:]), time=lambda t: str(1554239502265000123 + round(1e9 * t))).encode(),
+        None,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DIALECTS)
+def test_dialects_are_read_without_an_option(tmp_path, name):
+    file, content, said = DIALECTS[name]
+    records = _load(tmp_path, file, content)
+    _check(records)
+    read_as = [note for note in records[0].notes if note.startswith("read as")]
+    assert read_as == ([said] if said else [])
+
+
+def _own_stamp(t: float) -> str:
+    return (START + timedelta(seconds=t)).strftime("%d.%m.%Y %H:%M:%S.%f")
+
+
+UNTIMED = "position [mm],friction_force [N]\n" + "\n".join(row.partition(",")[2] for row in _rows().splitlines())
+
+NAMED_SETTINGS: dict[str, tuple[str, str, str]] = {
+    "no header": (_rows(), '[channels] time = {column = 1, unit = "s"}, position =', NUMBERED),
+    "no header, decimal comma": (_rows(";", ","), '[channels] time = {column = 1, unit = "s"}', NUMBERED),
+    "own time stamps": (
+        _table(labels=("time", *COLUMNS[1:]), time=_own_stamp),
+        '[format] time_format = "%d.%m.%Y %H:%M:%S.%f"',
+        '[format]\ntime_format = "%d.%m.%Y %H:%M:%S.%f"\n[channels]\ntime = {unit = "s"}',
+    ),
+    "no time": (UNTIMED, '[format] sample_rate = "1 kHz"', '[format]\nsample_rate = "100 Hz"'),
+    "no unit": (
+        _table(labels=("time", *COLUMNS[1:])),
+        '[channels] time = {column = "time", unit = "s"}',
+        '[channels]\ntime = {column = "time", unit = "s"}',
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NAMED_SETTINGS)
+def test_others_are_read_with_the_one_setting_that_the_message_names(tmp_path, name):
+    content, named, setting = NAMED_SETTINGS[name]
+    with pytest.raises(InputError) as caught:
+        _load(tmp_path, "fit.csv", content.encode())
+    assert named in str(caught.value) and "\n" not in str(caught.value)
+    _check(_load(tmp_path, "fit.csv", content.encode(), setting))
+
+
+def test_a_comma_that_may_group_thousands_is_not_guessed(tmp_path):
+    rows = "".join(f"{k};{10 + k % 3},000;{1 + k % 2},500\n" for k in range(ROWS))
+    content = ("time [s];position [mm];friction_force [N]\n" + rows).encode()
+    with pytest.raises(InputError, match="is the comma a decimal sign, or does it group thousands"):
+        _load(tmp_path, "fit.csv", content)
+    records = _load(tmp_path, "fit.csv", content, '[format]\ndecimal = ","')
+    assert records[0].channels["position"][1] == pytest.approx(11e-3)
+    assert records[0].channels["friction_force"][1] == pytest.approx(2.5)
+
+
+def test_old_encodings_are_read_and_reported(tmp_path):
+    content = _table(labels=("time [s]", "position [µm]", "friction_force [N]")).encode("latin-1")
+    record = _load(tmp_path, "fit.csv", content)[0]
+    assert "read as: CP1252" in record.notes
+    assert np.allclose(record.channels["position"], 1e-3 * POSITION[: record.size])
+
+
+def test_time_stamps_are_exact_to_a_nanosecond_and_counted_from_the_first_row(tmp_path):
+    steps = np.arange(20) * 1e-6
+    rows = "\n".join(f"2024-03-01T12:00:00.{round(1e9 * t):09d},{k},1" for k, t in enumerate(steps))
+    records = _load(tmp_path, "fit.csv", f"time,position [m],friction_force [N]\n{rows}".encode())
+    assert np.array_equal(np.concatenate([record.time for record in records]), np.arange(20) * 1000 / 1e9)
+    assert "'time' is counted from its first row, 2024-03-01T12:00:00.000000000" in records[0].notes
+    unix = "\n".join(f"1554239502.{round(1e9 * t):09d},{k},1" for k, t in enumerate(steps))
+    records = _load(tmp_path, "fit.csv", f"time [s],position [m],friction_force [N]\n{unix}".encode())
+    assert np.allclose(np.concatenate([record.time for record in records]), steps, rtol=0.0, atol=1e-12)
+
+
+def test_headers_and_first_row_as_the_experiment_says(tmp_path):
+    content = "names\ntime [s],position [mm],friction_force [N]\nfloat,float,float\n" + _rows()
+    with pytest.raises(InputError):
+        _load(tmp_path, "fit.csv", content.encode())
+    records = _load(tmp_path, "fit.csv", content.encode(), "[format]\nheader = 2\nfirst_row = 4")
+    _check(records)
+    assert "read as: header in row 2, numbers from row 4" in records[0].notes
+    other = "time,position,friction_force\nzone 1,zone 2,zone 3\ns,mm,N\n" + _rows()
+    _check(_load(tmp_path, "fit.csv", other.encode(), "[format]\nheader = 1\nunits_row = 3"))
+
+
+def test_other_marks_of_a_gap_need_the_setting(tmp_path):
+    content = _table(";").replace(f";{FORCE[7]:.6f}", ";---", 1).encode()
+    with pytest.raises(InputError, match=r'\[format\] missing = \["---"\]'):
+        _load(tmp_path, "fit.csv", content)
+    records = _load(tmp_path, "fit.csv", content, '[format]\nmissing = ["---"]')
+    assert np.flatnonzero(np.isnan(records[0].channels["friction_force"])).size == 1
+
+
+def test_a_fault_is_named_by_its_row_in_the_file(tmp_path):
+    content = "made by me\n\n" + _table(";").replace(f"{FORCE[7]:.6f}", "off", 1)
+    row = content.splitlines().index(next(line for line in content.splitlines() if "off" in line)) + 1
+    with pytest.raises(
+        InputError, match=rf"fit\.csv\.gz: row {row}, column 'friction_force \[N\]': 'off' is no number"
+    ):
+        _load(tmp_path, "fit.csv.gz", content.encode())
+
+
+def test_a_damaged_gzip_file_is_refused(tmp_path):
+    _load(tmp_path, "fit.csv.gz", _table().encode())
+    packed = (tmp_path / "fit.csv.gz").read_bytes()
+    (tmp_path / "fit.csv.gz").write_bytes(packed[: len(packed) // 2])
+    with pytest.raises(InputError, match="is a damaged or incomplete gzip file"):
+        load_records(load_experiment(tmp_path))
+
+
+def test_runs_of_blanks_are_single_across_blocks(monkeypatch):
+    monkeypatch.setattr("sysid.experiment.readers.text._BLOCK", 7)
+    source = b"  1.0   \t 2.0\t\r\n   3 4  \n\n 5      6"
+    assert io.BufferedReader(SingleBlanks(io.BytesIO(source))).read() == b"1.0 2.0\r\n3 4\n\n5 6"

@@ -1,0 +1,228 @@
+"""Rig kinds in declaration files: the base's channels follow from what is logged as the mechanics says.
+
+Each record is written from a motion in closed form and the forces that it takes, and never by the formulas of the
+declaration.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.compare import compare
+from sysid.experiment.experiment import Experiment, load_experiment
+from sysid.experiment.record import Record, load_records
+from sysid.experiment.rig_kinds.declaration import FOLDER, kinds
+
+T = 0.002 * np.arange(500)
+X = 0.3 * np.sin(7.0 * T)
+V = 2.1 * np.cos(7.0 * T)
+A = -14.7 * np.sin(7.0 * T)
+FRICTION = 0.4 * np.sign(V) + 0.05 * V
+
+
+def _write(folder: Path, kind: str, known: dict[str, str], channels: dict[str, np.ndarray], rest: str = "") -> None:
+    header = ",".join(channels)
+    rows = "\n".join(",".join(repr(float(cell)) for cell in row) for row in zip(*channels.values(), strict=True))
+    (folder / "fit.csv").write_text(f"{header}\n{rows}\n")
+    lines = "\n".join(f'{key} = "{value}"' for key, value in known.items())
+    (folder / "experiment.toml").write_text(
+        f'schema = 1\n[rig]\nkind = "{kind}"\n[rig.known]\n{lines}\n[model]\neffects = ["coulomb", "viscous"]\n'
+        f'[[record]]\nfile = "fit.csv"\nrole = "fit"\n{rest}'
+    )
+
+
+def _load(folder: Path, *arguments) -> tuple[Experiment, Record]:
+    _write(folder, *arguments)
+    experiment = load_experiment(folder)
+    return experiment, load_records(experiment)[0]
+
+
+MOTOR = {
+    "torque_constant": "50 mN*m/A",
+    "gear_ratio": "20",
+    "motor_inertia": "1e-5 kg*m^2",
+    "load_inertia": "0.1 kg*m^2",
+}
+INERTIA = 0.1 + 20.0**2 * 1e-5
+TORQUE = INERTIA * A + FRICTION
+CURRENT = TORQUE / (20.0 * 0.05)
+
+
+def test_a_motor_with_current_and_gearbox(tmp_path):
+    channels = {"time [s]": T, "position [rad]": X, "motor_current [mA]": 1e3 * CURRENT}
+    experiment, record = _load(tmp_path, "motor-current", MOTOR, channels)
+    assert experiment.rig.kind == "force-drive" and experiment.rig.rotary
+    assert experiment.rig.known["mass"].value == pytest.approx(INERTIA)
+    assert set(record.channels) == {"position", "drive_force"} and record.units["drive_force"] == "N*m"
+    assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
+
+
+def test_a_motor_with_voltage_gives_the_friction_without_its_back_emf(tmp_path):
+    """u = R i + k_e n v: with the back EMF in it, the viscous coefficient would be n^2 k_t k_e/R = 0.5 more."""
+    voltage = 2.0 * CURRENT + 0.05 * 20.0 * V
+    known = {**MOTOR, "back_emf_constant": "0.05 V*s/rad", "winding_resistance": "2 ohm"}
+    channels = {"time [s]": T, "position [rad]": X, "velocity [rad/s]": V, "motor_voltage [V]": voltage}
+    record = _load(tmp_path, "motor-voltage", known, channels)[1]
+    assert np.allclose(record.channels["drive_force"], TORQUE[: record.size])
+    channels.pop("velocity [rad/s]")
+    record = _load(tmp_path, "motor-voltage", known, channels)[1]
+    inner = slice(1, record.size - 1)
+    assert np.allclose(record.channels["drive_force"][inner], TORQUE[inner], atol=1e-3)
+    found = compare(tmp_path).base.fitted.model.values
+    assert found["viscous.coefficient"] == pytest.approx(0.05, rel=0.05)
+    assert found["coulomb.force"] == pytest.approx(0.4, rel=0.02)
+
+
+def test_a_screw(tmp_path):
+    """The work of the motor over a turn is that of the slide over a lead."""
+    known = {"torque_constant": "0.1 N*m/A", "screw_lead": "5 mm"}
+    channels = {"time [s]": T, "position [m]": X, "motor_current [A]": np.sin(T)}
+    experiment, record = _load(tmp_path, "motor-screw", known, channels)
+    assert not experiment.rig.rotary
+    assert np.allclose(record.channels["drive_force"] * 5e-3, 2 * np.pi * 0.1 * np.sin(T)[: record.size])
+
+
+def test_a_gearbox_before_a_torque_sensor(tmp_path):
+    """What of the torque neither reaches the sensor nor accelerates the rotor is the friction of the gearbox."""
+    sensor = 3.0 * np.sin(5.0 * T)
+    current = (sensor + 20.0**2 * 1e-5 * A + FRICTION) / (20.0 * 0.05)
+    known = {key: MOTOR[key] for key in ("torque_constant", "gear_ratio", "motor_inertia")}
+    channels = {"time [s]": T, "position [rad]": X, "motor_current [A]": current, "sensor_torque [Nm]": sensor}
+    experiment, record = _load(tmp_path, "gearbox", known, channels)
+    balance = record.channels["drive_force"] - experiment.rig.known["mass"].value * A[: record.size]
+    assert np.allclose(balance, FRICTION[: record.size])
+    assert np.allclose(record.channels["normal_load"], np.abs(sensor[: record.size]))
+
+
+def test_an_elastic_gearbox(tmp_path):
+    known = {"gear_ratio": "20", "pull_stiffness": "500 N*m/rad", "inertia": "0.1 kg*m^2"}
+    channels = {"time [s]": T, "position [deg]": np.degrees(X), "motor_position [rad]": 20.0 * (X + TORQUE / 500.0)}
+    experiment, record = _load(tmp_path, "gearbox-torsion", known, channels)
+    assert experiment.rig.kind == "spring-pull" and experiment.rig.rotary
+    extension = record.channels["pull_position"] - record.channels["position"]
+    assert np.allclose(500.0 * extension, TORQUE[: record.size])
+
+
+def test_gravity_and_an_external_force(tmp_path):
+    """On a slope of 30 degrees half of the weight pulls back."""
+    external = np.cos(3.0 * T)
+    motor = 2.0 * A + FRICTION - external + 0.5 * 2.0 * 9.80665
+    known = {"mass": "2 kg", "weight": f"{2.0 * 9.80665} N", "inclination": "30 deg"}
+    channels = {"time [s]": T, "position [m]": X, "motor_force [N]": motor, "external_force [N]": external}
+    record = _load(tmp_path, "external-force", known, channels)[1]
+    assert np.allclose(record.channels["drive_force"], (2.0 * A + FRICTION)[: record.size])
+    channels.pop("external_force [N]")
+    assert np.allclose(
+        _load(tmp_path, "external-force", known, channels)[1].channels["drive_force"],
+        (2.0 * A + FRICTION - external)[: record.size],
+    )
+
+
+def test_coupled_axes(tmp_path):
+    other = 0.2 * np.sin(4.0 * T)
+    force = 2.0 * A + FRICTION + 0.7 * (-16.0 * other)
+    known = {"mass": "2 kg", "coupling_mass": "0.7 kg"}
+    channels = {"time [s]": T, "position [m]": X, "axis_force [N]": force, "other_position [m]": other}
+    record = _load(tmp_path, "coupled-axes", known, channels)[1]
+    inner = slice(2, record.size)
+    # A second difference of a sine differs from its derivative by (w h)^2/3, here 2e-5.
+    assert np.allclose(record.channels["drive_force"][inner], (2.0 * A + FRICTION)[inner], atol=1e-3)
+
+
+def test_pneumatic_cylinders(tmp_path):
+    net = 2.0 * A + FRICTION
+    first = 6e5 + net / 5e-4
+    known = {"area_1": "5 cm^2", "area_2": "4 cm^2", "mass": "2 kg"}
+    channels = {"time [s]": T, "position [m]": X, "pressure_1 [bar]": 1e-5 * first, "pressure_2 [bar]": 7.5 + 0.0 * T}
+    record = _load(tmp_path, "pneumatic-cylinder", known, channels)[1]
+    assert np.allclose(record.channels["drive_force"], net[: record.size])
+    channels = {"time [s]": T, "position [mm]": 1e3 * X, "rod_force [N]": FRICTION + 98.0, "pressure [bar]": 2 + 0 * T}
+    record = _load(tmp_path, "cylinder-seal", {"piston_area": "490 mm^2"}, channels)[1]
+    assert np.allclose(record.channels["friction_force"], FRICTION[: record.size])
+    assert np.allclose(record.channels["normal_load"], 98.0)
+
+
+def test_one_piezo(tmp_path):
+    channels = {"time [s]": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0}
+    _write(tmp_path, "piezo", {"bias_voltage": "0 V"}, channels)
+    path = tmp_path / "experiment.toml"
+    path.write_text(path.read_text().replace('["coulomb", "viscous"]', "[]"))
+    found = compare(tmp_path)
+    assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6)
+    assert found.validate["tip_y"].rms < 1e-12
+
+
+OWN = """meaning = "a voice coil against a flexure"
+base = "force-drive"
+
+[channels]
+coil_current = "A"
+
+[known]
+force_constant = "N/A"
+flexure_stiffness = "N/m"
+
+[balance]
+drive_force = "known.force_constant * channel.coil_current - known.flexure_stiffness * channel.position"
+"""
+KNOWN = {"force_constant": "8 N/A", "flexure_stiffness": "300 N/m", "mass": "0.5 kg"}
+CHANNELS = {"time [s]": T, "position [m]": X, "coil_current [A]": (0.5 * A + FRICTION + 300.0 * X) / 8.0}
+
+
+def test_a_kind_of_the_users_own(tmp_path):
+    (tmp_path / "coil.toml").write_text(OWN)
+    record = _load(tmp_path, "coil.toml", KNOWN, CHANNELS)[1]
+    assert np.allclose(record.channels["drive_force"], (0.5 * A + FRICTION)[: record.size])
+    assert OWN.count("\n") < 40
+
+
+@pytest.mark.parametrize(
+    "old, new, line",
+    [
+        ('base = "force-drive"', 'base = "force"', "base: 'force' is not allowed; did you mean 'force-drive'?"),
+        ("channel.coil_current -", "channel.coil -", "coil.toml: balance.drive_force: there is no 'channel.coil'"),
+        ('drive_force = "', 'drive_force = "2 *** ', "coil.toml: balance.drive_force: "),
+        ('coil_current = "A"', 'coil_current = "Amp"', "unknown unit symbol 'Amp'; did you mean 'A'?"),
+        (" - known.flexure_stiffness * channel.position", " * 1 s", "is no 'N', in which drive_force"),
+        ("[balance]", "[balanced]", "coil.toml: unknown key 'balanced'; did you mean 'balance'?"),
+        ('coil_current = "A"', 'coil_current = "V"', "a difference of a quantity in"),
+        ("known.force_constant *", "known.force_constnt *", "did you mean 'force_constant'?"),
+        ("known.force_constant *", "os.system *", "'os.system' begins with none of channel, rate, rate2, known"),
+    ],
+)  # fmt: skip
+def test_a_fault_in_a_declaration_is_one_line(tmp_path, old, new, line):
+    assert old in OWN
+    (tmp_path / "coil.toml").write_text(OWN.replace(old, new, 1))
+    with pytest.raises(InputError) as caught:
+        _load(tmp_path, "coil.toml", KNOWN, CHANNELS)
+    assert line in str(caught.value) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "kind, leave, line",
+    [
+        ("coil.toml", "force_constant", "rig.known.force_constant is missing, which 'coil' needs; write it, like"),
+        ("oil.toml", "", "there is no {dir}/oil.toml; did you mean 'coil.toml'?"),
+        ("motor-curent", "", "'motor-curent' is no kind of rig; did you mean 'motor-current'?"),
+        ("coil.toml", "coil_current [A]", "no column 'coil_current', which coil needs"),
+    ],
+)
+def test_what_is_missing_is_one_line(tmp_path, kind, leave, line):
+    (tmp_path / "coil.toml").write_text(OWN)
+    known = {key: value for key, value in KNOWN.items() if key != leave}
+    channels = {key: values for key, values in CHANNELS.items() if key != leave}
+    with pytest.raises(InputError) as caught:
+        _load(tmp_path, kind, known, channels)
+    assert line.replace("{dir}", str(tmp_path)) in str(caught.value)
+
+
+def test_every_packaged_declaration_is_short_and_says_what_it_is():
+    files = list(FOLDER.glob("*.toml"))
+    assert len(files) >= 10 and {file.stem for file in files} <= set(kinds())
+    for file in files:
+        text = file.read_text(encoding="utf-8")
+        assert text.startswith("#") and text.count("\n") < 40

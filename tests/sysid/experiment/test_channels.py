@@ -1,0 +1,160 @@
+"""Columns of channels: `[channels]` for all records, units of instruments, scales, sums, windows, repeated times."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stagecad.parameters.errors import InputError
+from sysid.experiment.columns.units import column_unit
+from sysid.experiment.experiment import load_experiment
+from sysid.experiment.record import Record, load_records
+
+ROWS = 60
+TIME = 0.01 * np.arange(ROWS)
+ANGLE = np.sin(10.0 * TIME)
+CURRENT = 0.5 * np.cos(10.0 * TIME)
+
+
+def _write(folder: Path, name: str, labels: str, *columns: np.ndarray) -> None:
+    rows = "\n".join(",".join(repr(float(cell)) for cell in row) for row in zip(*columns, strict=True))
+    (folder / name).write_text(f"{labels}\n{rows}\n")
+
+
+def _load(folder: Path, rest: str, kind: str = "force-drive") -> list[Record]:
+    (folder / "experiment.toml").write_text(f'schema = 1\n[rig]\nkind = "{kind}"\n[model]\neffects = []\n{rest}')
+    return load_records(load_experiment(folder))
+
+
+BOTH = '[[record]]\nfile = "a.csv"\nrole = "fit"\n[[record]]\nfile = "b.csv"\nrole = "validate"\n'
+MOTOR = (
+    '[channels]\ntime = "t"\nposition = {column = "angle", unit = "deg"}\n'
+    'drive_force = {column = 3, unit = "mA", scale = "0.113 N*m/A", sign = -1}\n'
+)
+
+
+def test_channels_hold_for_all_records(tmp_path):
+    for name in ("a.csv", "b.csv"):
+        _write(tmp_path, name, "t [s],angle,current", TIME, np.degrees(ANGLE), 1e3 * CURRENT)
+    for record in _load(tmp_path, MOTOR + BOTH):
+        assert record.rotary and record.units == {"position": "rad", "drive_force": "N*m"}
+        assert np.allclose(record.channels["position"], ANGLE)
+        assert np.allclose(record.channels["drive_force"], -0.113 * CURRENT)
+
+
+def test_a_record_overrides_what_it_names(tmp_path):
+    _write(tmp_path, "a.csv", "t [s],angle,current", TIME, np.degrees(ANGLE), 1e3 * CURRENT)
+    _write(tmp_path, "b.csv", "t [s],angle,spare,i", TIME, ANGLE, TIME, CURRENT)
+    own = 'channels = {position = {unit = "rad"}, drive_force = {column = "i", unit = "A"}}\nsign = {drive_force = 1}\n'
+    record = _load(tmp_path, MOTOR + BOTH + own)[1]
+    assert np.allclose(record.channels["position"], ANGLE)
+    assert np.allclose(record.channels["drive_force"], 0.113 * CURRENT)
+    old = 'columns = {drive_force = "i"}\nunits = {position = "rad", drive_force = "A"}\n'
+    assert np.allclose(_load(tmp_path, MOTOR + BOTH + old)[1].channels["drive_force"], -0.113 * CURRENT)
+
+
+def test_counts_pressures_and_speeds(tmp_path):
+    _write(tmp_path, "a.csv", "time [s],position [counts],velocity [rpm],friction_force [Nm],p [bar]",
+           TIME, 1000.0 * ANGLE, 60.0 * ANGLE, CURRENT, 2.0 + TIME)  # fmt: skip
+    record = _load(
+        tmp_path,
+        '[channels]\nposition = {scale = "1 mrad"}\nnormal_load = {column = "p", scale = "491 mm^2"}\n'
+        '[[record]]\nfile = "a.csv"\nrole = "fit"\n',
+        "velocity-drive",
+    )[0]
+    rows = slice(0, record.size)
+    assert np.allclose(record.channels["position"], ANGLE[rows])
+    assert np.allclose(record.channels["velocity"], 2.0 * np.pi * ANGLE[rows])
+    assert np.allclose(record.channels["friction_force"], CURRENT[rows])
+    assert np.allclose(record.channels["normal_load"], 1e5 * (2.0 + TIME[rows]) * 491e-6)
+
+
+def test_columns_are_added(tmp_path):
+    """A load cell on the rod of a cylinder: friction is its force less pressure times area."""
+    _write(tmp_path, "a.csv", "time [s],position [m],force [N],p [bar]", TIME, ANGLE, 100.0 + CURRENT, 2.0 + 0 * TIME)
+    record = _load(
+        tmp_path,
+        '[channels]\nfriction_force = ["force", {column = "p", scale = "491 mm^2", sign = -1}]\n'
+        '[[record]]\nfile = "a.csv"\nrole = "fit"\n',
+        "velocity-drive",
+    )[0]
+    assert np.allclose(record.channels["friction_force"], 100.0 + CURRENT[: record.size] - 2e5 * 491e-6)
+
+
+def test_the_uncertainty_of_a_scale_is_reported(tmp_path):
+    _write(tmp_path, "a.csv", "time [s],position [rad],current [A]", TIME, ANGLE, CURRENT)
+    record = _load(
+        tmp_path,
+        '[channels]\ndrive_force = {column = "current", scale = "0.113 +- 0.002 N*m/A"}\n'
+        '[[record]]\nfile = "a.csv"\nrole = "fit"\n',
+    )[0]
+    assert any("the scale of 'drive_force' is known to 1.8 %" in note for note in record.notes)
+
+
+def test_names_in_other_letters_are_taken_and_reported(tmp_path):
+    _write(tmp_path, "a.csv", "Time (ms),Position_mm,Friction-Force (N),VELOCITY_mm_per_s",
+           1e3 * TIME, 1e3 * ANGLE, CURRENT, 1e3 * ANGLE)  # fmt: skip
+    record = _load(tmp_path, '[[record]]\nfile = "a.csv"\nrole = "fit"\n', "velocity-drive")[0]
+    assert np.allclose(record.time, TIME[: record.size])
+    assert np.allclose(record.channels["position"], ANGLE[: record.size])
+    assert np.allclose(record.channels["velocity"], ANGLE[: record.size])
+    assert "column 'Position_mm' is taken as 'position'" in record.notes
+
+
+def test_a_window_may_be_relative_to_the_first_row(tmp_path):
+    _write(tmp_path, "a.csv", "time [s],position [m],friction_force [N]", 12.0 + TIME, ANGLE, CURRENT)
+    _write(tmp_path, "b.csv", "time [s],position [m],friction_force [N]", 1554239502.0 + TIME, ANGLE, CURRENT)
+    first, second = _load(
+        tmp_path,
+        '[[record]]\nfile = "a.csv"\nrole = "fit"\nfrom = "+100 ms"\nto = "12.305 s"\n'
+        '[[record]]\nfile = "b.csv"\nrole = "validate"\nfrom = "1554239502.095 s"\nto = "+0.305 s"\n',
+        "velocity-drive",
+    )
+    assert first.time[0] == pytest.approx(12.1) and first.time[-1] == pytest.approx(12.3)
+    assert second.time[0] == pytest.approx(0.1) and second.time[-1] == pytest.approx(0.3)
+    with pytest.raises(InputError, match=r"runs from 0 s to 0.59 s, counted from its first row"):
+        _load(tmp_path, '[[record]]\nfile = "b.csv"\nrole = "fit"\nfrom = "+9 s"\n', "velocity-drive")
+
+
+def test_repeated_times_need_a_setting_unless_the_rows_are_the_same(tmp_path):
+    time = np.repeat(np.round(TIME[::3], 2), 3)
+    _write(tmp_path, "a.csv", "time [s],position [m],friction_force [N]", time, ANGLE, CURRENT)
+    record = '[[record]]\nfile = "a.csv"\nrole = "fit"\n'
+    with pytest.raises(InputError, match=r'row 3, .* \[format\] repeated_time = "first", "mean" or "spread"'):
+        _load(tmp_path, record, "velocity-drive")
+
+    def position(setting: str) -> tuple[np.ndarray, np.ndarray]:
+        parts = _load(tmp_path, f'[format]\nrepeated_time = "{setting}"\n{record}', "velocity-drive")
+        return np.concatenate([p.time for p in parts]), np.concatenate([p.channels["position"] for p in parts])
+
+    for setting, expected in (("first", ANGLE[::3]), ("mean", ANGLE.reshape(-1, 3).mean(axis=1))):
+        found = position(setting)
+        assert np.allclose(found[0], TIME[::3]) and np.allclose(found[1], expected)
+    found = position("spread")
+    assert np.allclose(found[0], TIME) and np.allclose(found[1], ANGLE)
+
+    twice = [np.repeat(values, 2) for values in (TIME, ANGLE, CURRENT)]
+    _write(tmp_path, "a.csv", "time [s],position [m],friction_force [N]", *twice)
+    records = _load(tmp_path, record, "velocity-drive")
+    assert sum(r.size for r in records) == ROWS
+    assert "60 rows with the time of the row before and the same values left out" in records[0].notes
+
+
+def test_jitter_is_reported(tmp_path):
+    time = TIME + 2e-3 * np.sin(np.arange(ROWS))
+    _write(tmp_path, "a.csv", "time [s],position [m],friction_force [N]", time, ANGLE, CURRENT)
+    notes = _load(tmp_path, '[[record]]\nfile = "a.csv"\nrole = "fit"\n', "velocity-drive")[0].notes
+    assert any(note.startswith("rows are unevenly spaced in time: 8.1 ms to 11.9 ms") for note in notes)
+
+
+@pytest.mark.parametrize(
+    "written, unit",
+    [("Nm", "N*m"), ("mNm", "mN*m"), ("sec", "s"), ("m/s2", "m/s^2"), ("m/s²", "m/s²"), ("U/min", "rpm"),
+     ("counts", "count"),
+     ("degrees", "deg"), ("N m", "N*m"), ("kg.m2", "kg*m^2"), ("°", "°"), ("rad/sec", "rad/s"), ("bar", "bar"),
+     ("zone", None), ("", None), ("Nx", None)],
+)  # fmt: skip
+def test_units_as_instruments_write_them(written, unit):
+    assert column_unit(written) == unit

@@ -1,0 +1,127 @@
+"""`stagecad new experiment`: an `experiment.toml` with comments and questions, from the files of a measurement."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from stagecad.parameters.atomic import atomic_write_text
+from stagecad.parameters.errors import InputError
+from sysid.experiment.columns.proposal import ExperimentProposal, Proposal, number_columns, propose
+from sysid.experiment.readers.base import shown_path
+from sysid.experiment.readers.open import RecordFile, open_record_file
+from sysid.experiment.rig_kinds.declaration import find_rig
+
+QUESTION = "QUESTION:"
+"""Mark of a line that the user should look at."""
+
+
+def inspect(files: Sequence[Path], kind: str | None) -> tuple[list[RecordFile], ExperimentProposal]:
+    """The files, and what their first one tells of the experiment.
+
+    Raises:
+        InputError: a file that cannot be read, files with different columns, or an unknown kind of rig.
+    """
+    if kind is not None:
+        find_rig(kind, "--kind")
+    opened = [open_record_file(file, shown_path(str(file))) for file in files]
+    for other in opened[1:]:
+        if other.header.labels != opened[0].header.labels:
+            raise InputError(
+                f"{other.name}: has other columns than {opened[0].name}; make an experiment of each, or give the "
+                "columns of one under [[record]] by hand"
+            )
+    return opened, propose(opened[0], number_columns(opened[0]), kind)
+
+
+def write_experiment(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> Path:
+    """Write `experiment.toml` into `folder`, which is made if it is missing.
+
+    Raises:
+        InputError: there is one already.
+    """
+    target = folder / "experiment.toml"
+    if target.exists():
+        raise InputError(f"{target}: exists already; remove it first, or name another folder")
+    if folder.exists() and not folder.is_dir():
+        raise InputError(f"{folder}: is a file; a folder is wanted")
+    folder.mkdir(parents=True, exist_ok=True)
+    atomic_write_text(target, experiment_text(folder, opened, proposal))
+    return target
+
+
+def questions(proposal: ExperimentProposal) -> list[str]:
+    """What the user should decide, one line each."""
+    asked = [f"rig.kind = '{proposal.kind}': {proposal.question}"] if proposal.question else []
+    for column in proposal.columns:
+        if column.question and column.channel is not None:
+            asked.append(f"column {column.number} '{column.label}': {column.question}")
+    return [*asked, *(f"no column is taken for {name}" for name in _missing(proposal))]
+
+
+def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: ExperimentProposal) -> str:
+    """The text of `experiment.toml`."""
+    rig = find_rig(proposal.kind, "--kind")
+    lines = [
+        f"# Lines with {QUESTION} are guesses. Answer them, and remove the mark.",
+        "schema = 1",
+        "",
+        "[rig]",
+        f'kind = "{proposal.kind}"' + (f"    # {QUESTION} {proposal.question}" if proposal.question else ""),
+        "",
+        "[rig.known]    # what you know of the rig; what is not here is fitted where that is possible",
+    ]
+    for name, known in rig.known.items():
+        if name != ("mass" if proposal.rotary else "inertia"):
+            lines.append(f'# {name} = "1 {known.rotary_unit if proposal.rotary else known.unit}"')
+    lines += ["", "[model]", f"effects = {_effects(proposal.kind)}", ""]
+    remarks = opened[0].header.remarks
+    lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
+    lines.append("[channels]    # for all records")
+    lines += [_channel_line(column, opened[0].header.numbered) for column in proposal.columns if column.channel]
+    for name, unit in _missing(proposal).items():
+        lines.append(f'# {QUESTION} which column is it? {name} = {{column = 1, unit = "{unit}"}}')
+    left = [f"{column.number} '{column.label}'" for column in proposal.columns if column.channel is None]
+    lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
+    for k, file in enumerate(opened):
+        role = "validate" if len(opened) > 1 and k == len(opened) - 1 else "fit"
+        lines += ["", "[[record]]", f'file = "{_relative(file.path, folder)}"', f'role = "{role}"']
+        if role == "validate":
+            lines[-1] += f"    # {QUESTION} is this the record to hold out from the fit?"
+        if k == 0:
+            lines += ['# from = "+2 s"    # from two seconds after the first row', '# to = "+20 s"']
+    lines += ["", "# [noise]    # standard deviation of the noise of a channel, if you know it"]
+    for column in proposal.columns:
+        if column.channel in rig.measured_channels:
+            lines.append(f'# {column.channel} = "1e-3 {rig.declared(column.channel).si_unit(proposal.rotary)}"')
+    return "\n".join(lines) + "\n"
+
+
+def _channel_line(column: Proposal, numbered: bool) -> str:
+    name = str(column.number) if numbered else '"' + column.label.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    entries = [f"column = {name}"]
+    entries += [f'unit = "{column.unit}"'] if column.unit else []
+    entries += [f'scale = "? {column.scale}"'] if column.scale else []
+    value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
+    return f"{column.channel} = {value}" + (f"    # {QUESTION} {column.question}" if column.question else "")
+
+
+def _missing(proposal: ExperimentProposal) -> dict[str, str]:
+    """Channels that the kind of rig needs and no column is taken for, with their units."""
+    rig = find_rig(proposal.kind, "--kind")
+    found = {column.channel for column in proposal.columns}
+    groups = (("time",), *rig.inputs, *rig.measured)
+    return {
+        " or ".join(group): rig.declared(group[0]).si_unit(proposal.rotary)
+        for group in groups
+        if not found & set(group)
+    }
+
+
+def _effects(kind: str) -> str:
+    return "[]" if kind == "actuator-tip" else '["coulomb", "viscous"]'
+
+
+def _relative(path: Path, folder: Path) -> str:
+    return Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
