@@ -99,7 +99,7 @@ def test_the_reader_imports_nothing_from_the_working_folder(tmp_path: Path) -> N
         (tmp_path / f"{module}.py").write_text("open('flag', 'w').close()\n")
     code = (
         "from pathlib import Path; from sysid.experiment.readers.open import open_record_file;"
-        "print(open_record_file(Path('fit.mat'), 'fit.mat').labels)"
+        "print(open_record_file(Path('fit.mat'), 'fit.mat').header.labels)"
     )
     found = isolated.subprocess.run(
         [sys.executable, "-P", "-c", code],
@@ -108,7 +108,7 @@ def test_the_reader_imports_nothing_from_the_working_folder(tmp_path: Path) -> N
         capture_output=True,
         text=True,
     )
-    assert found.stdout == "['time']\n", found.stderr
+    assert found.stdout == "('time',)\n", found.stderr
     assert not (tmp_path / "flag").exists()
 
 
