@@ -285,22 +285,10 @@ def parse_uncertain(text: Any, unit: str = "m", where: str = "") -> tuple[float,
     return to_si(number, written) + offset, None if std is None else to_si(std, written)
 
 
-def parse_any(text: Any, where: str = "") -> tuple[float, float | None, Dimension]:
-    """Read a quantity of whatever dimension, with an optional standard deviation.
-
-    Returns:
-        The value and its standard deviation (or None), both in SI, and the dimension.
-
-    Raises:
-        InputError: no number, or an unknown symbol.
-    """
-    place, shown = _place(where), quoted(text)
-    number, std, written = _split(text, shown, place)
-    try:
-        dimension = unit_dimension(written)
-    except InputError as error:
-        raise InputError(f"{place}{shown}: {error}") from None
-    return to_si(number, written), None if std is None else to_si(std, written), dimension
+def parse_any(text: Any) -> tuple[float, float | None, Dimension]:
+    """Value and standard deviation (or None) of a quantity of any dimension in SI, and its dimension."""
+    number, std, written = _split(text, quoted(text), "")
+    return to_si(number, written), None if std is None else to_si(std, written), unit_dimension(written)
 
 
 def quoted(text: Any) -> str:

@@ -86,7 +86,7 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
     lines += [f"# columns without a channel: {', '.join(left[:30])}"] if left else []
     for k, file in enumerate(opened):
         role = "validate" if len(opened) > 1 and k == len(opened) - 1 else "fit"
-        lines += ["", "[[record]]", f'file = "{_relative(file.path, folder)}"', f'role = "{role}"']
+        lines += ["", "[[record]]", f'file = "{_relative(Path(str(file.path)), folder)}"', f'role = "{role}"']
         if role == "validate":
             lines[-1] += f"    # {QUESTION} is this the record to hold out from the fit?"
         if k == 0:

@@ -140,14 +140,14 @@ def _columns(path: Path, name: str) -> dict[str, Any]:
 
     opened = open_record_file(path, name)
     shown = []
-    for index, label in enumerate(opened.labels):
+    for index, label in enumerate(opened.header.labels):
         try:
-            values = opened.columns([index])[0]
+            values = opened.columns([index])[0].values
             first, rows = [float(v) for v in values[:4]], int(values.size)
         except InputError as error:
             shown.append({"label": label.strip(), "error": str(error)})
             continue
-        shown.append({"label": label.strip(), "unit": opened.units.get(label), "first": first, "rows": rows})
+        shown.append({"label": label.strip(), "unit": opened.header.units.get(label), "first": first, "rows": rows})
     return finite({"columns": shown})
 
 

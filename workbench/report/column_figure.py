@@ -40,7 +40,6 @@ def draw_columns(target: Path, columns: Mapping[int, np.ndarray], proposal: Expe
         panel.set_title(f"{column.number}: {column.label or 'no name'}  →  {taken}{mark}", loc="left", fontsize=9)
     unit = proposal.columns[by_channel["time"]].label if "time" in by_channel else "row"
     axes[-1, 0].set_xlabel(unit if time is None else f"{unit}, from the first row")
-    figure.tight_layout()
     return save_figure(figure, target)
 
 

@@ -87,8 +87,8 @@ def read_record_settings(
     """The settings of one record: `[channels]`, under the record's own `channels`, `columns`, `units` and `sign`."""
     merged = dict(common)
     for channel, own in read_channel_settings(table.table("channels"), kind).items():
-        single = len(own) == 1 and len(merged.get(channel, ())) == 1
-        merged[channel] = (own[0].over(merged[channel][0]),) if single else own
+        before = merged.get(channel, ())
+        merged[channel] = (own[0].over(before[0]),) if len(own) == len(before) == 1 else own
     columns = table.table("columns")
     for channel in columns.data:
         _check_channel(columns.where(), channel, kind)
@@ -106,13 +106,13 @@ def units_by_key(table: TomlTable) -> dict[str, str]:
 
 
 def _put(merged: dict[str, tuple[ColumnSetting, ...]], channel: str, setting: ColumnSetting) -> None:
-    before = merged.get(channel, (ColumnSetting(),))
+    before: tuple[ColumnSetting, ...] = merged.get(channel, (ColumnSetting(),))
     if len(before) > 1:
         raise InputError(
             f"{setting.where}: '{channel}' is the sum of {len(before)} columns in [channels]; write them again under "
             "channels of the record"
         )
-    merged[channel] = (setting.over(before[0]),)
+    merged[channel] = tuple(setting.over(other) for other in before)
 
 
 def _setting(table: TomlTable, channel: str, value: object) -> ColumnSetting:
@@ -159,7 +159,10 @@ def _sign(table: TomlTable, key: str, value: object) -> int:
 
 def _scale(table: TomlTable) -> Scale:
     written = table.data["scale"]
-    value, std, dimension = parse_any(written, table.where("scale"))
+    try:
+        value, std, dimension = parse_any(written)
+    except InputError as error:
+        raise InputError(f"{table.where('scale')}: {error}") from None
     if not math.isfinite(value) or value == 0.0:
         raise InputError(f"{table.where('scale')}: {shown(written)} must be a finite number other than zero")
     if std is not None and not std > 0.0:

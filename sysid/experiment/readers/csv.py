@@ -19,7 +19,7 @@ from stagecad.parameters.errors import InputError
 from sysid.experiment.readers.base import Column, Header, to_numpy
 from sysid.experiment.readers.dialect import Dialect, find_dialect, is_comment, number, split
 from sysid.experiment.readers.format import Format
-from sysid.experiment.readers.text import HEAD, SingleBlanks, encoding_of, is_gzip, lines_of, open_bytes, read_head
+from sysid.experiment.readers.text import SingleBlanks, encoding_of, is_gzip, lines_of, open_bytes, read_head
 from sysid.experiment.readers.time_stamps import seconds
 from sysid.experiment.toml_table import shown
 
@@ -33,7 +33,7 @@ def read_header(path: Path, name: str, settings: Format) -> Header:
     """The labels of a text file; its form is `layout`, a `Dialect`."""
     head, more = read_head(path, name)
     encoding = encoding_of(head, settings, name)
-    text = head.decode(encoding, errors="replace" if encoding == "cp1252" or len(head) == HEAD else "strict")
+    text = head.decode(encoding, errors="replace")
     lines = re.split(r"\r\n|\r|\n", text)
     found = find_dialect(lines, encoding, settings, name, complete=not more)
     if found.header_row and not any(label.strip() for label in found.labels):
@@ -88,8 +88,10 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int]) -> Any:
     try:
         # pyarrow opens a plain file by its name faster.
         plain = dialect.delimiter != " " and not is_gzip(path)
-        with nullcontext(path) if plain else open_bytes(path) as file:
-            source = io.BufferedReader(SingleBlanks(file)) if dialect.delimiter == " " else file
+        with nullcontext() if plain else open_bytes(path) as file:
+            source: Any = file or path
+            if file is not None and dialect.delimiter == " ":
+                source = io.BufferedReader(SingleBlanks(file))
             return arrow.read_csv(
                 source,
                 read_options=arrow.ReadOptions(
@@ -107,7 +109,7 @@ def _arrow_table(path: Path, dialect: Dialect, indices: Sequence[int]) -> Any:
                     check_utf8=False,
                 ),
             )
-    except (pyarrow.ArrowInvalid, UnicodeDecodeError):
+    except (pyarrow.ArrowInvalid, UnicodeError):
         return None
 
 

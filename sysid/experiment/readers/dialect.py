@@ -10,10 +10,10 @@ from __future__ import annotations
 import csv
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from stagecad.parameters.errors import InputError
 from sysid.experiment.columns.units import column_unit
@@ -68,7 +68,7 @@ class Dialect:
     units_row: int
     first_row: int
     width: int
-    stamps: dict[int, Kind]
+    stamps: Mapping[int, str]
     gaps: tuple[str, ...]
     texts: dict[str, str]
     remarks: tuple[str, ...]
@@ -230,7 +230,11 @@ def _layout(
         width=len(labels),
         stamps=by_column,
         gaps=(*GAPS, *settings.missing),
-        texts={labels[k]: rows[first][1][k] for k in range(width) if first < len(rows) and columns[k] == "text"},
+        texts={
+            labels[k]: cell
+            for k, cell in enumerate(rows[first][1] if first < len(rows) else [])
+            if columns[k] == "text" and kind_of_cell(cell, decimal, settings) == "text"
+        },
         remarks=tuple(remarks),
     )
 
@@ -238,7 +242,7 @@ def _layout(
 def _kinds(rows: Sequence[tuple[int, list[str]]], width: int, decimal: str, settings: Format) -> list[Kind]:
     """The commonest kind of the filled cells of each column, in the rows of this width."""
     tail = [cells for _, cells in rows[-ROWS:] if len(cells) == width]
-    kinds: list[Kind] = []
+    kinds: list[Any] = []
     for k in range(width):
         counts = Counter(kind_of_cell(cells[k], decimal, settings) for cells in tail)
         counts.pop("gap", None)

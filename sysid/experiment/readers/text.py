@@ -119,7 +119,7 @@ def lines_of(path: Path, encoding: str, name: str) -> Iterator[str]:
             for line in text:
                 row += 1
                 yield line.rstrip("\n")
-        except UnicodeDecodeError:
+        except UnicodeError:
             raise InputError(
                 f"{name}: near row {row + 1}: a byte is not {encoding.upper()}; name the encoding: "
                 '[format] encoding = "..."'
