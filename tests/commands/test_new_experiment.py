@@ -52,7 +52,7 @@ def test_what_is_uncertain_is_a_question_and_a_missing_scale_stops_the_next_comm
     _write(tmp_path / "log.csv", "t [s],enc [deg],motor current [A],temp2", TIME, np.degrees(ANGLE), FORCE, TIME % 1.0)
     document, text = _new(tmp_path / "rig", tmp_path / "log.csv")
     assert document["kind"] == "force-drive"
-    assert any("how many N*m per A" in question for question in document["questions"])
+    assert any("what is its scale in N*m/A" in question for question in document["questions"])
     assert "QUESTION" in next(line for line in text.splitlines() if line.startswith("position = "))
     tomllib.loads(text)
     capsys.readouterr()

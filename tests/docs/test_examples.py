@@ -45,7 +45,6 @@ def test_records_of_the_own_rig_are_what_their_script_makes(tmp_path: Path) -> N
 
 def test_own_rig_gives_the_friction_of_its_script() -> None:
     found = compare(EXAMPLES / "own_rig")
-    assert found.validate["drive_force"].over_noise < 1.1
     values = found.base.fitted.model.values
     # The script's own numbers.
     assert values["coulomb.force"] == pytest.approx(0.4, rel=0.01)

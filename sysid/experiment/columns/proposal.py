@@ -252,7 +252,7 @@ def _proposal(
     if _fits(unit, declared.unit) or _fits(unit, declared.rotary_unit):
         return Proposal(index + 1, label, channel, written if written is None else unit, None, question)
     scale = next((s for (name, si), s in _SCALES.items() if name == channel and _fits(unit, si)), "?")
-    question = "; ".join(part for part in (question, f"how many {declared.unit} per {unit}?") if part)
+    question = "; ".join(part for part in (question, f"what is its scale in {scale}?") if part)
     return Proposal(index + 1, label, channel, None, scale, question)
 
 

@@ -148,13 +148,14 @@ def test_pneumatic_cylinders(tmp_path):
 
 
 def test_one_piezo(tmp_path):
-    channels = {"time [s]": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0}
+    noise = 1e-3 * np.random.default_rng(1).standard_normal(T.size)
+    channels = {"time [s]": T, "voltage [V]": 100.0 * X, "displacement [um]": 10.0 * X + 3.0 + noise}
     _write(tmp_path, "piezo", {"bias_voltage": "0 V"}, channels)
     path = tmp_path / "experiment.toml"
     path.write_text(path.read_text().replace('["coulomb", "viscous"]', "[]"))
     found = compare(tmp_path)
-    assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6)
-    assert found.validate["tip_y"].rms < 1e-12
+    assert found.base.fitted.model.values["rig.gain"] == pytest.approx(0.1e-6, rel=1e-3)
+    assert found.validate["tip_y"].rms == pytest.approx(1e-9, rel=0.2)
 
 
 OWN = """meaning = "a voice coil against a flexure"
