@@ -12,6 +12,7 @@ from sysid.experiment.columns.proposal import ExperimentProposal, Proposal, numb
 from sysid.experiment.readers.base import shown_path
 from sysid.experiment.readers.open import RecordFile, open_record_file
 from sysid.experiment.rig_kinds.declaration import find_rig
+from sysid.experiment.rigs import ALWAYS_ALLOWED
 
 QUESTION = "QUESTION:"
 """Mark of a line that the user should look at."""
@@ -104,7 +105,10 @@ def _channel_line(column: Proposal, numbered: bool) -> str:
     entries += [f'unit = "{column.unit}"'] if column.unit else []
     entries += [f'scale = "? {column.scale}"'] if column.scale else []
     value = name if len(entries) == 1 else "{" + ", ".join(entries) + "}"
-    return f"{column.channel} = {value}" + (f"    # {QUESTION} {column.question}" if column.question else "")
+    # A load or temperature of unknown unit is left out until the question is answered; no fit needs it.
+    optional = column.channel in ALWAYS_ALLOWED and column.channel != "time"
+    left = "# " if optional and (column.unit == "?" or column.scale) else ""
+    return f"{left}{column.channel} = {value}" + (f"    # {QUESTION} {column.question}" if column.question else "")
 
 
 def _missing(proposal: ExperimentProposal) -> dict[str, str]:
