@@ -15,6 +15,19 @@ const decimals = (step) => { let d = 0; while (d < 8 && Math.abs(step * 10 ** d 
 /** Dashes tell the lines apart where they cover each other, and for readers without colours. */
 export const DASHES = [undefined, [9, 6], [3, 4], [12, 4, 3, 4]];
 
+/** Whether a curve goes up and down so often that dashes would be endless work, and say nothing. */
+export function isDense(values) {
+  let [travelled, low, high] = [0, Infinity, -Infinity];
+  for (let k = 0; k < values.length; k++) {
+    const v = values[k];
+    if (v === null || Number.isNaN(v)) continue;
+    if (k > 0 && values[k - 1] !== null && !Number.isNaN(values[k - 1])) travelled += Math.abs(v - values[k - 1]);
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  return travelled > 30 * (high - low);
+}
+
 /** A tick with the decimals that it needs beside its neighbours. */
 const tick = (value, step) => (value === 0 ? '0' : Math.abs(value) >= 1e5 || step < 1e-5 ? number(value, 3) : value.toFixed(decimals(step)).replace('-', '−'));
 
@@ -198,7 +211,7 @@ export class XyPlot {
     }
     c.strokeStyle = paint;
     c.lineWidth = width;
-    c.setLineDash(dash ?? []);
+    c.setLineDash(dash && !isDense(x) && !isDense(y) ? dash : []);
     c.beginPath();
     let pen = false;
     for (let k = 0; k < x.length; k++) {

@@ -2,7 +2,7 @@
 import { curves, get, jobs, post, result } from './api.js';
 import { h, fill, number, quantity, say, scaleOf, swatch, unitText, words, eachFrame } from './dom.js';
 import { sliderRange, valueText } from './parameters.js';
-import { DASHES, INKS, LinePlot, XyPlot, scaled } from './plot.js';
+import { DASHES, INKS, LinePlot, XyPlot, isDense, scaled } from './plot.js';
 
 const TURN = 2400;
 
@@ -207,6 +207,7 @@ class Simulation {
           const { factor, unit } = scaleOf(peak, unitOf(names[k]));
           plot.plot.axes[1].label = `${words(names[k].split(' [')[0])} (${unit})`;
           plot.options.yFactor = factor;
+          joined.slice(1).forEach((y, i) => { plot.plot.series[i + 1].dash = isDense(y) ? undefined : DASHES[i % 4]; });
           plot.set([joined[0], ...joined.slice(1).map((y) => scaled(y, factor))], range);
         }));
       } catch (error) { say(error.message, 'bad'); }
