@@ -27,7 +27,6 @@ from sysid.estimation.reference_fit import ReferenceFit, fit_stated_model
 from sysid.estimation.variant_selection import without_effect
 from sysid.experiment.experiment import DesignValues
 from sysid.experiment.history import read_history
-from sysid.prediction.force_balance.record import ForceBalanceRecord
 from sysid.prediction.model import Model, PreparedRecord, public_name
 from sysid.prediction.problem import Problem, load_problem
 
@@ -161,10 +160,7 @@ def _added(problem: Problem) -> list[str]:
 def _noise_level(search: ModelSearch, added: Sequence[str]) -> NoiseLevel:
     """What is known of the noise level, and of the form error of the effects added."""
     problem, base = search.problem, search.base
-    record = problem.fit_records[0]
-    # The noise of an inertia follows from that of the position by its spectrum, which is estimated in any case.
-    stated = not (isinstance(record, ForceBalanceRecord) and record.acceleration is not None)
-    given = stated and all(problem.noise[c].source == "given" for c in record.measured if c in problem.noise)
+    given = all(problem.noise[c].source == "given" for c in problem.fit_records[0].measured if c in problem.noise)
     richest = min((c.held_out.loss for c in (*search.ranked, *search.curves)), default=1.0)
     held = _contributions(base.fitted, added, problem.validate_records, base.weights)
     fit = _contributions(base.fitted, added, problem.fit_records, base.fitted.weights)
