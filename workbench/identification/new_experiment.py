@@ -75,7 +75,8 @@ def experiment_text(folder: Path, opened: Sequence[RecordFile], proposal: Experi
     ]
     for name, known in rig.known.items():
         if name != ("mass" if proposal.rotary else "inertia"):
-            lines.append(f'# {name} = "1 {known.rotary_unit if proposal.rotary else known.unit}"')
+            unit = known.rotary_unit if proposal.rotary else known.unit
+            lines.append(f'# {name} = "1 {unit}"' if unit else f'# {name} = "1"')
     lines += ["", "[model]", f"effects = {_effects(proposal.kind)}", ""]
     remarks = opened[0].header.remarks
     lines += [f"# The files are read as: {', '.join(remarks)}. [format] says otherwise.", ""] if remarks else []
